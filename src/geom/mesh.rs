@@ -1,0 +1,40 @@
+//! Meshes: triangles with what is needed to shade them.
+
+use crate::math::{Aabb, Vec2, Vec3, Vec4};
+
+/// A list of triangles over shared vertices, in the space of its own.
+///
+/// Loaders check that every index is below the number of positions, that positions are finite and
+/// that each attribute is absent (empty) or as long as `positions`.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// What the file calls it; for messages.
+    pub name: String,
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// Unit vertex normals; empty: flat shading.
+    pub normals: Vec<Vec3>,
+    /// Unit tangents, `w` the sign of the bitangent; empty: from the texture coordinates.
+    pub tangents: Vec<Vec4>,
+    /// Two sets of texture coordinates, each possibly empty.
+    pub uvs: [Vec<Vec2>; 2],
+    /// Three vertices a triangle, counter-clockwise seen from the front.
+    pub indices: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// The box of all positions that a triangle uses.
+    pub fn bounds(&self) -> Aabb {
+        let corners = self.indices.iter().flatten();
+        Aabb::of_points(corners.map(|&i| self.positions[i as usize]))
+    }
+
+    /// Bytes on the heap.
+    pub fn heap_bytes(&self) -> usize {
+        size_of_val(&*self.positions)
+            + size_of_val(&*self.normals)
+            + size_of_val(&*self.tangents)
+            + self.uvs.iter().map(|set| size_of_val(&**set)).sum::<usize>()
+            + size_of_val(&*self.indices)
+    }
+}

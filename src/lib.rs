@@ -1,0 +1,32 @@
+//! An offline Monte Carlo path tracer, and a grove of ray-shooting structures behind one trait.
+//!
+//! The layers, each of which uses only those below it (`tests/architecture.rs` holds this):
+//!
+//! | floor | modules |
+//! |---|---|
+//! | 6 | `cli` |
+//! | 5 | [`render`], [`bench`] |
+//! | 4 | [`integrator`] |
+//! | 3 | [`scene`] |
+//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`film`] |
+//! | 1 | [`geom`], [`sampling`] |
+//! | 0 | [`math`], [`simd`] |
+//!
+//! A picture is a function of the scene, the settings and the version alone: the acceleration
+//! structure, the number of threads and the instruction set change the time that it takes and not
+//! one bit of it. Why that holds is told in [`accel`].
+
+pub mod accel;
+pub mod bench;
+pub mod camera;
+pub mod cli;
+pub mod film;
+pub mod geom;
+pub mod integrator;
+pub mod light;
+pub mod material;
+pub mod math;
+pub mod render;
+pub mod sampling;
+pub mod scene;
+pub mod simd;

@@ -1,0 +1,12 @@
+//! Vectors, boxes, rays, frames and the newtypes of indices.
+
+mod aabb;
+mod frame;
+mod index;
+mod ray;
+
+pub use aabb::Aabb;
+pub use frame::Frame;
+pub use glam::{Affine3A, DVec3, Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
+pub use index::{InstanceId, MaterialId, MeshId, NodeId, TextureId, TriangleId};
+pub use ray::Ray;

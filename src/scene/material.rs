@@ -1,0 +1,140 @@
+//! Materials as files describe them: factors and textures.
+
+use crate::math::{TextureId, Vec3, Vec4};
+
+/// A texture as a material uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// The texture.
+    pub texture: TextureId,
+    /// Which of the mesh's two sets of coordinates.
+    pub uv_set: u8,
+    /// Applied to the coordinates before the look-up: `uv * scale + offset`.
+    pub scale: crate::math::Vec2,
+    /// See `scale`.
+    pub offset: crate::math::Vec2,
+}
+
+/// What happens where a surface is not wholly opaque (glTF 2.0, 3.9.4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    Opaque,
+    /// There where alpha is at least the cutoff, else a hole.
+    Mask(f32),
+    /// There with probability alpha.
+    Blend,
+}
+
+/// The inside of a closed solid (KHR_materials_volume).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// What is left of white light after `attenuation_distance`.
+    pub attenuation_color: Vec3,
+    /// Metres; infinity: nothing is absorbed.
+    pub attenuation_distance: f32,
+}
+
+/// glTF's metallic-roughness material with the extensions that are honoured. Fields are named as
+/// the specification names them; a factor multiplies its texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// What the file calls it; for messages.
+    pub name: String,
+    /// Linear colour and alpha.
+    pub base_color: Vec4,
+    /// sRGB colour and linear alpha.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// The root of the microfacet distribution's alpha.
+    pub roughness: f32,
+    /// Roughness in G, metalness in B.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals.
+    pub normal_texture: Option<TextureRef>,
+    /// Multiplies x and y of the normal texture.
+    pub normal_scale: f32,
+    /// A scalar height map instead (OBJ's bump maps), in units of `normal_scale`.
+    pub bump_texture: Option<TextureRef>,
+    /// Emitted radiance, the strength of KHR_materials_emissive_strength included.
+    pub emissive: Vec3,
+    /// sRGB colour.
+    pub emissive_texture: Option<TextureRef>,
+    /// What alpha does.
+    pub alpha_mode: AlphaMode,
+    /// A separate texture for alpha (OBJ's `map_d`), in its red channel.
+    pub alpha_texture: Option<TextureRef>,
+    /// Whether it emits from its back too.
+    pub double_sided: bool,
+    /// Index of refraction.
+    pub ior: f32,
+    /// Strength of the dielectric's reflection.
+    pub specular: f32,
+    /// In its alpha channel.
+    pub specular_texture: Option<TextureRef>,
+    /// Tint of the dielectric's reflection at normal incidence.
+    pub specular_color: Vec3,
+    /// sRGB colour.
+    pub specular_color_texture: Option<TextureRef>,
+    /// Share of the light that is not reflected that goes through instead of scattering below.
+    pub transmission: f32,
+    /// In its red channel.
+    pub transmission_texture: Option<TextureRef>,
+    /// Present: the surface bounds a solid; absent: it is infinitely thin.
+    pub volume: Option<Volume>,
+}
+
+impl Default for Material {
+    /// glTF's default material: white, rough metal.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            bump_texture: None,
+            emissive: Vec3::ZERO,
+            emissive_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            alpha_texture: None,
+            double_sided: false,
+            ior: 1.5,
+            specular: 1.0,
+            specular_texture: None,
+            specular_color: Vec3::ONE,
+            specular_color_texture: None,
+            transmission: 0.0,
+            transmission_texture: None,
+            volume: None,
+        }
+    }
+}
+
+impl Material {
+    /// Whether any point of it may emit.
+    pub fn is_emissive(&self) -> bool {
+        self.emissive.max_element() > 0.0
+    }
+
+    /// Whether every hit counts, so that the alpha filter need not look.
+    pub fn is_opaque(&self) -> bool {
+        match self.alpha_mode {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask(cutoff) => {
+                self.base_color_texture.is_none()
+                    && self.alpha_texture.is_none()
+                    && self.base_color.w >= cutoff
+            }
+            AlphaMode::Blend => {
+                self.base_color_texture.is_none()
+                    && self.alpha_texture.is_none()
+                    && self.base_color.w >= 1.0
+            }
+        }
+    }
+}

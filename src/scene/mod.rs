@@ -1,0 +1,46 @@
+//! Scenes: meshes placed by instances, materials with textures, lights and cameras.
+
+mod instance;
+mod material;
+mod triangles;
+
+use std::sync::Arc;
+
+pub use instance::{Instance, Transform};
+pub use material::{AlphaMode, Material, TextureRef, Volume};
+pub use triangles::Triangles;
+
+use crate::geom::Mesh;
+
+/// A camera and what the file calls it.
+#[derive(Clone, Debug)]
+pub struct NamedCamera {
+    /// The file's name for it, or empty.
+    pub name: String,
+    /// Width over height that the file asks for.
+    pub aspect: Option<f32>,
+}
+
+/// Something that the file asks for and that is not honoured, or that looks like a mistake.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// File and place in it: a line, or a JSON pointer.
+    pub place: String,
+    /// What is the matter.
+    pub message: String,
+}
+
+/// Everything that a picture is made of.
+#[derive(Debug, Default)]
+pub struct Scene {
+    /// Unique meshes.
+    pub meshes: Vec<Arc<Mesh>>,
+    /// Placed meshes; flat triangle ids count through them in this order.
+    pub instances: Vec<Instance>,
+    /// Materials; instances refer to them.
+    pub materials: Vec<Material>,
+    /// Cameras in the file's order.
+    pub cameras: Vec<NamedCamera>,
+    /// What could not be honoured.
+    pub notices: Vec<Notice>,
+}

@@ -1,0 +1,82 @@
+//! The instruction sets: the only place that names them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use fearless_simd::Level;
+
+/// An instruction set to compute with; never changes a result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Isa {
+    /// The best that the CPU has.
+    #[default]
+    Auto,
+    /// No vector instructions beyond what the compiler makes of plain code.
+    Portable,
+    /// 128 bits.
+    Sse2,
+    /// 128 bits.
+    Sse42,
+    /// 256 bits.
+    Avx2,
+    /// 512 bits.
+    Avx512,
+}
+
+impl Isa {
+    /// All, in the order of `--isa`'s help.
+    pub const ALL: [Self; 6] =
+        [Self::Auto, Self::Portable, Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512];
+
+    /// As `--isa` spells it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Portable => "portable",
+            Self::Sse2 => "sse2",
+            Self::Sse42 => "sse4.2",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// The token that unlocks its instructions; `None` if this CPU lacks them.
+    pub fn level(self) -> Option<Level> {
+        let best = Level::new();
+        match self {
+            Self::Auto => Some(best),
+            Self::Portable => Some(Level::fallback()),
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2 => best.as_sse2().map(Level::Sse2),
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse42 => best.as_sse4_2().map(Level::Sse4_2),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => best.as_avx2().map(Level::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => best.as_avx512().map(Level::Avx512),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => None,
+        }
+    }
+
+    /// Those that this CPU has, `Auto` aside.
+    pub fn available() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().skip(1).filter(|isa| isa.level().is_some())
+    }
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Isa {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|isa| isa.name() == s).ok_or_else(|| {
+            format!("unknown instruction set '{s}', have {}", Self::ALL.map(Self::name).join(", "))
+        })
+    }
+}
