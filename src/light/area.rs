@@ -1,7 +1,7 @@
 //! Triangles that emit.
 
 use crate::geom::Triangle;
-use crate::math::Vec3;
+use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
 /// A point on a triangle, chosen uniformly by area.
@@ -10,7 +10,7 @@ pub struct TriangleSample {
     /// The point.
     pub point: Vec3,
     /// Barycentric weights of the corners b and c.
-    pub uv: (f32, f32),
+    pub uv: Vec2,
     /// Unit normal of the front; zero for a triangle without area.
     pub normal: Vec3,
     /// The triangle's area, square metres; the density is one over it.
@@ -19,14 +19,13 @@ pub struct TriangleSample {
 
 /// Chooses a point on `triangle` from a uniform `u` in the unit square.
 #[inline]
-pub fn sample_triangle(triangle: &Triangle, u: crate::math::Vec2) -> TriangleSample {
-    let barycentrics = warp::uniform_triangle(u);
-    let (u, v) = (barycentrics.x, barycentrics.y);
+pub fn sample_triangle(triangle: &Triangle, u: Vec2) -> TriangleSample {
+    let uv = warp::triangle(u);
     let double_area = triangle.double_area();
     let length = double_area.length();
     TriangleSample {
-        point: triangle.a * (1.0 - u - v) + triangle.b * u + triangle.c * v,
-        uv: (u, v),
+        point: triangle.a * (1.0 - uv.x - uv.y) + triangle.b * uv.x + triangle.c * uv.y,
+        uv,
         normal: if length > 0.0 { double_area / length } else { Vec3::ZERO },
         area: 0.5 * length,
     }
@@ -43,7 +42,6 @@ pub fn area_to_solid_angle(area: f32, distance2: f32, cosine: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec2;
 
     #[test]
     fn samples_lie_on_the_triangle() {

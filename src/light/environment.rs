@@ -55,6 +55,9 @@ impl Environment {
     /// An image of linear radiance, rows from the top, times `scale`, turned about +Y by
     /// `rotate_degrees` (counter-clockwise seen from above: at 90 the centre looks towards -X).
     ///
+    /// Negative and infinite values and NaN do not disturb the choice of directions; they arrive
+    /// in the picture as they are.
+    ///
     /// # Panics
     /// If `pixels` is not `width * height` long, or empty.
     pub fn image(
@@ -76,7 +79,8 @@ impl Environment {
         let image = Image {
             width,
             height,
-            distribution: Distribution2d::new(width, height, &weights),
+            distribution: Distribution2d::new(width, height, &weights)
+                .expect("weights are finite and not all zero"),
             pixels,
             rotation: (libm::cosf(radians), libm::sinf(radians)),
         };
@@ -114,7 +118,7 @@ impl Environment {
     pub fn sample(&self, u: Vec2) -> Option<EnvironmentSample> {
         match &self.source {
             Source::Constant(radiance) => Some(EnvironmentSample {
-                direction: warp::uniform_sphere(u),
+                direction: warp::sphere(u),
                 radiance: *radiance,
                 pdf: 0.25 * FRAC_1_PI,
             }),
@@ -193,7 +197,8 @@ fn importance(width: usize, height: usize, pixels: &[[f32; 3]], sines: &[f32]) -
     let brightness: Vec<f32> = pixels
         .iter()
         .map(|&[r, g, b]| (r.max(0.0) + g.max(0.0) + b.max(0.0)) / 3.0)
-        .map(|value| if value.is_finite() { value } else { 0.0 })
+        // NaN counts as nothing, infinity as much as leaves room to add.
+        .map(|value| value.max(0.0).min(f32::MAX / 64.0))
         .collect();
     let mean_of = |before: f32, here: f32, after: f32| 0.125 * (before + 6.0 * here + after);
     let mut sideways = vec![0.0; brightness.len()];
@@ -248,18 +253,20 @@ mod tests {
     #[test]
     fn samples_agree_with_look_ups_and_integrate_to_the_mean() {
         let environment = image(37.0);
-        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        let (mut sum, mut count, mut agreeing) = (Vec3::ZERO, 0.0, 0);
         for i in 0..128 {
             for j in 0..128 {
                 let u = Vec2::new((i as f32 + 0.5) / 128.0, (j as f32 + 0.5) / 128.0);
                 let sample = environment.sample(u).expect("no pole");
                 let (radiance, pdf) = environment.radiance_and_pdf(sample.direction);
-                assert!((pdf / sample.pdf - 1.0).abs() < 0.02 || i % 8 == 0, "{pdf} {sample:?}");
-                assert!(radiance.distance(sample.radiance) < 0.02 * (1.0 + radiance.length()));
+                // On the border of two texels, rounding may find the other one's density.
+                agreeing += i32::from((pdf / sample.pdf - 1.0).abs() < 1e-3);
+                assert!(radiance.distance(sample.radiance) < 0.01 * (1.0 + radiance.length()));
                 sum += sample.radiance / sample.pdf;
                 count += 1.0;
             }
         }
+        assert!(agreeing > 16200, "{agreeing} of 16384");
         // The integral of the radiance, by importance, against that of the texels.
         let mean = sum / count / (4.0 * PI);
         assert!(mean.distance(environment.mean()) < 0.02 * mean.length(), "{mean}");

@@ -3,8 +3,8 @@
 use super::world::look_up;
 use super::{Material, TextureRef, World};
 use crate::accel::ClosestHit;
-use crate::geom::{Mesh, Triangle, TriangleSource};
-use crate::math::{Frame, MaterialId, Ray, TriangleId, Vec2, Vec3, Vec4};
+use crate::geom::{Mesh, Triangle};
+use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, TriangleId, Vec2, Vec3, Vec4};
 
 /// Bounds the relative error of seven roundings in a row: `n u / (1 - n u)` with n = 7 and
 /// u = 2^-24 (Higham).
@@ -28,6 +28,12 @@ pub struct Surface {
     pub frame: Frame,
     /// Both sets of texture coordinates; zero where the mesh has none or no texture asks.
     pub uv: [Vec2; 2],
+    /// The placed mesh that it belongs to.
+    pub instance: InstanceId,
+    /// The triangle's number in the mesh.
+    pub triangle: usize,
+    /// The triangle's area, square metres.
+    pub area: f32,
     /// What it is made of.
     pub material: MaterialId,
     /// Whether the ray arrived at the side that the geometric normal points to.
@@ -85,8 +91,8 @@ impl Interpolation {
 impl World {
     /// The surface that `ray` has hit.
     pub fn surface(&self, ray: &Ray, hit: &ClosestHit) -> Surface {
-        let (instance, index) = self.triangles.locate(hit.triangle);
-        let instance = &self.scene.instances[instance.index()];
+        let (id, index) = self.triangles.locate(hit.triangle);
+        let instance = &self.scene.instances[id.index()];
         let mesh = &*self.scene.meshes[instance.mesh.index()];
         let transform = &instance.transform;
         let point = Interpolation::new(mesh, index, transform.mirrored, hit.u, hit.v);
@@ -94,7 +100,7 @@ impl World {
         let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
         let triangle = Triangle { a, b, c };
         let (position, position_error) = triangle_point(&triangle, hit.u, hit.v);
-        let normal = unit_normal(&triangle);
+        let (normal, area) = normal_and_area(&triangle);
 
         let resolved = &self.materials[instance.material.index()];
         let uv = if resolved.textured { point.uv(mesh) } else { [Vec2::ZERO; 2] };
@@ -132,9 +138,18 @@ impl World {
         let towards_viewer = -ray.direction();
         let front = normal.dot(towards_viewer) > 0.0;
         let shading = visible(shading, towards_viewer, front);
-        let frame = Frame::from_normal(shading);
-        let material = instance.material;
-        Surface { position, position_error, normal, frame, uv, material, front }
+        Surface {
+            position,
+            position_error,
+            normal,
+            frame: Frame::from_normal(shading),
+            uv,
+            instance: id,
+            triangle: index,
+            area,
+            material: instance.material,
+            front,
+        }
     }
 
     /// Texture coordinates and material of a point of a triangle.
@@ -176,9 +191,9 @@ impl World {
         along_u: Vec3,
         along_v: Vec3,
     ) -> Vec3 {
-        let (width, height) = self.scene.textures[texture.texture.index()].size();
+        let [width, height] = self.scene.textures[texture.texture.index()].size();
         let step = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
-        let here = uv[usize::from(texture.uv_set.min(1))] * texture.scale + texture.offset;
+        let here = texture.transform(uv[usize::from(texture.uv_set.min(1))]);
         let map = &self.scene.textures[texture.texture.index()];
         let at = |x: f32, y: f32| map.sample(here + Vec2::new(x, y)).x * material.normal_scale;
         let by_u = (at(step.x, 0.0) - at(-step.x, 0.0)) / (2.0 * step.x);
@@ -218,17 +233,20 @@ pub(super) fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, towards: Vec
     Vec3::new(outward(moved.x, side.x), outward(moved.y, side.y), outward(moved.z, side.z))
 }
 
-/// The unit normal of a triangle's front.
+/// The unit normal of a triangle's front, and its area.
 #[inline]
-pub(super) fn unit_normal(triangle: &Triangle) -> Vec3 {
+fn normal_and_area(triangle: &Triangle) -> (Vec3, f32) {
     let double_area = triangle.double_area();
     let length2 = double_area.length_squared();
     if length2 > 1e-30 && length2 < 1e30 {
-        return double_area / length2.sqrt();
+        let length = length2.sqrt();
+        return (double_area / length, 0.5 * length);
     }
     // Tiny or huge: the squares need a wider range.
     let (a, b, c) = (triangle.a.as_dvec3(), triangle.b.as_dvec3(), triangle.c.as_dvec3());
-    (b - a).cross(c - a).normalize_or(crate::math::DVec3::Z).as_vec3()
+    let double_area = (b - a).cross(c - a);
+    let normal = double_area.normalize_or(DVec3::Z).as_vec3();
+    (normal, (0.5 * double_area.length()) as f32)
 }
 
 /// `normal`, or its mirror image by the surface, so that it is on the side of `geometric`.
@@ -262,7 +280,7 @@ fn uv_slopes(
     if uvs.is_empty() {
         return None;
     }
-    let [a, b, c] = point.corners.map(|i| uvs[i] * texture.scale);
+    let [a, b, c] = point.corners.map(|i| texture.transform(uvs[i]));
     let (ab, ac) = (b - a, c - a);
     let determinant = ab.x * ac.y - ab.y * ac.x;
     let (edge_b, edge_c) = (triangle.b - triangle.a, triangle.c - triangle.a);
@@ -283,11 +301,6 @@ fn tangents_of_uv(
     let (along_u, along_v) = uv_slopes(triangle, point, mesh, texture)?;
     let sign = if normal.dot(along_u.cross(along_v)) > 0.0 { -1.0 } else { 1.0 };
     Some((along_u, sign))
-}
-
-/// The world-space triangle of an id and a point on it.
-pub(super) fn world_triangle(source: &impl TriangleSource, id: TriangleId) -> Triangle {
-    source.triangle(id)
 }
 
 #[cfg(test)]
@@ -312,7 +325,9 @@ mod tests {
         for scale in [1e-18, 1e-4, 1.0, 1e4, 1e15] {
             let corners = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p * scale);
             let [a, b, c] = corners;
-            assert_eq!(unit_normal(&Triangle { a, b, c }), Vec3::Z);
+            let (normal, area) = normal_and_area(&Triangle { a, b, c });
+            assert_eq!(normal, Vec3::Z);
+            assert!((area / (0.5 * scale * scale) - 1.0).abs() < 1e-5 || scale == 1e-18, "{area}");
         }
     }
 

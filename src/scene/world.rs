@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Lights, Material, Scene, Texture, TextureRef, Triangles, Volume};
+use super::{Lights, Material, Scene, TextureRef, Triangles, Volume};
 use crate::material::{Bsdf, BsdfForm, SurfaceParams};
 use crate::math::{Aabb, MaterialId, Vec2, Vec3, Vec4};
 
@@ -117,9 +117,8 @@ impl Resolved {
 
 /// Looks a texture up where a material asks for it.
 pub(super) fn look_up(scene: &Scene, texture: &TextureRef, uv: &[Vec2; 2]) -> Vec4 {
-    let uv = uv[usize::from(texture.uv_set.min(1))] * texture.scale + texture.offset;
-    let texture: &Texture = &scene.textures[texture.texture.index()];
-    texture.sample(uv)
+    let uv = texture.transform(uv[usize::from(texture.uv_set.min(1))]);
+    scene.textures[texture.texture.index()].sample(uv)
 }
 
 /// What a material emits at texture coordinates `uv`.
