@@ -1,24 +1,33 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
+mod alpha;
 mod error;
 mod instance;
+mod lights;
 mod load;
 mod material;
+mod surface;
 mod texture;
 mod texture_image;
 mod triangles;
+mod world;
 
 use std::sync::Arc;
 
+pub use alpha::AlphaFilter;
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
+pub use lights::{LightSample, Lights};
 pub use load::{LoadOptions, MissingTexture, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
+pub use surface::Surface;
 pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
 pub use texture_image::{Image, ImageError, Texels};
 pub use triangles::Triangles;
+pub use world::World;
 
 use crate::geom::Mesh;
+use crate::light::{Environment, Punctual};
 
 /// A camera and what the file calls it.
 #[derive(Clone, Debug)]
@@ -49,6 +58,10 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Textures; materials refer to them.
     pub textures: Vec<Texture>,
+    /// Lights without extent.
+    pub lights: Vec<Punctual>,
+    /// What shines from infinitely far away.
+    pub environment: Option<Environment>,
     /// Cameras in the file's order.
     pub cameras: Vec<NamedCamera>,
     /// What could not be honoured.

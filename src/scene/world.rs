@@ -75,10 +75,17 @@ impl World {
         emission(&self.scene, self.material(id), uv)
     }
 
+    /// Whether the inside of a material takes away light.
+    #[inline]
+    pub fn absorbs(&self, id: MaterialId) -> bool {
+        self.materials[id.index()].absorption.is_some()
+    }
+
     /// What is left of white light after `distance` metres inside of a material; one where it
-    /// absorbs nothing.
+    /// absorbs nothing, and for [`MaterialId::NONE`].
     pub fn transmittance(&self, id: MaterialId, distance: f32) -> Vec3 {
-        let Some(volume) = self.materials[id.index()].absorption else { return Vec3::ONE };
+        let absorption = self.materials.get(id.index()).and_then(|material| material.absorption);
+        let Some(volume) = absorption else { return Vec3::ONE };
         let thickness = distance / volume.attenuation_distance;
         let [r, g, b] = volume.attenuation_color.to_array();
         Vec3::new(libm::powf(r, thickness), libm::powf(g, thickness), libm::powf(b, thickness))
