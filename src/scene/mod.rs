@@ -2,6 +2,7 @@
 
 mod instance;
 mod material;
+pub mod npy;
 mod triangles;
 
 use std::sync::Arc;
