@@ -139,7 +139,7 @@ struct Literal<'a>(&'a str);
 impl<'a> Literal<'a> {
     /// A few characters of it, for messages.
     fn start(&self) -> String {
-        self.0.chars().take(20).collect()
+        self.0.trim_start().chars().take(20).collect()
     }
 
     fn takes(&mut self, token: char) -> bool {
