@@ -78,6 +78,7 @@ pub fn render(
     let start = Instant::now();
     let tiles: Vec<Mutex<Tile>> = cut(settings.crop).into_iter().map(Mutex::new).collect();
     let passes = passes(settings.spp);
+    let camera = camera.rays(settings.aspect());
     let total = settings.crop.area() as u64 * settings.spp;
     let (next_job, done) = (AtomicUsize::new(0), AtomicU64::new(0));
     let rays = Mutex::new(RayCounts::default());
@@ -92,7 +93,7 @@ pub fn render(
             while tile.next < end && !control.cancel.load(Ordering::Relaxed) {
                 let block_end = (tile.next + BLOCK).min(end);
                 let samples = (block_end - tile.next) * tile.pixels.len() as u64;
-                tile.advance(&mut stream, camera, settings, block_end);
+                tile.advance(&mut stream, &camera, settings, block_end);
                 done.fetch_add(samples, Ordering::Relaxed);
             }
         }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::camera::Camera;
+use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
 use crate::integrator::{Path, Transport};
 use crate::math::{Ray, Vec2};
@@ -90,10 +90,15 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Width over height of the whole frame.
+    pub fn aspect(&self) -> f32 {
+        self.resolution.0 as f32 / self.resolution.1 as f32
+    }
+
     /// Starts the path of one sample of the pixel at column `x`, row `y` of the frame.
     pub(super) fn start(
         &self,
-        camera: &Camera,
+        camera: &CameraRays,
         x: u32,
         y: u32,
         sample: u64,
@@ -105,7 +110,7 @@ impl Settings {
         let offset = self.filter.sample(sampler.next_2d());
         let lens = sampler.next_2d();
         let place = Vec2::new(x as f32, y as f32) + 0.5 + offset;
-        let ray = camera.ray(place / Vec2::new(width, height), width / height, lens);
+        let ray = camera.ray(place / Vec2::new(width, height), lens);
         (ray, Path::new(sampler, key(pixel, sample, self.seed), slot))
     }
 }

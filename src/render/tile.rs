@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use super::stream::Stream;
-use crate::camera::Camera;
+use crate::camera::CameraRays;
 use crate::integrator::FirstHit;
 use crate::math::Vec3;
 use crate::sampling::BlockSums;
@@ -87,7 +87,7 @@ impl Tile {
     pub fn advance(
         &mut self,
         stream: &mut Stream<'_>,
-        camera: &Camera,
+        camera: &CameraRays,
         settings: &Settings,
         end: u64,
     ) {

@@ -6,6 +6,7 @@ mod instance;
 mod lights;
 mod load;
 mod material;
+pub mod npy;
 mod surface;
 mod texture;
 mod texture_image;
