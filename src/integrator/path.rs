@@ -240,13 +240,12 @@ impl<'w> PathTracer<'w> {
     /// The solid that lies beyond a surface on the side of a direction.
     #[inline]
     fn medium_beyond(&self, medium: MaterialId, surface: &Surface, passes: Passes) -> MaterialId {
-        match passes {
-            Passes::Reflected => medium,
-            Passes::Into if self.world.absorbs(surface.material) => surface.material,
-            Passes::Into if self.world.material(surface.material).volume.is_none() => medium,
-            Passes::Into => MaterialId::NONE,
-            Passes::OutOf if self.world.material(surface.material).volume.is_none() => medium,
-            Passes::OutOf => MaterialId::NONE,
+        if passes == Passes::Reflected || self.world.material(surface.material).volume.is_none() {
+            medium
+        } else if passes == Passes::Into && self.world.absorbs(surface.material) {
+            surface.material
+        } else {
+            MaterialId::NONE
         }
     }
 
@@ -306,9 +305,5 @@ fn passes(surface: &Surface, direction: Vec3, local: Vec3) -> Option<Passes> {
 
 /// Metres from a ray's origin to its end.
 fn length(ray: &Ray) -> f32 {
-    if ray.t_max() < f32::INFINITY {
-        ray.direction().length() * ray.t_max()
-    } else {
-        f32::INFINITY
-    }
+    if ray.t_max() < f32::INFINITY { ray.direction().length() * ray.t_max() } else { f32::INFINITY }
 }

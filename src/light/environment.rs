@@ -108,7 +108,7 @@ impl Environment {
             Source::Constant(radiance) => (*radiance, 0.25 * FRAC_1_PI),
             Source::Image(image) => {
                 let (uv, sine) = image.locate(direction);
-                (image.look_up(uv), image.solid_angle_pdf(image.distribution.pdf(uv), sine))
+                (image.look_up(uv), solid_angle_pdf(image.distribution.pdf(uv), sine))
             }
         }
     }
@@ -125,7 +125,7 @@ impl Environment {
             Source::Image(image) => {
                 let (uv, density) = image.distribution.sample(u);
                 let (direction, sine) = image.direction(uv);
-                let pdf = image.solid_angle_pdf(density, sine);
+                let pdf = solid_angle_pdf(density, sine);
                 (pdf > 0.0).then(|| EnvironmentSample {
                     direction,
                     radiance: image.look_up(uv),
@@ -140,8 +140,7 @@ impl Image {
     /// Where a direction lies in the unit square of the image, and the sine of its polar angle.
     fn locate(&self, direction: Vec3) -> (Vec2, f32) {
         let (cos, sin) = self.rotation;
-        let (x, z) =
-            (direction.x * cos - direction.z * sin, direction.x * sin + direction.z * cos);
+        let (x, z) = (direction.x * cos - direction.z * sin, direction.x * sin + direction.z * cos);
         let sine = (x * x + z * z).sqrt();
         let u = 0.5 + libm::atan2f(x, -z) * (0.5 * FRAC_1_PI);
         let v = libm::atan2f(sine, direction.y) * FRAC_1_PI;
@@ -155,12 +154,6 @@ impl Image {
         let (x, z) = (sine * s, -sine * c);
         let (cos, sin) = self.rotation;
         (Vec3::new(x * cos + z * sin, cosine, z * cos - x * sin), sine)
-    }
-
-    /// From a density over the unit square to one over solid angle: the square maps to
-    /// 2 pi by pi, and that to the sphere with the sine of the polar angle.
-    fn solid_angle_pdf(&self, density: f32, sine: f32) -> f32 {
-        if sine > 0.0 { density / (2.0 * PI * PI * sine) } else { 0.0 }
     }
 
     /// Bilinear between the centres of texels; repeats sideways, ends at the poles.
@@ -178,12 +171,19 @@ impl Image {
     }
 }
 
+/// From a density over the unit square to one over solid angle: the square maps to 2 pi by pi, and
+/// that to the sphere with the sine of the polar angle.
+fn solid_angle_pdf(density: f32, sine: f32) -> f32 {
+    if sine > 0.0 { density / (2.0 * PI * PI * sine) } else { 0.0 }
+}
+
 /// Mean radiance over the sphere; rows count by the sine of their polar angle.
 fn spherical_mean(width: usize, pixels: &[[f32; 3]], sines: &[f32]) -> Vec3 {
     let (mut sum, mut weight) = ([0.0_f64; 3], 0.0_f64);
     for (row, &sine) in pixels.chunks_exact(width).zip(sines) {
         for (sum, channel) in sum.iter_mut().zip(0..3) {
-            *sum += row.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() * f64::from(sine);
+            *sum +=
+                row.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() * f64::from(sine);
         }
         weight += f64::from(sine) * width as f64;
     }
@@ -197,8 +197,8 @@ fn importance(width: usize, height: usize, pixels: &[[f32; 3]], sines: &[f32]) -
     let brightness: Vec<f32> = pixels
         .iter()
         .map(|&[r, g, b]| (r.max(0.0) + g.max(0.0) + b.max(0.0)) / 3.0)
-        // NaN counts as nothing, infinity as much as leaves room to add.
-        .map(|value| value.max(0.0).min(f32::MAX / 64.0))
+        // NaN has become zero by now; infinity counts as much as leaves room to add.
+        .map(|value| value.min(f32::MAX / 64.0))
         .collect();
     let mean_of = |before: f32, here: f32, after: f32| 0.125 * (before + 6.0 * here + after);
     let mut sideways = vec![0.0; brightness.len()];

@@ -229,9 +229,7 @@ fn picture(tiles: &[Tile], settings: &Settings) -> Picture {
             }
             Aov::Cost => picture.set_channel(
                 name("Y"),
-                scalar(&|sums| {
-                    (sums.nanoseconds / sums.radiance.range().end.max(1) as f64) as f32
-                }),
+                scalar(&|sums| (sums.nanoseconds / sums.radiance.range().end.max(1) as f64) as f32),
             ),
             _ => {}
         }

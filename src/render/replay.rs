@@ -22,8 +22,7 @@ pub fn replay(
 ) -> String {
     let integrator = PathTracer::new(world, settings.transport);
     let mut tracer = accel.tracer();
-    let (mut ray, mut path) =
-        settings.start(&camera.rays(settings.aspect()), x, y, sample, 0);
+    let (mut ray, mut path) = settings.start(&camera.rays(settings.aspect()), x, y, sample, 0);
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
     let mut depth = 1;

@@ -82,9 +82,8 @@ mod tests {
 
     #[test]
     fn draws_are_uniform_over_keys_and_over_triangles() {
-        let mean = |draw: &dyn Fn(u64) -> f32| {
-            (0..4096).map(|i| f64::from(draw(i))).sum::<f64>() / 4096.0
-        };
+        let mean =
+            |draw: &dyn Fn(u64) -> f32| (0..4096).map(|i| f64::from(draw(i))).sum::<f64>() / 4096.0;
         // Standard deviation of the mean: 1 / sqrt(12 * 4096) = 0.0045.
         assert!((mean(&|i| uniform(i, TriangleId(3))) - 0.5).abs() < 0.018);
         assert!((mean(&|i| uniform(7, TriangleId(i as u32))) - 0.5).abs() < 0.018);

@@ -203,8 +203,7 @@ impl World {
 
 /// From just beyond a surface to `end`.
 fn segment(surface: &Surface, direction: Vec3, end: Vec3) -> Ray {
-    let origin =
-        offset_origin(surface.position, surface.position_error, surface.normal, direction);
+    let origin = offset_origin(surface.position, surface.position_error, surface.normal, direction);
     Ray::new(origin, end - origin, 0.0, 1.0)
 }
 

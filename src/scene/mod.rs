@@ -7,6 +7,7 @@ mod lights;
 mod load;
 mod material;
 pub mod npy;
+mod shading_normal;
 mod surface;
 mod texture;
 mod texture_image;

@@ -1,7 +1,7 @@
 //! From a hit to the surface there: position with its error, normals, texture coordinates.
 
-use super::world::look_up;
-use super::{Material, TextureRef, World};
+use super::World;
+use super::shading_normal::Shaped;
 use crate::accel::ClosestHit;
 use crate::geom::{Mesh, Triangle};
 use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, TriangleId, Vec2, Vec3, Vec4};
@@ -52,7 +52,7 @@ impl Surface {
 /// Corners and weights of a point in a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interpolation {
-    corners: [usize; 3],
+    pub corners: [usize; 3],
     weights: [f32; 3],
 }
 
@@ -65,26 +65,31 @@ impl Interpolation {
         Self { corners, weights: [1.0 - u - v, u, v] }
     }
 
-    fn vec2(&self, values: &[Vec2]) -> Vec2 {
+    /// The attribute of the point.
+    pub fn vec2(&self, values: &[Vec2]) -> Vec2 {
         let [a, b, c] = self.corners.map(|i| values[i]);
         a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
     }
 
-    fn vec3(&self, values: &[Vec3]) -> Vec3 {
+    /// The attribute of the point.
+    pub fn vec3(&self, values: &[Vec3]) -> Vec3 {
         let [a, b, c] = self.corners.map(|i| values[i]);
         a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
     }
 
-    fn vec4(&self, values: &[Vec4]) -> Vec4 {
+    /// The attribute of the point.
+    pub fn vec4(&self, values: &[Vec4]) -> Vec4 {
         let [a, b, c] = self.corners.map(|i| values[i]);
         a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
     }
 
     /// Texture coordinates of both sets, zero where there are none.
     pub fn uv(&self, mesh: &Mesh) -> [Vec2; 2] {
-        [0, 1].map(|set: usize| {
-            if mesh.uvs[set].is_empty() { Vec2::ZERO } else { self.vec2(&mesh.uvs[set]) }
-        })
+        [0, 1].map(
+            |set: usize| {
+                if mesh.uvs[set].is_empty() { Vec2::ZERO } else { self.vec2(&mesh.uvs[set]) }
+            },
+        )
     }
 }
 
@@ -104,37 +109,15 @@ impl World {
 
         let resolved = &self.materials[instance.material.index()];
         let uv = if resolved.textured { point.uv(mesh) } else { [Vec2::ZERO; 2] };
-        let smooth = match mesh.normals.is_empty() {
-            true => normal,
-            false => {
-                let smooth = transform.normal(point.vec3(&mesh.normals));
-                on_side_of(smooth.normalize_or(normal), normal)
-            }
-        };
-        let material = self.material(instance.material);
-        let mut shading = smooth;
-        if let Some(texture) = &material.normal_texture {
-            let tangents = match mesh.tangents.is_empty() {
-                true => tangents_of_uv(&triangle, &point, mesh, texture, smooth),
-                false => {
-                    let tangent = point.vec4(&mesh.tangents);
-                    let sign = if transform.mirrored { -tangent.w } else { tangent.w };
-                    let along = transform.to_world.transform_vector3(tangent.truncate());
-                    Some((along, sign))
-                }
-            };
-            if let Some((tangent, sign)) = tangents {
-                shading = self.mapped_normal(material, texture, &uv, smooth, tangent, sign);
-                shading = on_side_of(shading, normal);
-            }
-        } else if let Some(texture) = &material.bump_texture {
-            let slopes = uv_slopes(&triangle, &point, mesh, texture);
-            if let Some((along_u, along_v)) = slopes {
-                shading = self.bumped_normal(material, texture, &uv, smooth, along_u, along_v);
-                shading = on_side_of(shading, normal);
-            }
-        }
-
+        let shading = self.shading_normal(&Shaped {
+            material: self.material(instance.material),
+            mesh,
+            transform,
+            triangle: &triangle,
+            point: &point,
+            normal,
+            uv: &uv,
+        });
         let towards_viewer = -ray.direction();
         let front = normal.dot(towards_viewer) > 0.0;
         let shading = visible(shading, towards_viewer, front);
@@ -162,44 +145,6 @@ impl World {
         let mesh = &*self.scene.meshes[instance.mesh.index()];
         let point = Interpolation::new(mesh, index, instance.transform.mirrored, u, v);
         (instance.material, point.uv(mesh))
-    }
-
-    /// The normal that a tangent-space normal texture makes of `normal`.
-    fn mapped_normal(
-        &self,
-        material: &Material,
-        texture: &TextureRef,
-        uv: &[Vec2; 2],
-        normal: Vec3,
-        tangent: Vec3,
-        sign: f32,
-    ) -> Vec3 {
-        let mut mapped = look_up(&self.scene, texture, uv).truncate() * 2.0 - 1.0;
-        mapped.x *= material.normal_scale;
-        mapped.y *= material.normal_scale * sign;
-        Frame::from_normal_tangent(normal, tangent).to_world(mapped).normalize_or(normal)
-    }
-
-    /// The normal that a height map makes of `normal`: that of the surface displaced along it,
-    /// for a small displacement (Blinn 1978). Slopes are taken over half a texel.
-    fn bumped_normal(
-        &self,
-        material: &Material,
-        texture: &TextureRef,
-        uv: &[Vec2; 2],
-        normal: Vec3,
-        along_u: Vec3,
-        along_v: Vec3,
-    ) -> Vec3 {
-        let [width, height] = self.scene.textures[texture.texture.index()].size();
-        let step = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
-        let here = texture.transform(uv[usize::from(texture.uv_set.min(1))]);
-        let map = &self.scene.textures[texture.texture.index()];
-        let at = |x: f32, y: f32| map.sample(here + Vec2::new(x, y)).x * material.normal_scale;
-        let by_u = (at(step.x, 0.0) - at(-step.x, 0.0)) / (2.0 * step.x);
-        let by_v = (at(0.0, step.y) - at(0.0, -step.y)) / (2.0 * step.y);
-        let displaced = (along_u + normal * by_u).cross(along_v + normal * by_v);
-        on_side_of(displaced.normalize_or(normal), normal)
     }
 }
 
@@ -249,12 +194,6 @@ fn normal_and_area(triangle: &Triangle) -> (Vec3, f32) {
     (normal, (0.5 * double_area.length()) as f32)
 }
 
-/// `normal`, or its mirror image by the surface, so that it is on the side of `geometric`.
-#[inline]
-fn on_side_of(normal: Vec3, geometric: Vec3) -> Vec3 {
-    if normal.dot(geometric) < 0.0 { -normal } else { normal }
-}
-
 /// A shading normal under which the viewer is on the side of the surface that he is on by the
 /// geometric normal: one that turns away from him is bent just into his sight.
 #[inline]
@@ -266,41 +205,6 @@ fn visible(shading: Vec3, towards_viewer: Vec3, front: bool) -> Vec3 {
     }
     let across = (shading - seen * (cosine / seen.length_squared())).normalize_or(shading);
     (across + seen * GRAZING).normalize()
-}
-
-/// Derivatives of the position by the texture coordinates of `texture`; `None` where they do not
-/// exist.
-fn uv_slopes(
-    triangle: &Triangle,
-    point: &Interpolation,
-    mesh: &Mesh,
-    texture: &TextureRef,
-) -> Option<(Vec3, Vec3)> {
-    let uvs = &mesh.uvs[usize::from(texture.uv_set.min(1))];
-    if uvs.is_empty() {
-        return None;
-    }
-    let [a, b, c] = point.corners.map(|i| texture.transform(uvs[i]));
-    let (ab, ac) = (b - a, c - a);
-    let determinant = ab.x * ac.y - ab.y * ac.x;
-    let (edge_b, edge_c) = (triangle.b - triangle.a, triangle.c - triangle.a);
-    let along_u = (edge_b * ac.y - edge_c * ab.y) / determinant;
-    let along_v = (edge_c * ab.x - edge_b * ac.x) / determinant;
-    (along_u.is_finite() && along_v.is_finite()).then_some((along_u, along_v))
-}
-
-/// The tangent of a triangle without tangents, and the sign of its bitangent. Green points up in
-/// a texture whose v counts down: against the derivative by v.
-fn tangents_of_uv(
-    triangle: &Triangle,
-    point: &Interpolation,
-    mesh: &Mesh,
-    texture: &TextureRef,
-    normal: Vec3,
-) -> Option<(Vec3, f32)> {
-    let (along_u, along_v) = uv_slopes(triangle, point, mesh, texture)?;
-    let sign = if normal.dot(along_u.cross(along_v)) > 0.0 { -1.0 } else { 1.0 };
-    Some((along_u, sign))
 }
 
 #[cfg(test)]

@@ -108,7 +108,8 @@ impl Resolved {
             material.alpha_texture,
         ];
         let constant = looked_up.iter().all(Option::is_none);
-        let plain = || Bsdf::new(&surface_params(&Scene::default(), material, &[Vec2::ZERO; 2]), form);
+        let plain =
+            || Bsdf::new(&surface_params(&Scene::default(), material, &[Vec2::ZERO; 2]), form);
         Self {
             bsdf: constant.then(plain),
             textured: !constant || elsewhere.iter().any(Option::is_some),
