@@ -60,10 +60,6 @@ impl TriangleSource for Triangles {
         let [a, b, c] =
             mesh.indices[index].map(|i| instance.transform.point(mesh.positions[i as usize]));
         // The winding of the world: counter-clockwise from the front, mirrored or not.
-        if instance.transform.mirrored {
-            Triangle { a, b: c, c: b }
-        } else {
-            Triangle { a, b, c }
-        }
+        if instance.transform.mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } }
     }
 }
