@@ -7,7 +7,7 @@
 //! enough for 32 by 32 entries, and by `(eta - 1) / (eta + 1)` for glass. Averages are those of the
 //! interpolated table itself, so that compensation closes to rounding wherever the table is exact.
 
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use super::{fresnel, ggx};
 use crate::math::{Vec2, Vec3};
@@ -129,83 +129,85 @@ fn average(row: &[Albedo; N]) -> Albedo {
     Albedo { f0: f0 as f32, f90: f90 as f32 }
 }
 
-/// Calls `visit` with visible normals that stand for equal shares of what `wo` sees.
-fn for_visible_normals(wo: Vec3, alpha: f32, mut visit: impl FnMut(Vec3)) -> f64 {
+/// The mean of `value` over the normals that `wo` sees.
+fn mean_over_visible_normals(wo: Vec3, alpha: f32, value: impl Fn(Vec3) -> Albedo) -> Albedo {
     // Half a turn will do, by symmetry.
-    const TURNS: usize = 16;
-    const CAPS: usize = 32;
-    for turn in 0..TURNS {
-        for cap in 0..CAPS {
+    const TURNS: usize = 12;
+    const CAPS: usize = 40;
+    let (mut f0, mut f90) = (0.0_f64, 0.0_f64);
+    for cap in 0..CAPS {
+        // Dense in the distribution's tail, where lobes meet the horizon.
+        let rest = (cap as f32 + 0.5) / CAPS as f32;
+        let weight = f64::from(2.0 * rest) / (CAPS * TURNS) as f64;
+        for turn in 0..TURNS {
             let x = 0.5 * (turn as f32 + 0.5) / TURNS as f32;
-            let y = (cap as f32 + 0.5) / CAPS as f32;
-            visit(ggx::sample_visible_normal(wo, alpha, Vec2::new(x, y)));
+            let u = Vec2::new(x, 1.0 - rest * rest);
+            let Albedo { f0: a, f90: b } = value(ggx::sample_visible_normal(wo, alpha, u));
+            f0 += weight * f64::from(a);
+            f90 += weight * f64::from(b);
         }
     }
-    (TURNS * CAPS) as f64
+    Albedo { f0: f0 as f32, f90: f90 as f32 }
 }
 
 fn reflection_albedo(alpha: f32, cos: f32) -> Albedo {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let (mut f0, mut f90) = (0.0_f64, 0.0_f64);
-    let count = for_visible_normals(wo, alpha, |h| {
+    mean_over_visible_normals(wo, alpha, |h| {
         let along = wo.dot(h);
-        let cos_i = 2.0 * along * h.z - wo.z;
-        if cos_i > 0.0 {
-            let visible = f64::from(ggx::masking(cos_i, alpha * alpha));
-            let weight = f64::from(fresnel::schlick_weight(along));
-            f0 += visible * (1.0 - weight);
-            f90 += visible * weight;
-        }
-    });
-    Albedo { f0: (f0 / count) as f32, f90: (f90 / count) as f32 }
+        let visible = ggx::masking((2.0 * along * h.z - wo.z).max(0.0), alpha * alpha);
+        let weight = fresnel::schlick_weight(along);
+        Albedo { f0: visible * (1.0 - weight), f90: visible * weight }
+    })
 }
 
-/// Entries of [`GLASS`] along alpha and cosine.
+/// Entries of a [`Slice`] along each axis.
 const G: usize = 16;
-/// Entries along the index: `(eta - 1) / (eta + 1)` from -1/2 (1/3) to 1 (infinity), sixteenths.
-const INDICES: usize = 25;
+/// Slices, over `(eta - 1) / (eta + 1)` from -1/2 (an index of 1/3) to 1 (infinity).
+const SLICES: usize = 49;
+const SLICES_PER_UNIT: f32 = 32.0;
 
-/// Directional albedos of rough glass: reflection and transmission together.
-static GLASS: LazyLock<Box<[[[f32; G]; G]; INDICES]>> = LazyLock::new(|| {
-    Box::new(std::array::from_fn(|index| {
-        let ratio = (index as f32 / 16.0 - 0.5).min(0.9999);
+/// Directional albedos of rough glass of one index, reflection and transmission together: by
+/// roughness, then by cosine.
+type Slice = [[f32; G]; G];
+
+/// Each computed when first asked for: a scene's few kinds of glass need few of them.
+static GLASS: [OnceLock<Box<Slice>>; SLICES] = [const { OnceLock::new() }; SLICES];
+
+fn glass_slice(index: usize) -> &'static Slice {
+    GLASS[index].get_or_init(|| {
+        let ratio = (index as f32 / SLICES_PER_UNIT - 0.5).min(0.9999);
         let eta = (1.0 + ratio) / (1.0 - ratio);
-        std::array::from_fn(|row| {
+        Box::new(std::array::from_fn(|row| {
             let alpha = node_alpha(row, G);
             std::array::from_fn(|column| glass_albedo(alpha, node_cos(column, G), eta))
-        })
-    }))
-});
+        }))
+    })
+}
 
 /// The share of light from a direction of cosine `cos` that one bounce on rough, colourless glass
 /// reflects and transmits; `eta` is the index behind over that before the boundary.
 pub fn rough_glass(alpha: f32, cos: f32, eta: f32) -> f32 {
-    let table = &*GLASS;
-    let (k, index_t) = cell::<INDICES>((((eta - 1.0) / (eta + 1.0) + 0.5) * 16.0).max(0.0));
+    let ratio = (eta - 1.0) / (eta + 1.0);
+    let (k, index_t) = cell::<SLICES>(((ratio + 0.5) * SLICES_PER_UNIT).max(0.0));
     let (i, row_t) = cell::<G>(alpha.sqrt() * (G - 1) as f32);
     let (j, column_t) = cell::<G>(cos.sqrt() * (G - 1) as f32);
     let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let plane = |plane: &[[f32; G]; G]| {
+    let at = |slice: &Slice| {
         let row = |row: &[f32; G]| lerp(row[j], row[j + 1], column_t);
-        lerp(row(&plane[i]), row(&plane[i + 1]), row_t)
+        lerp(row(&slice[i]), row(&slice[i + 1]), row_t)
     };
-    lerp(plane(&table[k]), plane(&table[k + 1]), index_t)
+    lerp(at(glass_slice(k)), at(glass_slice(k + 1)), index_t)
 }
 
 fn glass_albedo(alpha: f32, cos: f32, eta: f32) -> f32 {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let mut sum = 0.0_f64;
-    let count = for_visible_normals(wo, alpha, |h| {
+    let albedo = mean_over_visible_normals(wo, alpha, |h| {
         let along = wo.dot(h);
         let (reflectance, cos_t) = fresnel::dielectric(along, eta);
-        let reflected = 2.0 * along * h.z - wo.z;
-        if reflected > 0.0 {
-            sum += f64::from(reflectance * ggx::masking(reflected, alpha * alpha));
-        }
-        let refracted = wo.z / eta - (along / eta - cos_t) * h.z;
-        if refracted > 0.0 {
-            sum += f64::from((1.0 - reflectance) * ggx::masking(refracted, alpha * alpha));
-        }
+        let masking = |cos: f32| ggx::masking(cos.max(0.0), alpha * alpha);
+        let reflected = masking(2.0 * along * h.z - wo.z);
+        let refracted = masking(wo.z / eta - (along / eta - cos_t) * h.z);
+        Albedo { f0: reflectance * reflected, f90: (1.0 - reflectance) * refracted }
     });
-    (sum / count) as f32
+    albedo.f0 + albedo.f90
 }

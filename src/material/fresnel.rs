@@ -16,8 +16,7 @@ pub fn schlick_weight(cos: f32) -> f32 {
 #[inline]
 pub fn dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
     let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-    // Written so that NaN counts as total reflection.
-    if !(sin2_t < 1.0) {
+    if sin2_t >= 1.0 {
         return (1.0, 0.0);
     }
     let cos_t = (1.0 - sin2_t).sqrt();

@@ -3,31 +3,47 @@
 //! Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007. Directions
 //! are above the surface.
 
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::PI;
 
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
-/// The distribution of normals at the unit vector `h`, for `alpha2` = alpha squared.
-///
-/// Sines come from x and y: from `1 - z²` a peak of alpha 0.001 would keep one digit.
-#[inline]
-pub fn distribution(h: Vec3, alpha2: f32) -> f32 {
-    let t = h.x * h.x + h.y * h.y + alpha2 * h.z * h.z;
-    alpha2 * FRAC_1_PI / (t * t)
+/// What the density of the lobe and its value have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lobe {
+    /// `D(h) G1(wo) / (2 wo.z)`: with `D(h)` the distribution of normals. Half of it is the density
+    /// of the reflected direction, if normals are drawn by [`sample_visible_normal`].
+    pub visible: f32,
+    /// The same times `G1(wi) / (2 wi.z)`: `D V`, with glTF's separable visibility term V.
+    pub reflected: f32,
 }
 
-/// Smith's masking over twice the cosine: `G1(cos) / (2 cos)`, finite at the horizon. The product
-/// for both directions is glTF's separable visibility term V.
+impl Lobe {
+    /// For the cosines of both directions (above zero) and their unit half vector.
+    ///
+    /// Finite at the horizon. Sines come from x and y of `h`: from `1 - z²` a peak of alpha 0.001
+    /// would keep one digit.
+    #[inline]
+    pub fn new(h: Vec3, cos_o: f32, cos_i: f32, alpha: f32) -> Self {
+        let alpha2 = alpha * alpha;
+        let t = h.x * h.x + h.y * h.y + alpha2 * h.z * h.z;
+        let towards = inverse_masking(cos_i, alpha2);
+        // One division for D and both masking terms.
+        let reflected = alpha2 / (PI * t * t * inverse_masking(cos_o, alpha2) * towards);
+        Self { visible: reflected * towards, reflected }
+    }
+}
+
+/// Twice the cosine over Smith's masking, `2 cos / G1(cos)`.
 #[inline]
-pub fn half_masking(cos: f32, alpha2: f32) -> f32 {
-    1.0 / (cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt())
+fn inverse_masking(cos: f32, alpha2: f32) -> f32 {
+    cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt()
 }
 
 /// Smith's masking `G1(cos)`.
 #[inline]
 pub fn masking(cos: f32, alpha2: f32) -> f32 {
-    2.0 * cos * half_masking(cos, alpha2)
+    2.0 * cos / inverse_masking(cos, alpha2)
 }
 
 /// A normal as seen from `wo`, whose `z >= 0`: density `D(h) G1(wo) max(0, wo.h) / wo.z`.
@@ -65,9 +81,10 @@ mod tests {
                             * (1.0 - z * z).max(0.0).sqrt();
                         let h = Vec3::new(r.x, r.y, z);
                         let area = f64::from(dz) * std::f64::consts::TAU / f64::from(sectors);
-                        let d = f64::from(distribution(h, alpha * alpha)) * area;
-                        flat += d * f64::from(h.z);
-                        seen += d * f64::from(h.dot(wo).max(0.0) * masking(cos, alpha * alpha));
+                        let lobe = f64::from(Lobe::new(h, cos, cos, alpha).visible) * area;
+                        let masked = f64::from(masking(cos, alpha * alpha) / (2.0 * cos));
+                        flat += lobe / masked * f64::from(h.z);
+                        seen += lobe * f64::from(2.0 * cos * h.dot(wo).max(0.0));
                     }
                 }
                 assert!((flat - 1.0).abs() < 2e-3, "{alpha} {flat}");

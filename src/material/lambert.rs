@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{BsdfSample, GRAZING};
+use super::{BsdfSample, is_above};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
@@ -18,8 +18,7 @@ impl Lambert {
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         let cos = if wo.z < 0.0 { -wi.z } else { wi.z };
-        // Written so that NaN fails.
-        if !(wo.z.abs() > GRAZING && cos > GRAZING) {
+        if !(is_above(wo.z.abs()) && is_above(cos)) {
             return (Vec3::ZERO, 0.0);
         }
         let pdf = cos * FRAC_1_PI;
@@ -29,7 +28,7 @@ impl Lambert {
     /// See [`super::Bsdf::sample`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
-        if !(wo.z.abs() > GRAZING) {
+        if !is_above(wo.z.abs()) {
             return None;
         }
         let mut wi = warp::cosine_hemisphere(u);

@@ -3,16 +3,16 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::energy::{Albedo, Albedos};
-use super::{BsdfForm, BsdfSample, GRAZING, SurfaceParams, fresnel, ggx, mean, unit};
+use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, ggx, is_above, mean, unit};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
 /// GGX's alpha is the square of the roughness, and at least this.
 pub const LEAST_ALPHA: f32 = 1e-3;
 
-/// Each lobe is drawn with at least this probability where it has any weight: the albedo that
-/// lobes are chosen by knows neither the lights nor the colour of the path.
-const LEAST_CHOICE: f32 = 0.1;
+/// The specular lobe is drawn with at least this probability where it has any weight: a coat that
+/// reflects little in all reflects nearly everything at grazing half vectors.
+const LEAST_SPECULAR: f32 = 0.1;
 
 /// A metal and a coated diffuse base, mixed by `metallic`: a specular lobe, and one that follows
 /// the cosine.
@@ -104,8 +104,7 @@ impl MetallicRoughness {
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         // The other side is the same one turned about a tangent, which no isotropic lobe sees.
         let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
-        // Written so that NaN fails.
-        if !(wo.z > GRAZING && wi.z > GRAZING) {
+        if !(is_above(wo.z) && is_above(wi.z)) {
             return (Vec3::ZERO, 0.0);
         }
         self.evaluate(&self.view(wo.z), wo, wi, (wo + wi).normalize())
@@ -116,7 +115,7 @@ impl MetallicRoughness {
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
         let wo = wo * side;
-        if !(wo.z > GRAZING) {
+        if !is_above(wo.z) {
             return None;
         }
         let view = self.view(wo.z);
@@ -127,7 +126,7 @@ impl MetallicRoughness {
             let wi = warp::cosine_hemisphere(u);
             (wi, (wo + wi).normalize())
         };
-        if !(wi.z > GRAZING) {
+        if !is_above(wi.z) {
             return None;
         }
         let (value, pdf) = self.evaluate(&view, wo, wi, h);
@@ -147,18 +146,17 @@ impl MetallicRoughness {
         } else if specular <= 0.0 {
             0.0
         } else {
-            (specular / (specular + other)).clamp(LEAST_CHOICE, 1.0 - LEAST_CHOICE)
+            (specular / (specular + other)).max(LEAST_SPECULAR)
         };
         View { albedo, specular }
     }
 
     #[inline]
     fn evaluate(&self, view: &View, wo: Vec3, wi: Vec3, h: Vec3) -> (Vec3, f32) {
-        let alpha2 = self.alpha * self.alpha;
         let weight = fresnel::schlick_weight(wo.dot(h));
-        let visible = ggx::distribution(h, alpha2) * ggx::half_masking(wo.z, alpha2);
+        let lobe = ggx::Lobe::new(h, wo.z, wi.z, self.alpha);
         let fresnel = self.f0 + (self.f90 - self.f0) * weight;
-        let specular = fresnel * (visible * ggx::half_masking(wi.z, alpha2));
+        let specular = fresnel * lobe.reflected;
         let smooth = match self.form {
             BsdfForm::AppendixB => {
                 let coat = self.coat_f0 + (self.coat_f90 - self.coat_f0) * weight;
@@ -174,7 +172,7 @@ impl MetallicRoughness {
         };
         let value = (smooth * FRAC_1_PI + specular) * wi.z;
         let choice = view.specular;
-        let pdf = choice * visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI;
+        let pdf = choice * lobe.visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI;
         (value, pdf)
     }
 

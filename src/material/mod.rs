@@ -30,9 +30,13 @@ pub use lambert::Lambert;
 pub use metallic_roughness::MetallicRoughness;
 pub use mixed::Mixed;
 
-/// Directions nearer to the tangent plane than this cosine do not scatter: half vectors would lose
-/// all of their bits. The light so lost is some 1e-14 of a diffuse surface's.
-const GRAZING: f32 = 1e-7;
+/// Whether a direction of that cosine scatters: not within 1e-7 of the tangent plane, where half
+/// vectors lose all of their bits (the light so lost is some 1e-14 of a diffuse surface's), and
+/// not if it is NaN.
+#[inline]
+fn is_above(cos: f32) -> bool {
+    cos > 1e-7
+}
 
 /// What glTF's metallic-roughness material and its extensions come down to at a point, named as
 /// the specification names them. All texture look-ups are done.
@@ -151,7 +155,6 @@ pub enum Bsdf {
 impl Bsdf {
     /// The BSDF that `params` describe.
     pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
-        // `max` first: it also makes zero of NaN.
         let metallic = unit(params.metallic);
         let share = unit(params.transmission) * (1.0 - metallic);
         if share >= 1.0 {
@@ -214,7 +217,7 @@ impl Bsdf {
 
 /// `x` taken to `[0, 1]`, NaN to 0.
 fn unit(x: f32) -> f32 {
-    x.max(0.0).min(1.0)
+    if x > 0.0 { x.min(1.0) } else { 0.0 }
 }
 
 /// The mean of the channels: what lobes are chosen by.

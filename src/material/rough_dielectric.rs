@@ -7,7 +7,7 @@
 
 use super::dielectric::{Dielectric, Split};
 use super::energy::{self, Albedos};
-use super::{BsdfForm, BsdfSample, GRAZING, fresnel, ggx};
+use super::{BsdfForm, BsdfSample, fresnel, ggx, is_above};
 use crate::math::{Vec2, Vec3};
 
 /// See [`super::Bsdf::eval`].
@@ -15,7 +15,7 @@ use crate::math::{Vec2, Vec3};
 pub fn eval_solid(glass: &Dielectric, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let eta = glass.eta(wo);
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
-    if !(wo.z > GRAZING && wi.z.abs() > GRAZING) {
+    if !(is_above(wo.z) && is_above(wi.z.abs())) {
         return (Vec3::ZERO, 0.0);
     }
     let h = if wi.z > 0.0 { wo + wi } else { wo + wi * eta };
@@ -38,7 +38,7 @@ pub fn sample_solid(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Optio
     } else {
         (h * (along / eta - cos_t) - wo * (1.0 / eta)).normalize()
     };
-    if (wi.z > 0.0) != reflects || !(wi.z.abs() > GRAZING) {
+    if (wi.z > 0.0) != reflects || !is_above(wi.z.abs()) {
         return None;
     }
     let (value, pdf) = evaluate_solid(glass, eta, wo, wi, h);
@@ -55,24 +55,23 @@ fn evaluate_solid(glass: &Dielectric, eta: f32, wo: Vec3, wi: Vec3, h: Vec3) -> 
     if !(along_o > 0.0 && along_i * wi.z > 0.0) {
         return (Vec3::ZERO, 0.0);
     }
-    let alpha2 = glass.alpha * glass.alpha;
     let (reflectance, _) = fresnel::dielectric(along_o, eta);
     let split = Split::new(reflectance, glass.tint);
-    let visible = ggx::distribution(h, alpha2) * ggx::half_masking(wo.z, alpha2);
-    let masking = ggx::half_masking(wi.z.abs(), alpha2) * wi.z.abs();
+    let lobe = ggx::Lobe::new(h, wo.z, wi.z.abs(), glass.alpha);
     let gain = match glass.form {
         BsdfForm::AppendixB => 1.0,
         BsdfForm::Conserving => 1.0 / energy::rough_glass(glass.alpha, wo.z, eta),
     };
     if wi.z > 0.0 {
-        let value = Vec3::splat(split.reflectance * visible * masking * gain);
-        (value, split.choice * visible * 0.5)
+        let value = Vec3::splat(split.reflectance * lobe.reflected * wi.z * gain);
+        (value, split.choice * lobe.visible * 0.5)
     } else {
         let denominator = along_o + eta * along_i;
-        let spread = 2.0 * visible * along_o * along_i.abs() / (denominator * denominator);
-        let value = split.transmittance(glass.tint) * (2.0 * spread * masking * gain);
+        let spread = 2.0 * along_o * along_i.abs() / (denominator * denominator);
+        let scattered = 2.0 * spread * lobe.reflected * wi.z.abs() * gain;
+        let value = split.transmittance(glass.tint) * scattered;
         // Radiance is denser behind the boundary: the value lacks the factor eta² of the density.
-        (value, (1.0 - split.choice) * spread * eta * eta)
+        (value, (1.0 - split.choice) * spread * lobe.visible * eta * eta)
     }
 }
 
@@ -80,7 +79,7 @@ fn evaluate_solid(glass: &Dielectric, eta: f32, wo: Vec3, wi: Vec3, h: Vec3) -> 
 #[inline]
 pub fn eval_thin(glass: &Dielectric, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
-    if !(wo.z > GRAZING && wi.z.abs() > GRAZING) {
+    if !(is_above(wo.z) && is_above(wi.z.abs())) {
         return (Vec3::ZERO, 0.0);
     }
     let mirrored = Vec3::new(wi.x, wi.y, wi.z.abs());
@@ -95,7 +94,7 @@ pub fn sample_thin(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Option
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
     let along = wo.dot(h);
     let mirrored = h * (2.0 * along) - wo;
-    if !(mirrored.z > GRAZING) {
+    if !is_above(mirrored.z) {
         return None;
     }
     let (face, _) = fresnel::dielectric(along, glass.ior);
@@ -114,15 +113,15 @@ fn evaluate_thin(
     h: Vec3,
     reflects: bool,
 ) -> (Vec3, f32) {
-    let alpha2 = glass.alpha * glass.alpha;
     let (face, _) = fresnel::dielectric(wo.dot(h), glass.ior);
     let split = Split::new(fresnel::thin_sheet(face), glass.tint);
-    let visible = ggx::distribution(h, alpha2) * ggx::half_masking(wo.z, alpha2);
+    let lobe = ggx::Lobe::new(h, wo.z, mirrored.z, glass.alpha);
     let albedo = Albedos::get().at(Albedos::row(glass.alpha), wo.z);
-    let lobe = visible * ggx::half_masking(mirrored.z, alpha2) * mirrored.z / (1.0 - albedo.loss());
+    let scattered = lobe.reflected * mirrored.z / (1.0 - albedo.loss());
+    let density = lobe.visible * 0.5;
     if reflects {
-        (Vec3::splat(split.reflectance * lobe), split.choice * visible * 0.5)
+        (Vec3::splat(split.reflectance * scattered), split.choice * density)
     } else {
-        (split.transmittance(glass.tint) * lobe, (1.0 - split.choice) * visible * 0.5)
+        (split.transmittance(glass.tint) * scattered, (1.0 - split.choice) * density)
     }
 }

@@ -27,7 +27,7 @@ fn all() -> Vec<(String, Bsdf)> {
     let mut all = Vec::new();
     for form in BsdfForm::ALL {
         for (name, params) in kinds {
-            for roughness in [0.0, 0.25, 0.5, 1.0] {
+            for roughness in [0.0, 0.35, 0.6, 1.0] {
                 let bsdf = Bsdf::new(&SurfaceParams { roughness, ..params }, form);
                 all.push((format!("{name}, roughness {roughness}, {form}"), bsdf));
             }
@@ -120,9 +120,10 @@ fn white_furnaces_close() {
         for roughness in [0.0, 0.03, 0.1, 0.22, 0.35, 0.5, 0.71, 0.9, 1.0] {
             let bsdf = Bsdf::new(&SurfaceParams { roughness, ..params }, BsdfForm::Conserving);
             for cos in [1.0, 0.8, 0.5, 0.25, 0.1, 0.03, -0.05, -0.3, -0.7, -1.0] {
-                let (albedo, _) = scattered(&bsdf, direction(cos), 4096);
+                let (albedo, _) = scattered(&bsdf, direction(cos), 16_384);
                 let error = (albedo - Vec3::ONE).abs().max_element();
-                assert!(error < 0.01, "{name}, roughness {roughness}, cos {cos}: {albedo}");
+                let tolerance = if bsdf.transmits() { 0.015 } else { 0.006 };
+                assert!(error < tolerance, "{name}, roughness {roughness}, cos {cos}: {albedo}");
             }
         }
     }
@@ -140,16 +141,18 @@ fn cell(wi: Vec3) -> usize {
 
 /// Integrals over the cells of `f * |cos|` and of the density.
 fn integrate(bsdf: &Bsdf, wo: Vec3) -> (Vec<f64>, Vec3) {
-    const STEPS: usize = 28;
+    // The lobe is narrowest across, where it is seen at a grazing angle.
+    const ROWS: usize = 16;
+    const COLUMNS: usize = 32;
     let (mut densities, mut albedo) = (vec![0.0; COSINES * AZIMUTHS], Vec3::ZERO);
-    let area = 4.0 * std::f64::consts::PI / (COSINES * AZIMUTHS * STEPS * STEPS) as f64;
-    for row in 0..COSINES * STEPS {
-        let z = (2.0 * (row as f64 + 0.5) / (COSINES * STEPS) as f64 - 1.0) as f32;
-        for column in 0..AZIMUTHS * STEPS {
-            let turns = (column as f32 + 0.5) / (AZIMUTHS * STEPS) as f32;
+    let area = 4.0 * std::f64::consts::PI / (COSINES * AZIMUTHS * ROWS * COLUMNS) as f64;
+    for row in 0..COSINES * ROWS {
+        let z = (2.0 * (row as f64 + 0.5) / (COSINES * ROWS) as f64 - 1.0) as f32;
+        for column in 0..AZIMUTHS * COLUMNS {
+            let turns = (column as f32 + 0.5) / (AZIMUTHS * COLUMNS) as f32;
             let ring = crate::sampling::warp::unit_circle(turns) * -(1.0 - z * z).sqrt();
             let (value, pdf) = bsdf.eval(wo, Vec3::new(ring.x, ring.y, z));
-            densities[row / STEPS * AZIMUTHS + column / STEPS] += f64::from(pdf) * area;
+            densities[row / ROWS * AZIMUTHS + column / COLUMNS] += f64::from(pdf) * area;
             albedo += value * area as f32;
         }
     }
@@ -161,7 +164,7 @@ fn integrate(bsdf: &Bsdf, wo: Vec3) -> (Vec<f64>, Vec3) {
 #[test]
 fn samples_follow_their_density() {
     const COUNT: u64 = 20_000;
-    let cosines = [0.9, 0.45, 0.1, -0.6];
+    let cosines = [0.9, 0.45, 0.2, -0.6];
     let family: Vec<_> = all()
         .into_iter()
         .filter(|(name, bsdf)| !bsdf.is_delta() && !name.contains("roughness 0,"))
@@ -286,21 +289,13 @@ fn appendix_b_at_one_pair_of_directions() {
 
 fn awkward() -> impl Strategy<Value = f32> {
     let special = prop::sample::select(vec![
-        0.0,
-        -0.0,
-        1.0,
-        -1.0,
-        1e-8,
-        -1e-8,
-        1e-20,
-        1e-38,
-        1e-45,
-        0.5,
-        1e-4,
-        f32::NAN,
-        f32::INFINITY,
+        0.0, -0.0, 1.0, -1.0, 1e-8, -1e-8, 1e-20, 1e-38, 1e-45, 0.5, 1e-4,
     ]);
     prop_oneof![special, -1.0..1.0_f32]
+}
+
+fn parameter() -> impl Strategy<Value = f32> {
+    prop_oneof![awkward(), 0.0..1.0_f32, Just(f32::NAN), Just(f32::INFINITY)]
 }
 
 proptest! {
@@ -309,7 +304,7 @@ proptest! {
     fn nothing_is_ever_nan(
         wo in [awkward(), awkward(), awkward()],
         wi in [awkward(), awkward(), awkward()],
-        scalars in [awkward(), awkward(), awkward(), awkward()],
+        scalars in [parameter(), parameter(), parameter(), parameter()],
         color in 0.0..1.0_f32,
         ior in prop_oneof![Just(0.0), Just(1.0), Just(1.0001), Just(1e30), 0.3..4.0_f32],
         u in [0.0..1.0_f32, 0.0..1.0_f32, 0.0..1.0_f32],

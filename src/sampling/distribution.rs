@@ -8,8 +8,8 @@ use crate::sampling::ONE_MINUS_EPSILON;
 /// Why values make no [`Distribution2d`].
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum DistributionError {
-    /// Not one value a cell, or no cell.
-    #[error("{values} values do not fill a grid of {width} by {height}")]
+    /// Not one value a cell, no cell, or more than [`Distribution2d::MOST`] along a side.
+    #[error("{values} values do not fill a grid of {width} by {height}, or it is too long")]
     Size {
         /// Columns asked for.
         width: usize,
@@ -49,12 +49,16 @@ pub struct Distribution2d {
 }
 
 impl Distribution2d {
+    /// Columns or rows at most: beyond, f32 cannot tell all cells of the unit interval apart.
+    pub const MOST: usize = 1 << 22;
+
     /// The density proportional to `values`, row by row: x runs along a row, y over rows.
     ///
     /// # Errors
     /// Where the values do not fill the grid, one is negative or not finite, or none above zero.
     pub fn new(width: usize, height: usize, values: &[f32]) -> Result<Self, DistributionError> {
-        if width == 0 || height == 0 || width.checked_mul(height) != Some(values.len()) {
+        let filled = width.checked_mul(height) == Some(values.len()) && !values.is_empty();
+        if !filled || width.max(height) > Self::MOST {
             return Err(DistributionError::Size { width, height, values: values.len() });
         }
         let (mut columns, mut sums) = (Vec::with_capacity((width + 1) * height), Vec::new());
@@ -84,8 +88,7 @@ impl Distribution2d {
     /// The density at a point of `[0, 1]^2` with respect to the square's area.
     #[inline]
     pub fn pdf(&self, point: Vec2) -> f32 {
-        let row = ((point.y * self.height as f32) as usize).min(self.height - 1);
-        let column = ((point.x * self.width as f32) as usize).min(self.width - 1);
+        let (row, column) = (cell_of(point.y, self.height), cell_of(point.x, self.width));
         let cells = self.row(row);
         let of_row = (self.rows[row + 1] - self.rows[row]) * self.height as f32;
         let of_column = (cells[column + 1] - cells[column]) * self.width as f32;
@@ -120,6 +123,12 @@ fn push_cumulative(
     sum
 }
 
+/// The cell of a place in `[0, 1]`.
+#[inline]
+fn cell_of(place: f32, count: usize) -> usize {
+    ((place * count as f32) as usize).min(count - 1)
+}
+
 /// The cell that holds `u`, the place of `u` in `[0, 1)` and the density there.
 #[inline]
 fn sample_cumulative(table: &[f32], u: f32) -> (usize, f32, f32) {
@@ -128,11 +137,13 @@ fn sample_cumulative(table: &[f32], u: f32) -> (usize, f32, f32) {
     let cell = table.partition_point(|&entry| entry <= u).clamp(1, count) - 1;
     let mass = table[cell + 1] - table[cell];
     let within = ((u - table[cell]) / mass).min(ONE_MINUS_EPSILON);
-    // Clamped, since the sum may round up into the next cell, whose density is another.
-    let limit = (cell + 1) as f32 / count as f32;
-    let mut place = (cell as f32 + within) / count as f32;
-    if place >= limit {
-        place = limit.next_down();
+    let mut place = ((cell as f32 + within) / count as f32).min(ONE_MINUS_EPSILON);
+    // Rounding may carry it over an edge of the cell, where `pdf` would see another density.
+    while cell_of(place, count) > cell {
+        place = place.next_down();
+    }
+    while cell_of(place, count) < cell {
+        place = place.next_up();
     }
     (cell, place, mass * count as f32)
 }

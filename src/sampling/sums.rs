@@ -201,7 +201,9 @@ mod tests {
     #[test]
     fn mean_and_variance_by_hand() {
         let mut sums = BlockSums::new();
-        [1.0, 2.0, 3.0, 6.0].into_iter().for_each(|x| sums.add([x]));
+        for x in [1.0, 2.0, 3.0, 6.0] {
+            sums.add([x]);
+        }
         sums.skip();
         assert_eq!((sums.count(), sums.range()), (4, 0..5));
         assert_eq!(sums.mean(), [3.0]);
