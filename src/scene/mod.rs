@@ -4,6 +4,7 @@ mod error;
 mod instance;
 mod load;
 mod material;
+pub mod npy;
 mod texture;
 mod texture_image;
 mod triangles;
