@@ -5,6 +5,7 @@ mod instance;
 mod load;
 mod material;
 pub mod npy;
+pub mod obj;
 mod texture;
 mod texture_image;
 mod triangles;
