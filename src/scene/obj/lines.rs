@@ -134,16 +134,25 @@ pub(super) fn unquoted(name: &str) -> &str {
     name.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(name)
 }
 
-/// Names between spaces; those in quotes may hold spaces.
-pub(super) fn names(mut text: &str) -> Vec<&str> {
+/// Names between spaces; those in quotes may hold spaces, and so may those that have a backslash
+/// before each.
+pub(super) fn names(mut text: &str) -> Vec<String> {
     let mut names = Vec::new();
     while !text.trim_start().is_empty() {
         text = text.trim_start();
-        let (name, rest) = match text.strip_prefix('"').and_then(|inner| inner.split_once('"')) {
-            Some(inside) => inside,
-            None => text.split_once(char::is_whitespace).unwrap_or((text, "")),
-        };
-        names.push(name);
+        if let Some((name, rest)) = text.strip_prefix('"').and_then(|text| text.split_once('"')) {
+            names.push(name.to_owned());
+            text = rest;
+            continue;
+        }
+        let mut before = ' ';
+        let end = text.find(|c: char| {
+            let escaped = before == '\\';
+            before = c;
+            c.is_whitespace() && !escaped
+        });
+        let (name, rest) = text.split_at(end.unwrap_or(text.len()));
+        names.push(name.replace("\\ ", " "));
         text = rest;
     }
     names
@@ -193,6 +202,7 @@ mod tests {
     fn names_may_hold_spaces_in_quotes() {
         assert_eq!(names(" a.mtl \"b c.mtl\"  d.mtl"), ["a.mtl", "b c.mtl", "d.mtl"]);
         assert_eq!(names("\"open"), ["\"open"]);
+        assert_eq!(names("a\\ b.mtl maps\\c.mtl"), ["a b.mtl", "maps\\c.mtl"]);
         assert_eq!(name(b"\"many, many spaces\" "), "many, many spaces");
     }
 }

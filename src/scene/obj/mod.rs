@@ -6,12 +6,13 @@
 //! 3.0 and 4.2, 1995; with the PBR extension that Clara.io proposed (`Pr`, `Pm`, `norm`, …).
 //!
 //! - There is one mesh for each object, group and material; polygons of any shape become triangles
-//!   ([`triangulate`]), in the file's order within their mesh.
+//!   (`triangulate.rs`), in the file's order within their mesh.
 //! - Shading is flat where the file gives no normals. Texture coordinates count v upwards in OBJ and
 //!   downwards here; they are turned over.
-//! - Materials are mapped as [`material`] tells. Emitters shine from the front of their triangles.
-//! - A material or a library that is missing is said so and replaced by grey; a texture that is
-//!   missing is an error as for any other format. References may not leave the scene's folder.
+//! - Materials are mapped as `material.rs` tells. Emitters shine from the front of their triangles.
+//! - A material that is missing is grey; in place of a missing library the one that is called like
+//!   the scene is read; both are said. A texture that is missing is an error as for any other
+//!   format. References may not leave the scene's folder.
 
 mod geometry;
 mod lines;
@@ -23,7 +24,7 @@ mod remarks;
 mod texture_statement;
 mod triangulate;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -48,9 +49,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let geometry = geometry::parse(&read_file(path)?, path, &mut remarks)?;
     let folder = path.parent().unwrap_or(Path::new(""));
 
-    let mut libraries = Libraries { folder, materials: HashMap::new(), notices: Vec::new() };
+    let mut libraries = Libraries::new(path, folder);
     for (line, names) in &geometry.libraries {
         libraries.load(names, *line, &mut remarks)?;
+    }
+    if let ([], [(_, line), ..]) = (&*geometry.libraries, &*geometry.materials) {
+        let instead = libraries.load_namesake()?;
+        remarks.add(*line, format!("materials without mtllib{instead}"));
     }
     let mut maps = Maps::new(folder, options.missing_texture);
     let mut scene = Scene::default();
@@ -93,11 +98,7 @@ fn materials(
             libraries.notices.append(&mut about.finish());
             MaterialId::from_index(scene.materials.len() - 1)
         } else {
-            if geometry.libraries.is_empty() {
-                remarks.add(*line, "materials without mtllib: they are grey");
-            } else {
-                remarks.add(*line, format!("no material {name:?}: it is grey"));
-            }
+            remarks.add(*line, format!("no material {name:?}: it is grey"));
             grey_id(scene)
         };
         ids.push(id);
@@ -126,34 +127,56 @@ fn grey_id(scene: &mut Scene) -> MaterialId {
 
 /// All materials of the libraries read so far.
 struct Libraries<'a> {
+    scene: &'a Path,
     folder: &'a Path,
+    read: HashSet<PathBuf>,
     /// By name, with the file that they stand in.
     materials: HashMap<String, (PathBuf, MtlMaterial)>,
     notices: Vec<Notice>,
 }
 
-impl Libraries<'_> {
+impl<'a> Libraries<'a> {
+    fn new(scene: &'a Path, folder: &'a Path) -> Self {
+        let (materials, notices) = (HashMap::new(), Vec::new());
+        Self { scene, folder, read: HashSet::new(), materials, notices }
+    }
+
     /// Loads what a `mtllib` statement names: one file whose name may hold spaces, or several.
     fn load(&mut self, names: &str, line: usize, remarks: &mut Remarks) -> Result<(), LoadError> {
         let whole = lines::unquoted(names);
         let names = match confined(self.folder, whole) {
-            Some(path) if path.is_file() => vec![whole],
+            Some(path) if path.is_file() => vec![whole.to_owned()],
             _ => lines::names(names),
         };
         for name in names {
-            match confined(self.folder, name) {
-                Some(path) if path.is_file() => self.read(&path)?,
-                Some(_) => remarks.add(line, format!("material library {name:?} is missing")),
-                None => remarks.add(
-                    line,
-                    format!("material library {name:?} is not read: it leaves the scene's folder"),
-                ),
-            }
+            let problem = match confined(self.folder, &name) {
+                Some(path) if path.is_file() => {
+                    self.read(&path)?;
+                    continue;
+                }
+                Some(_) => "is missing",
+                None => "is not read: it leaves the scene's folder",
+            };
+            let instead = self.load_namesake()?;
+            remarks.add(line, format!("material library {name:?} {problem}{instead}"));
         }
         Ok(())
     }
 
+    /// Loads the library that is called like the scene, as a last resort; says so, if it is there.
+    fn load_namesake(&mut self) -> Result<String, LoadError> {
+        let path = self.scene.with_extension("mtl");
+        if !path.is_file() {
+            return Ok(String::new());
+        }
+        self.read(&path)?;
+        Ok(format!("; {} is used instead", path.display()))
+    }
+
     fn read(&mut self, path: &Path) -> Result<(), LoadError> {
+        if !self.read.insert(path.to_path_buf()) {
+            return Ok(());
+        }
         let mut remarks = Remarks::new(path);
         for material in mtl::parse(&read_file(path)?, path, &mut remarks)? {
             if self.materials.contains_key(&material.name) {
