@@ -7,6 +7,7 @@ mod lights;
 mod load;
 mod material;
 pub mod npy;
+pub mod obj;
 mod shading_normal;
 mod surface;
 mod texture;
