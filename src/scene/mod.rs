@@ -1,6 +1,8 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
 mod alpha;
+pub mod defaults;
+mod environment;
 mod error;
 mod instance;
 mod lights;
@@ -18,6 +20,7 @@ mod world;
 use std::sync::Arc;
 
 pub use alpha::AlphaFilter;
+pub use environment::{EnvironmentImage, EnvironmentSource};
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
 pub use lights::{LightSample, Lights};
