@@ -1,6 +1,7 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
 mod alpha;
+mod digest;
 mod error;
 mod instance;
 mod lights;
@@ -29,6 +30,7 @@ pub use texture_image::{Image, ImageError, Texels};
 pub use triangles::Triangles;
 pub use world::World;
 
+use crate::camera::Camera;
 use crate::geom::Mesh;
 use crate::light::{Environment, Punctual};
 
@@ -39,6 +41,8 @@ pub struct NamedCamera {
     pub name: String,
     /// Width over height that the file asks for.
     pub aspect: Option<f32>,
+    /// The camera.
+    pub camera: Camera,
 }
 
 /// Something that the file asks for and that is not honoured, or that looks like a mistake.

@@ -157,17 +157,27 @@ fn surface_params(scene: &Scene, material: &Material, uv: &[Vec2; 2]) -> Surface
     }
 }
 
-/// The box of all placed meshes; may be a little too big.
-pub(super) fn bounds(scene: &Scene) -> Aabb {
-    let boxes: Vec<Aabb> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
-    let placed = scene.instances.iter().filter(|instance| !boxes[instance.mesh.index()].is_empty());
-    let corners = placed.flat_map(|instance| {
-        let Aabb { min, max } = boxes[instance.mesh.index()];
-        [min.x, max.x].into_iter().flat_map(move |x| {
-            [min.y, max.y].into_iter().flat_map(move |y| {
-                [min.z, max.z].map(|z| instance.transform.point(Vec3::new(x, y, z)))
+impl Scene {
+    /// The box of all placed meshes; may be a little too big.
+    pub fn bounds(&self) -> Aabb {
+        let boxes: Vec<Aabb> = self.meshes.iter().map(|mesh| mesh.bounds()).collect();
+        let placed = self.instances.iter().filter(|placed| !boxes[placed.mesh.index()].is_empty());
+        let corners = placed.flat_map(|instance| {
+            let Aabb { min, max } = boxes[instance.mesh.index()];
+            [min.x, max.x].into_iter().flat_map(move |x| {
+                [min.y, max.y].into_iter().flat_map(move |y| {
+                    [min.z, max.z].map(|z| instance.transform.point(Vec3::new(x, y, z)))
+                })
             })
-        })
-    });
-    Aabb::of_points(corners)
+        });
+        Aabb::of_points(corners)
+    }
+
+    /// Whether there is any light: an environment, a punctual light or an emitting surface.
+    pub fn shines(&self) -> bool {
+        let emits = |instance: &super::Instance| {
+            self.materials[instance.material.index()].is_emissive()
+        };
+        self.environment.is_some() || !self.lights.is_empty() || self.instances.iter().any(emits)
+    }
 }
