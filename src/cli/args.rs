@@ -11,6 +11,7 @@ use crate::film::{PixelFilter, Window};
 use crate::material::BsdfForm;
 use crate::math::Vec3;
 use crate::render::Aov;
+use crate::scene::EnvironmentSource;
 use crate::simd::Isa;
 
 /// Renders a scene.
@@ -85,31 +86,32 @@ pub struct RenderArgs {
     #[arg(value_parser = parsed::<BsdfForm>, hide_short_help = true)]
     pub bsdf: BsdfForm,
     /// Light from all around: an image of latitude and longitude (.hdr, .exr, …), or a colour
-    #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light", value_parser = parsed::<Env>)]
-    pub env: Option<Env>,
+    #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light", value_parser = parsed::<EnvironmentSource>)]
+    pub env: Option<EnvironmentSource>,
     /// Multiplies it
     #[arg(long, value_name = "X", default_value_t = 1.0, help_heading = "Light")]
-    #[arg(value_parser = finite, hide_short_help = true)]
+    #[arg(value_parser = finite, requires = "env", hide_short_help = true)]
     pub env_scale: f32,
     /// Turns it about +Y, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
-    #[arg(help_heading = "Light", value_parser = finite, hide_short_help = true)]
+    #[arg(help_heading = "Light", value_parser = finite, requires = "env", hide_short_help = true)]
     pub env_rotate: f32,
 
     /// A camera of the scene, by name or number from 0
     #[arg(long, value_name = "NAME|N", help_heading = "Camera")]
+    #[arg(conflicts_with = "look_from")]
     pub camera: Option<String>,
     /// A camera of one's own: where it stands
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
-    #[arg(allow_negative_numbers = true, allow_hyphen_values = true)]
+    #[arg(allow_hyphen_values = true)]
     pub look_from: Option<Vec3>,
     /// Where it looks [default: the middle of the scene]
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
-    #[arg(allow_negative_numbers = true, allow_hyphen_values = true)]
+    #[arg(requires = "look_from", allow_hyphen_values = true)]
     pub look_at: Option<Vec3>,
     /// What is up for it [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
-    #[arg(allow_hyphen_values = true, hide_short_help = true)]
+    #[arg(requires = "look_from", allow_hyphen_values = true, hide_short_help = true)]
     pub up: Option<Vec3>,
     /// The angle from the picture's lower edge to its upper one, in degrees
     #[arg(long, value_name = "DEGREES", help_heading = "Camera", value_parser = field_of_view)]
@@ -203,31 +205,6 @@ impl FromStr for RouletteDepth {
     }
 }
 
-/// `--env`: a colour, or a file.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Env {
-    /// The same from everywhere.
-    Color(Vec3),
-    /// An image.
-    File(PathBuf),
-}
-
-impl FromStr for Env {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let looks_like_colour = text.chars().all(|c| c.is_ascii_digit() || "+-.,eE ".contains(c));
-        if !looks_like_colour {
-            return Ok(Self::File(PathBuf::from(text)));
-        }
-        let colour = vector(text)?;
-        if colour.min_element() < 0.0 {
-            return Err("light cannot be negative".to_owned());
-        }
-        Ok(Self::Color(colour))
-    }
-}
-
 /// By [`FromStr`], with the error as text.
 fn parsed<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<T, String> {
     text.parse().map_err(|error: T::Err| error.to_string())
@@ -301,14 +278,6 @@ fn resolution(text: &str) -> Result<(u32, u32), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn environments_are_colours_or_files() {
-        assert_eq!("0.2,0.3,1e1".parse(), Ok(Env::Color(Vec3::new(0.2, 0.3, 10.0))));
-        assert_eq!("sky.hdr".parse(), Ok(Env::File("sky.hdr".into())));
-        assert!("1,2".parse::<Env>().is_err());
-        assert!("1,2,-3".parse::<Env>().is_err());
-    }
 
     #[test]
     fn sizes_are_checked() {

@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::CliError;
-use super::args::{Env, MissingTextureArg, RenderArgs};
+use super::args::{MissingTextureArg, RenderArgs};
 use crate::camera::{Camera, ThinLens};
 use crate::film::Window;
 use crate::integrator::Transport;
-use crate::light::Environment;
 use crate::math::Vec3;
 use crate::render::{Aov, Settings};
-use crate::scene::{self, LoadOptions, MissingTexture, Notice, Scene, World};
+use crate::scene::defaults::{AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds};
+use crate::scene::{self, LoadError, LoadOptions, MissingTexture, Notice, Scene, World};
 
 /// All that a render needs, but for the structure.
 pub struct Job {
@@ -21,9 +21,7 @@ pub struct Job {
     pub camera: Camera,
     /// How.
     pub settings: Settings,
-    /// What was decided for the user: one line each.
-    pub remarks: Vec<String>,
-    /// What the scene asks for and is not honoured.
+    /// What the scene asks for and is not honoured, and what was decided for the user.
     pub notices: Vec<Notice>,
     /// Time to read and prepare the scene.
     pub elapsed: Duration,
@@ -33,8 +31,6 @@ pub struct Job {
 const DEFAULT_WIDTH: u32 = 1280;
 /// Aspect of a picture whose camera has none.
 const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
-/// Angle of view of a camera that no one has described, radians: 40 degrees.
-const DEFAULT_YFOV: f32 = 40.0 * std::f32::consts::PI / 180.0;
 
 /// Loads the scene and works out what the flags leave open.
 ///
@@ -51,69 +47,57 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
         scene: args.scene.clone(),
     };
     let mut scene = scene::load(&args.scene_file, &options)?;
-    let notices = std::mem::take(&mut scene.notices);
-    let mut remarks = Vec::new();
-    light(&mut scene, args, &mut remarks)?;
-    let (camera, aspect) = camera(&scene, args, &mut remarks)?;
+    let mut notices = std::mem::take(&mut scene.notices);
+    let file = args.scene_file.display().to_string();
+    if let Some(source) = &args.env {
+        let (environment, remarks) = source.load(args.env_scale, args.env_rotate)?;
+        scene.environment = Some(environment);
+        notices.extend(remarks);
+    }
+    if args.strict && !notices.is_empty() {
+        return Err(LoadError::Strict { notices }.into());
+    }
+    if let Some((sky, notice)) = automatic_sky(&scene, &file) {
+        scene.environment = Some(sky);
+        notices.push(notice);
+    }
+    let (camera, aspect) = camera(&scene, args, &mut notices)?;
     let settings = settings(args, aspect)?;
     let world = World::new(Arc::new(scene), args.bsdf).map_err(|count| {
-        let file = args.scene_file.display();
         CliError::Input(format!("{file}: {count} triangles are too many; 4294967294 at most"))
     })?;
-    Ok(Job { world, camera, settings, remarks, notices, elapsed: start.elapsed() })
-}
-
-/// Puts the environment in place that the flags ask for, or a sky where all would be dark.
-fn light(
-    scene: &mut Scene,
-    args: &RenderArgs,
-    remarks: &mut Vec<String>,
-) -> Result<(), CliError> {
-    match &args.env {
-        Some(Env::Color(colour)) => {
-            scene.environment = Some(Environment::constant(*colour * args.env_scale));
-        }
-        Some(Env::File(file)) => {
-            let environment =
-                scene::load_environment(file, args.env_scale, args.env_rotate)?;
-            scene.environment = Some(environment);
-        }
-        None => {}
-    }
-    if !scene.shines() {
-        scene.environment = Some(Environment::constant(Vec3::ONE));
-        remarks.push("no light: an even white sky (choose with --env)".to_owned());
-    }
-    Ok(())
+    Ok(Job { world, camera, settings, notices, elapsed: start.elapsed() })
 }
 
 /// The camera, and the aspect that it asks for.
 fn camera(
     scene: &Scene,
     args: &RenderArgs,
-    remarks: &mut Vec<String>,
+    notices: &mut Vec<Notice>,
 ) -> Result<(Camera, f32), CliError> {
-    let bounds = scene.bounds();
+    let file = args.scene_file.display().to_string();
+    let bounds = bounds(scene);
     let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
     let asked = args.resolution.map(|(width, height)| width as f32 / height as f32);
     let fov = args.fov.map(f32::to_radians);
     let (mut camera, aspect) = if let Some(eye) = args.look_from {
         let target = args.look_at.unwrap_or(centre);
         let up = args.up.unwrap_or(Vec3::Y);
-        (Camera::look_at(eye, target, up, fov.unwrap_or(DEFAULT_YFOV)), None)
+        (Camera::look_at(eye, target, up, fov.unwrap_or(AUTOMATIC_YFOV.to_radians())), None)
     } else if let Some(wanted) = &args.camera {
         let named = chosen(scene, wanted).ok_or_else(|| no_camera(scene, args, wanted))?;
         (named.camera, named.aspect.or(named.camera.aspect()))
     } else if let Some(named) = scene.cameras.first() {
         if scene.cameras.len() > 1 {
             let count = scene.cameras.len();
-            remarks.push(format!("{count} cameras: the first (choose with --camera)"));
+            let message = format!("{count} cameras: looking through the first (--camera)");
+            notices.push(Notice { place: file, message });
         }
         (named.camera, named.aspect.or(named.camera.aspect()))
     } else {
-        remarks.push("no camera: one that sees the whole scene (or --look-from)".to_owned());
-        let aspect = asked.unwrap_or(DEFAULT_ASPECT);
-        (Camera::framing(&bounds, fov.unwrap_or(DEFAULT_YFOV), aspect), None)
+        let (camera, notice) = automatic_camera(scene, asked.unwrap_or(DEFAULT_ASPECT), &file);
+        notices.push(notice);
+        (camera, None)
     };
     if let Some(yfov) = fov {
         camera = camera.with_yfov(yfov);

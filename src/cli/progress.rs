@@ -98,7 +98,7 @@ fn left(progress: Progress) -> String {
 }
 
 /// Hours, minutes and seconds, as few of them as will do.
-pub fn clock(duration: Duration) -> String {
+fn clock(duration: Duration) -> String {
     let seconds = duration.as_secs_f64().round() as u64;
     let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
     if hours > 0 {

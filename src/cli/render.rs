@@ -1,5 +1,7 @@
 //! `dapple render`: a scene in, a picture out.
 
+use std::ffi::OsStr;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -11,7 +13,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::args::{ProgressStyle, RenderArgs};
 use super::prepare::{Job, prepare};
-use super::progress::{Reporter, clock, say};
+use super::progress::{Reporter, say};
 use super::{CliError, input};
 use crate::accel;
 use crate::film::{Picture, exr, png};
@@ -34,7 +36,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
     describe(&mut rendered.picture, args, &job, &rendered.elapsed);
     write(args, &rendered.picture)?;
     if !args.quiet {
-        report_lost(args, &rendered);
+        report_lost(&rendered);
         say(&summary(args, &job, &rendered, built));
     }
     if args.json {
@@ -48,19 +50,19 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Renders by the words of a command line, the scene's file first, without a word and without
-/// writing a file. For [`super::golden`].
+/// Renders a scene by the words of a command line, without saying one and without writing a file:
+/// for `dapple golden`.
 ///
 /// # Errors
 /// All that [`run`] may fail with.
-pub fn picture(words: &[String]) -> Result<Picture, CliError> {
+pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
     #[derive(Parser)]
     struct Words {
         #[command(flatten)]
         args: RenderArgs,
     }
-    let words = std::iter::once("render".to_owned()).chain(words.iter().cloned());
-    let parsed = Words::try_parse_from(words);
+    let words = words.iter().map(OsStr::new);
+    let parsed = Words::try_parse_from([OsStr::new("render"), scene.as_os_str()].into_iter().chain(words));
     let args = parsed.map_err(|error| CliError::Usage(error.to_string()))?.args;
     let job = prepare(&args)?;
     let (mut rendered, _) =
@@ -95,9 +97,6 @@ fn on_pool(
 fn tell(args: &RenderArgs, job: &Job) {
     for notice in &job.notices {
         say(&format!("note: {}: {}", notice.place, notice.message));
-    }
-    for remark in &job.remarks {
-        say(&format!("note: {remark}"));
     }
     if args.verbose > 0 {
         let scene = &job.world.scene;
@@ -173,7 +172,7 @@ fn write(args: &RenderArgs, picture: &Picture) -> Result<(), CliError> {
 }
 
 /// Names the samples that were not finite, each with the command that follows it.
-fn report_lost(args: &RenderArgs, rendered: &Rendered) {
+fn report_lost(rendered: &Rendered) {
     if rendered.lost_count == 0 {
         return;
     }
@@ -183,7 +182,6 @@ fn report_lost(args: &RenderArgs, rendered: &Rendered) {
         let place = format!("{},{},{}", lost.x, lost.y, lost.sample);
         say(&format!("  dapple {} --debug-sample {place}", words.join(" ")));
     }
-    let _ = args;
 }
 
 /// The last line: what it took.
@@ -196,9 +194,12 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
         .flatten()
         .map(|path| path.display().to_string())
         .collect();
-    let mut line = format!(
-        "{}: {width}x{height}, {} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, {:.2} µs a path; \
-         load {:.2} s, build {:.2} s",
+    let memory = peak_memory().map_or(String::new(), |bytes| {
+        format!(", peak {:.0} MB", bytes as f64 / 1e6)
+    });
+    format!(
+        "{}: {width}x{height}, {} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
+         {:.2} µs a path; load {:.2} s, build {:.2} s{memory}",
         outputs.join(", "),
         rendered.samples.0,
         rays / 1e6,
@@ -207,14 +208,7 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
         seconds * 1e6 / rendered.paths.max(1) as f64,
         job.elapsed.as_secs_f64(),
         built.as_secs_f64(),
-    );
-    if rendered.elapsed > Duration::from_secs(90) {
-        line.push_str(&format!(" ({} in all)", clock(rendered.elapsed)));
-    }
-    if let Some(bytes) = peak_memory() {
-        line.push_str(&format!(", peak {:.0} MB", bytes as f64 / 1e6));
-    }
-    line
+    )
 }
 
 fn summary_json(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -> String {

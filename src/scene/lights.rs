@@ -2,6 +2,7 @@
 
 use std::f32::consts::PI;
 
+use super::defaults::bounds;
 use super::surface::{offset_origin, triangle_point};
 use super::world::emission;
 use super::{Scene, Surface, Triangles, World};
@@ -42,7 +43,7 @@ pub struct LightSample {
 impl Lights {
     /// Tables the lights of a scene.
     pub fn new(scene: &Scene, triangles: &Triangles) -> Self {
-        let radius = 0.5 * scene.bounds().extent().max(Vec3::ZERO).length();
+        let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
         let environment = scene.environment.as_ref().map(|environment| {

@@ -1,7 +1,9 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
 mod alpha;
+pub mod defaults;
 mod digest;
+mod environment;
 mod error;
 mod instance;
 mod lights;
@@ -19,10 +21,11 @@ mod world;
 use std::sync::Arc;
 
 pub use alpha::AlphaFilter;
+pub use environment::{EnvironmentImage, EnvironmentSource};
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
 pub use lights::{LightSample, Lights};
-pub use load::{LoadOptions, MissingTexture, read_file};
+pub use load::{LoadOptions, MissingTexture, load, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
 pub use surface::Surface;
 pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Lights, Material, Scene, TextureRef, Triangles, Volume};
 use crate::material::{Bsdf, BsdfForm, SurfaceParams};
-use crate::math::{Aabb, MaterialId, Vec2, Vec3, Vec4};
+use crate::math::{MaterialId, Vec2, Vec3, Vec4};
 
 /// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
 /// they are the same everywhere.
@@ -154,30 +154,5 @@ fn surface_params(scene: &Scene, material: &Material, uv: &[Vec2; 2]) -> Surface
             * texel(&material.specular_color_texture).truncate(),
         transmission: material.transmission * texel(&material.transmission_texture).x,
         thin: material.volume.is_none(),
-    }
-}
-
-impl Scene {
-    /// The box of all placed meshes; may be a little too big.
-    pub fn bounds(&self) -> Aabb {
-        let boxes: Vec<Aabb> = self.meshes.iter().map(|mesh| mesh.bounds()).collect();
-        let placed = self.instances.iter().filter(|placed| !boxes[placed.mesh.index()].is_empty());
-        let corners = placed.flat_map(|instance| {
-            let Aabb { min, max } = boxes[instance.mesh.index()];
-            [min.x, max.x].into_iter().flat_map(move |x| {
-                [min.y, max.y].into_iter().flat_map(move |y| {
-                    [min.z, max.z].map(|z| instance.transform.point(Vec3::new(x, y, z)))
-                })
-            })
-        });
-        Aabb::of_points(corners)
-    }
-
-    /// Whether there is any light: an environment, a punctual light or an emitting surface.
-    pub fn shines(&self) -> bool {
-        let emits = |instance: &super::Instance| {
-            self.materials[instance.material.index()].is_emissive()
-        };
-        self.environment.is_some() || !self.lights.is_empty() || self.instances.iter().any(emits)
     }
 }
