@@ -316,9 +316,11 @@ mod tests {
         [(x * 7 % 40) as f32 / 40.0, y as f32 / 30.0, (x * y % 17) as f32 / 17.0]
     }
 
+    type Pair = (&'static str, [Vec<[f32; 3]>; 2], [[f64; 3]; 2]);
+
     /// Reference and test, and what `flip_evaluator` 1.7 says of them: mean, greatest, and the
     /// value at (13, 7), for LDR and then for HDR.
-    fn pairs() -> Vec<(&'static str, [Vec<[f32; 3]>; 2], [[f64; 3]; 2])> {
+    fn pairs() -> Vec<Pair> {
         let at = |x, edge| if x < edge { [0.1; 3] } else { [0.8; 3] };
         let steps = |x: usize, y: usize| libm::exp2f(((x * 3 + y * 5) % 13) as f32 - 6.0);
         let tint = |value: f32| [value, 0.5 * value, 0.25 * value];

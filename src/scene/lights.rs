@@ -2,8 +2,9 @@
 
 use std::f32::consts::PI;
 
+use super::defaults::bounds;
 use super::surface::{offset_origin, triangle_point};
-use super::world::{bounds, emission};
+use super::world::emission;
 use super::{Scene, Surface, Triangles, World};
 use crate::geom::TriangleSource;
 use crate::light::{Punctual, area_to_solid_angle, sample_triangle};

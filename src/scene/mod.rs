@@ -2,6 +2,7 @@
 
 mod alpha;
 pub mod defaults;
+mod digest;
 mod environment;
 mod error;
 mod instance;
@@ -24,7 +25,7 @@ pub use environment::{EnvironmentImage, EnvironmentSource};
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
 pub use lights::{LightSample, Lights};
-pub use load::{LoadOptions, MissingTexture, read_file};
+pub use load::{LoadOptions, MissingTexture, load, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
 pub use surface::Surface;
 pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
@@ -32,6 +33,7 @@ pub use texture_image::{Image, ImageError, Texels};
 pub use triangles::Triangles;
 pub use world::World;
 
+use crate::camera::Camera;
 use crate::geom::Mesh;
 use crate::light::{Environment, Punctual};
 
@@ -42,6 +44,8 @@ pub struct NamedCamera {
     pub name: String,
     /// Width over height that the file asks for.
     pub aspect: Option<f32>,
+    /// The camera.
+    pub camera: Camera,
 }
 
 /// Something that the file asks for and that is not honoured, or that looks like a mistake.

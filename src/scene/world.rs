@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Lights, Material, Scene, TextureRef, Triangles, Volume};
 use crate::material::{Bsdf, BsdfForm, SurfaceParams};
-use crate::math::{Aabb, MaterialId, Vec2, Vec3, Vec4};
+use crate::math::{MaterialId, Vec2, Vec3, Vec4};
 
 /// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
 /// they are the same everywhere.
@@ -155,19 +155,4 @@ fn surface_params(scene: &Scene, material: &Material, uv: &[Vec2; 2]) -> Surface
         transmission: material.transmission * texel(&material.transmission_texture).x,
         thin: material.volume.is_none(),
     }
-}
-
-/// The box of all placed meshes; may be a little too big.
-pub(super) fn bounds(scene: &Scene) -> Aabb {
-    let boxes: Vec<Aabb> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
-    let placed = scene.instances.iter().filter(|instance| !boxes[instance.mesh.index()].is_empty());
-    let corners = placed.flat_map(|instance| {
-        let Aabb { min, max } = boxes[instance.mesh.index()];
-        [min.x, max.x].into_iter().flat_map(move |x| {
-            [min.y, max.y].into_iter().flat_map(move |y| {
-                [min.z, max.z].map(|z| instance.transform.point(Vec3::new(x, y, z)))
-            })
-        })
-    });
-    Aabb::of_points(corners)
 }

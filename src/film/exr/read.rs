@@ -30,7 +30,7 @@ const BATCH: usize = 64;
 /// Reads all channels of a flat EXR file, scanlines or tiles, of any sample type, as floats.
 ///
 /// Of several parts the first with colours counts, else the first; of several resolutions the
-/// largest. All text attributes of the header become strings.
+/// largest. Texts of the header that the format does not itself define become strings.
 ///
 /// # Errors
 /// [`FilmError::Read`]; [`FilmError::Invalid`] for a damaged file, deep data, a compression that
@@ -216,11 +216,13 @@ fn check_pixels(header: &Header, length: u64) -> Result<(), String> {
     Ok(())
 }
 
+/// Texts that are not among the format's standard attributes, such as ours.
 fn collect_strings(header: &Header, picture: &mut Picture) {
-    for (name, value) in header.all_named_attributes() {
+    let custom = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    for (name, value) in custom {
         if let AttributeValue::Text(value) = value {
             let string = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-            picture.strings.insert(string(name), string(value.as_slice()));
+            picture.strings.insert(string(name.as_slice()), string(value.as_slice()));
         }
     }
 }
