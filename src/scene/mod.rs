@@ -1,6 +1,7 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
 mod error;
+pub mod gltf;
 mod instance;
 mod load;
 mod material;
@@ -8,12 +9,13 @@ pub mod npy;
 mod texture;
 mod texture_image;
 mod triangles;
+mod uri;
 
 use std::sync::Arc;
 
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
-pub use load::{LoadOptions, MissingTexture, read_file};
+pub use load::{LoadOptions, MissingTexture, load, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
 pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
 pub use texture_image::{Image, ImageError, Texels};

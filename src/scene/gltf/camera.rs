@@ -46,9 +46,8 @@ fn camera(object: &Object, notices: &mut Notices) -> Result<CameraDeclaration, F
     let (lens, aspect) = match (kind, perspective, orthographic) {
         ("perspective", Some(lens), _) => (self::perspective(&lens)?, aspect(&lens)?),
         ("orthographic", _, Some(lens)) => {
-            let lens = self::orthographic(&lens, notices)?;
-            let Lens::Orthographic { xmag, ymag } = lens else { unreachable!("as made above") };
-            (lens, Some(xmag / ymag))
+            let [xmag, ymag] = self::magnitudes(&lens, notices)?;
+            (Lens::Orthographic { xmag, ymag }, Some(xmag / ymag))
         }
         ("perspective" | "orthographic", _, _) => return Err(object.absent(kind)),
         _ => {
@@ -56,6 +55,7 @@ fn camera(object: &Object, notices: &mut Notices) -> Result<CameraDeclaration, F
             return Err(object.fault_at("type", message));
         }
     };
+    let aspect = aspect.filter(|aspect: &f32| aspect.is_normal());
     Ok(CameraDeclaration { name: object.name()?, aspect, lens })
 }
 
@@ -75,12 +75,12 @@ fn aspect(lens: &Object) -> Result<Option<f32>, Fault> {
     }
 }
 
-fn orthographic(lens: &Object, notices: &mut Notices) -> Result<Lens, Fault> {
+fn magnitudes(lens: &Object, notices: &mut Notices) -> Result<[f32; 2], Fault> {
     lens.required_number("znear")?;
     lens.required_number("zfar")?;
     let mut size = |key| {
         let size = lens.required_number(key)?;
-        if size == 0.0 {
+        if size.abs() < f32::MIN_POSITIVE {
             return Err(lens.fault_at(key, "must not be 0"));
         }
         if size < 0.0 {
@@ -88,7 +88,7 @@ fn orthographic(lens: &Object, notices: &mut Notices) -> Result<Lens, Fault> {
         }
         Ok(size.abs())
     };
-    Ok(Lens::Orthographic { xmag: size("xmag")?, ymag: size("ymag")? })
+    Ok([size("xmag")?, size("ymag")?])
 }
 
 #[cfg(test)]
