@@ -53,3 +53,8 @@ pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     }
     fs::read(path)
 }
+
+/// Temporary.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<super::Scene, LoadError> {
+    super::obj::load(path, options)
+}
