@@ -27,6 +27,7 @@ mod batch;
 pub mod brute;
 mod counters;
 mod error;
+pub mod kd;
 mod options;
 mod query;
 mod report;
