@@ -213,7 +213,7 @@ impl<'a> Target<'a> {
             4 => direction *= [1e-12, 1e12][random.below(2)],
             5 => {
                 direction =
-                    Frame::from_normal((triangle.b - triangle.a).normalize_or(Vec3::X)).normal
+                    Frame::from_normal((triangle.b - triangle.a).normalize_or(Vec3::X)).normal;
             }
             6 if random.below(50) == 0 => {
                 direction[random.below(3)] = [f32::NAN, f32::INFINITY][random.below(2)];

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use super::{LoadError, Scene, gltf};
+use super::{LoadError, Scene, gltf, obj};
 
 /// What to do about a texture that is missing or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,17 +27,23 @@ pub struct LoadOptions {
     pub scene: Option<String>,
 }
 
-/// Loads a scene; its format is told by its first bytes, else by its ending.
+/// Loads a scene; its format is told by its ending, else by its first bytes.
 ///
 /// # Errors
 /// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
-    let bytes = read_file(path)?;
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     let scene = match ending.as_deref() {
-        _ if gltf::is_glb(&bytes) => gltf::parse(path, &bytes, options),
-        Some("gltf" | "glb") => gltf::parse(path, &bytes, options),
-        _ => Err(LoadError::UnknownFormat { file: path.display().to_string() }),
+        Some("obj") => obj::load(path, options),
+        Some("gltf" | "glb") => gltf::load(path, options),
+        _ => {
+            let bytes = read_file(path)?;
+            if gltf::is_gltf(&bytes) {
+                gltf::parse(path, &bytes, options)
+            } else {
+                Err(LoadError::UnknownFormat { file: path.display().to_string() })
+            }
+        }
     }?;
     if options.strict && !scene.notices.is_empty() {
         return Err(LoadError::Strict { notices: scene.notices });

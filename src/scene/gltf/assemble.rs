@@ -7,16 +7,18 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::accessor::{Accessor, View};
+use super::camera::CameraDeclaration;
 use super::document::Document;
 use super::json::Fault;
+use super::light::LightDeclaration;
 use super::mesh::{Geometry, MeshDeclaration, Primitive};
-use super::nodes::{self, Placed};
+use super::nodes::{self, Node, Placed};
 use super::notices::Notices;
 use super::primitive;
 use super::read::Storage;
 use super::resources;
 use super::texture::ImageSource;
-use crate::math::{Aabb, Affine3A, MaterialId, MeshId};
+use crate::math::{Aabb, MaterialId, MeshId};
 use crate::scene::{Instance, LoadError, LoadOptions, Material, Scene, Transform};
 
 /// The most placed meshes: each takes some 150 bytes, and meshes of many parts placed by many
@@ -81,9 +83,41 @@ pub fn assemble(
             .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
     }
     let mut scene = builder.scene;
+    let Document { nodes, cameras, lights, .. } = &document;
+    place_cameras_and_lights(nodes, cameras, lights, &placed, &mut scene, notices);
     scene.materials = builder.palette.materials;
     scene.textures = textures;
     Ok(scene)
+}
+
+/// Cameras in the order of their declarations, lights in that of their nodes.
+fn place_cameras_and_lights(
+    nodes: &[Node],
+    cameras: &[CameraDeclaration],
+    lights: &[LightDeclaration],
+    placed: &[Placed],
+    scene: &mut Scene,
+    notices: &mut Notices,
+) {
+    let mut found = Vec::new();
+    for at in placed {
+        let node = &nodes[at.node];
+        let place = || format!("/nodes/{}", at.node);
+        if let Some(camera) = node.camera {
+            match cameras[camera].place(&at.to_world, &node.name) {
+                Some(placed) => found.push((camera, placed)),
+                None => notices.add(place(), "its camera looks nowhere and is left out"),
+            }
+        }
+        if let Some(light) = node.light {
+            match lights[light].place(&at.to_world) {
+                Some(placed) => scene.lights.push(placed),
+                None => notices.add(place(), "its light shines nowhere and is left out"),
+            }
+        }
+    }
+    found.sort_by_key(|&(camera, _)| camera);
+    scene.cameras = found.into_iter().map(|(_, camera)| camera).collect();
 }
 
 fn no_such_scene(document: &Document, path: &Path, options: &LoadOptions) -> LoadError {
@@ -199,7 +233,7 @@ impl Builder<'_> {
             }
             let material = self.palette.id(primitive);
             self.note_missing_sets(primitive, id, material, notices);
-            let transform = Transform::new(narrowed(&at.to_world));
+            let transform = Transform::new(nodes::narrowed(&at.to_world));
             self.scene.instances.push(Instance { mesh: id, material, transform });
         }
         Ok(())
@@ -236,10 +270,6 @@ impl Builder<'_> {
             notices.add(primitive.place.clone(), message);
         }
     }
-}
-
-fn narrowed(to_world: &DAffine3) -> Affine3A {
-    Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
 }
 
 /// Whether all of a box can be placed without overflow, with room for what follows.

@@ -27,12 +27,23 @@ mod texture;
 
 use std::path::Path;
 
-pub use glb::is_glb;
-
 use self::document::{Document, Refusal};
 use self::json::Fault;
 use self::notices::Notices;
-use super::{LoadError, LoadOptions, Scene};
+use super::{LoadError, LoadOptions, Scene, read_file};
+
+/// Loads a file.
+///
+/// # Errors
+/// As [`parse`], or if it cannot be read.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+    parse(path, &read_file(path)?, options)
+}
+
+/// Whether a file looks like glTF: a container, or a JSON object.
+pub fn is_gltf(bytes: &[u8]) -> bool {
+    glb::is_glb(bytes) || bytes.trim_ascii_start().starts_with(b"{")
+}
 
 /// Reads a file's contents; `path` is for messages and for the folder of the files beside it.
 ///
@@ -41,7 +52,7 @@ use super::{LoadError, LoadOptions, Scene};
 pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, LoadError> {
     let in_file = |fault: Fault| LoadError::invalid(path, fault.place, fault.message);
     let mut notices = Notices::default();
-    let (json, binary) = if is_glb(bytes) {
+    let (json, binary) = if glb::is_glb(bytes) {
         let glb = glb::split(bytes).map_err(in_file)?;
         if glb.trailing > 0 {
             notices.add("", "goes on after the end that its header declares");

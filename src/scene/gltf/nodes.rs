@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 use super::json::{Fault, Object};
 use super::notices::Notices;
+use crate::math::Affine3A;
 
 /// How many of everything there are that a node may refer to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -158,6 +159,11 @@ pub fn rigid(to_world: &DAffine3) -> Option<DAffine3> {
     let matrix3 = DMat3::from_cols(x, z.cross(x), z);
     let translation = to_world.translation;
     (matrix3.is_finite() && translation.is_finite()).then_some(DAffine3 { matrix3, translation })
+}
+
+/// The same in f32.
+pub fn narrowed(to_world: &DAffine3) -> Affine3A {
+    Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
 }
 
 #[cfg(test)]
