@@ -1,7 +1,13 @@
 //! Meshes and triangles.
 
+pub mod block;
 mod mesh;
+pub mod slab;
 mod source;
+pub mod verdict;
 
+pub use block::TriangleBlock;
 pub use mesh::Mesh;
+pub use slab::{SlabRay, own_box};
 pub use source::{Triangle, TriangleList, TriangleSource};
+pub use verdict::{ShearRay, verdict};

@@ -1,0 +1,91 @@
+//! Slices of rays, and their answers.
+
+use crate::math::{Ray, TriangleId};
+
+/// Rays to shoot together, with hints; hints never change a hit.
+#[derive(Clone, Copy)]
+pub struct Batch<'a> {
+    rays: &'a [Ray],
+    grid: Option<(u32, u32)>,
+    filter: Option<&'a dyn HitFilter>,
+}
+
+impl<'a> Batch<'a> {
+    /// A slice of rays without hints or filter.
+    pub fn new(rays: &'a [Ray]) -> Self {
+        Self { rays, grid: None, filter: None }
+    }
+
+    /// Says that the rays are those of a raster of `width` by `height`, row by row.
+    #[must_use]
+    pub fn with_grid(self, width: u32, height: u32) -> Self {
+        Self { grid: Some((width, height)), ..self }
+    }
+
+    /// Lets only those hits count that a filter accepts.
+    #[must_use]
+    pub fn with_filter(self, filter: Option<&'a dyn HitFilter>) -> Self {
+        Self { filter, ..self }
+    }
+
+    /// The rays.
+    #[inline(always)]
+    pub fn rays(&self) -> &'a [Ray] {
+        self.rays
+    }
+
+    /// Width and height of the raster that they form, if known.
+    pub fn grid(&self) -> Option<(u32, u32)> {
+        self.grid
+    }
+
+    /// The filter, if there is one.
+    #[inline(always)]
+    pub fn filter(&self) -> Option<&'a dyn HitFilter> {
+        self.filter
+    }
+}
+
+/// Takes back hits, for instance in the holes of a leaf's texture.
+pub trait HitFilter: Sync {
+    /// Whether a hit of the batch's ray number `ray` counts.
+    ///
+    /// Must be a pure function of its arguments: structures differ in which hits they ask about,
+    /// how often and in which order.
+    fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool;
+}
+
+/// The nearest hit of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct ClosestHit {
+    /// Distance in multiples of the ray's direction; infinite on a miss.
+    pub t: f32,
+    /// Weight of the triangle's second vertex.
+    pub u: f32,
+    /// Weight of its third vertex.
+    pub v: f32,
+    /// The triangle; [`TriangleId::NONE`] on a miss.
+    pub triangle: TriangleId,
+}
+
+impl ClosestHit {
+    /// No hit.
+    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, triangle: TriangleId::NONE };
+
+    /// Whether anything was hit.
+    #[inline(always)]
+    pub fn is_hit(&self) -> bool {
+        self.triangle != TriangleId::NONE
+    }
+
+    /// The same hit to the bit; what tests compare by.
+    pub fn same_bits(&self, other: &Self) -> bool {
+        bytemuck::bytes_of(self) == bytemuck::bytes_of(other)
+    }
+}
+
+/// Whether a ray hits anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct AnyHit(pub bool);

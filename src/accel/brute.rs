@@ -1,0 +1,209 @@
+//! Brute force: every ray against every triangle. The oracle of all others.
+//!
+//! No tree and no filter of edges: the only thing that stands before the verdict is the slab test
+//! of each triangle's own box, which is part of the verdict anyway. It is done for eight boxes at
+//! once, with the same operations in the same order as the scalar one, so it says the same.
+//!
+//! Slices are cut over all threads; within a thread a group of rays meets a group of boxes that
+//! fits the cache before the next group comes.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Instant;
+
+use fearless_simd::{Level, Simd, SimdBase, SimdMask, f32x8};
+use rayon::prelude::*;
+
+use super::{
+    Batch, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse, Variant,
+    test_triangle,
+};
+use crate::geom::{TriangleSource, own_box};
+use crate::math::TriangleId;
+
+/// The row of the table.
+pub const VARIANT: Variant = Variant {
+    id: "brute",
+    summary: "every ray against every triangle: the oracle",
+    paper: "-",
+    options: &[],
+    build: |input| Ok(Box::new(Brute::build(input))),
+};
+
+/// Rays that meet a group of boxes together.
+const RAYS: usize = 64;
+/// Blocks of boxes in a group: 96 KiB.
+const BLOCKS: usize = 512;
+
+/// Eight boxes, planes by axis: three lower ones, then three upper ones.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+struct Boxes([[f32; 8]; 6]);
+
+/// All triangles' boxes in order.
+pub struct Brute {
+    source: Arc<dyn TriangleSource>,
+    boxes: Vec<Boxes>,
+    level: Level,
+    report: BuildReport,
+}
+
+impl Brute {
+    fn build(input: &BuildInput<'_>) -> Self {
+        let start = Instant::now();
+        let count = input.source.len();
+        let boxes =
+            (0..count.div_ceil(8)).into_par_iter().map(|i| pack(&*input.source, i)).collect();
+        let report = BuildReport {
+            phases: vec![("boxes", start.elapsed().as_secs_f64())],
+            triangles: count,
+            leaves: 1,
+            mean_leaf: count as f64,
+            sah_cost: count as f64,
+            ..BuildReport::default()
+        };
+        Self { source: Arc::clone(&input.source), boxes, level: input.level, report }
+    }
+
+    /// Tests blocks `first..first + blocks.len()` of boxes.
+    #[inline(always)]
+    fn test<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        first: usize,
+        blocks: &[Boxes],
+        shot: &Shot<'_>,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        for (i, boxes) in blocks.iter().enumerate() {
+            counters.count(Event::BoxTest);
+            let mut lanes = boxes.entered(simd, shot, query.t_max());
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                let id = TriangleId::from_index((first + i) * 8 + lane);
+                counters.count(Event::TriangleTest);
+                test_triangle(shot, id, &self.source.triangle(id), query, counters)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn group<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shots: &[Shot<'_>],
+        answers: &mut [Q::Answer],
+        counters: &mut C,
+    ) {
+        let mut queries: Vec<(Q, bool)> =
+            shots.iter().map(|shot| (Q::new(&shot.ray), false)).collect();
+        for (group, blocks) in self.boxes.chunks(BLOCKS).enumerate() {
+            for (shot, (query, done)) in shots.iter().zip(&mut queries) {
+                if !*done {
+                    let first = group * BLOCKS;
+                    *done = self.test(simd, first, blocks, shot, query, counters).is_break();
+                }
+            }
+        }
+        for ((query, _), answer) in queries.iter().zip(answers) {
+            *answer = query.answer();
+        }
+    }
+}
+
+fn pack(source: &dyn TriangleSource, block: usize) -> Boxes {
+    // Unused places hold a box that no interval enters.
+    let mut planes = [[f32::INFINITY; 8]; 6];
+    planes[3..].fill([f32::NEG_INFINITY; 8]);
+    let first = block * 8;
+    for lane in 0..8.min(source.len() - first) {
+        let bounds = own_box(&source.triangle(TriangleId::from_index(first + lane)));
+        for axis in 0..3 {
+            planes[axis][lane] = bounds.min[axis];
+            planes[3 + axis][lane] = bounds.max[axis];
+        }
+    }
+    Boxes(planes)
+}
+
+impl Boxes {
+    /// Bit `i` is set if the ray enters box `i` at or before `t_max`.
+    #[inline(always)]
+    fn entered<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> u32 {
+        let slab = &shot.slab;
+        let plane = |axis: usize, upper: usize, inverse: f32| {
+            let planes = f32x8::load_array_ref(simd, &self.0[upper * 3 + axis]);
+            (planes - slab.origin[axis]) * inverse
+        };
+        let near = |axis| plane(axis, slab.negative[axis], slab.inv_near[axis]);
+        let far = |axis| plane(axis, 1 - slab.negative[axis], slab.inv_far[axis]);
+        let enter = near(0).max(near(1)).max(near(2));
+        let exit = far(0).min(far(1)).min(far(2)).min(t_max);
+        enter.simd_le(exit).to_bitmask() as u32
+    }
+}
+
+impl Traverse for Brute {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        (): &mut (),
+        counters: &mut C,
+    ) {
+        // Break and end mean the same here: there is nothing left to do.
+        let _ = self.test(simd, 0, &self.boxes, shot, query, counters);
+    }
+
+    #[inline(always)]
+    fn shoot<S: Simd, Q: Query, C: Counters>(
+        &self,
+        _: S,
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        (): &mut (),
+        counters: &mut C,
+    ) {
+        // A closure that rayon runs elsewhere is not compiled for this instruction set, so each
+        // group finds its way to it anew.
+        let groups = batch.rays().par_chunks(RAYS).zip(answers.par_chunks_mut(RAYS)).enumerate();
+        let counts: Vec<C> = groups
+            .map(|(group, (rays, answers))| {
+                let mut counters = C::default();
+                let shots: Vec<Shot<'_>> = (rays.iter().enumerate())
+                    .map(|(i, ray)| Shot::new(ray, group * RAYS + i, batch.filter()))
+                    .collect();
+                crate::vectorized!(self.level, simd =>
+                    self.group::<_, Q, C>(simd, &shots, answers, &mut counters));
+                counters
+            })
+            .collect();
+        for counted in counts {
+            let counted = counted.counts();
+            for event in Event::ALL {
+                counters.add(event, counted[event]);
+            }
+        }
+    }
+
+    fn level(&self) -> Level {
+        self.level
+    }
+
+    fn memory(&self) -> MemoryReport {
+        MemoryReport::new([("boxes", size_of_val(&*self.boxes))])
+    }
+
+    fn report(&self) -> &BuildReport {
+        &self.report
+    }
+}

@@ -1,0 +1,178 @@
+//! What is asked of a ray, and how a candidate is judged.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::{Simd, SimdFloat};
+
+use super::{AnyHit, ClosestHit, Counters, Event, HitFilter};
+use crate::geom::{ShearRay, SlabRay, Triangle, TriangleBlock, verdict};
+use crate::math::{Ray, TriangleId};
+
+/// A ray of a batch with all that its tests need.
+#[derive(Clone, Copy)]
+pub struct Shot<'a> {
+    /// The ray.
+    pub ray: Ray,
+    /// For boxes.
+    pub slab: SlabRay,
+    /// For verdicts.
+    pub shear: ShearRay,
+    /// Its place in the batch.
+    pub index: usize,
+    /// The batch's filter.
+    pub filter: Option<&'a dyn HitFilter>,
+}
+
+impl<'a> Shot<'a> {
+    /// Prepares a ray.
+    #[inline(always)]
+    pub fn new(ray: &Ray, index: usize, filter: Option<&'a dyn HitFilter>) -> Self {
+        Self { ray: *ray, slab: SlabRay::new(ray), shear: ShearRay::new(ray), index, filter }
+    }
+
+    #[inline(always)]
+    fn accepts(&self, hit: &ClosestHit) -> bool {
+        self.filter.is_none_or(|filter| filter.accepts(self.index, hit))
+    }
+}
+
+/// A question to a ray, with the best answer so far.
+pub trait Query: Sized {
+    /// What the caller gets.
+    type Answer: Copy + Send;
+
+    /// Whether any hit will do, so that order does not matter.
+    const ANY: bool;
+
+    /// Nothing found yet.
+    fn new(ray: &Ray) -> Self;
+
+    /// Hits beyond this can't change the answer; equal ones can.
+    fn t_max(&self) -> f32;
+
+    /// Considers a hit; `Break` if the answer is final.
+    fn offer(&mut self, shot: &Shot<'_>, hit: ClosestHit) -> ControlFlow<()>;
+
+    /// The answer.
+    fn answer(&self) -> Self::Answer;
+}
+
+/// The smallest `(t, id)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Closest {
+    /// The best so far; until there is one its `t` is the ray's limit.
+    best: ClosestHit,
+}
+
+impl Query for Closest {
+    type Answer = ClosestHit;
+    const ANY: bool = false;
+
+    #[inline(always)]
+    fn new(ray: &Ray) -> Self {
+        Self { best: ClosestHit { t: ray.t_max(), ..ClosestHit::MISS } }
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.best.t
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, shot: &Shot<'_>, hit: ClosestHit) -> ControlFlow<()> {
+        let best = &self.best;
+        let better = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
+        if better && hit.t > shot.ray.t_min() && shot.accepts(&hit) {
+            self.best = hit;
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn answer(&self) -> ClosestHit {
+        if self.best.is_hit() { self.best } else { ClosestHit::MISS }
+    }
+}
+
+/// Whether there is a hit at all.
+#[derive(Clone, Copy, Debug)]
+pub struct Any {
+    t_max: f32,
+    found: bool,
+}
+
+impl Query for Any {
+    type Answer = AnyHit;
+    const ANY: bool = true;
+
+    #[inline(always)]
+    fn new(ray: &Ray) -> Self {
+        Self { t_max: ray.t_max(), found: false }
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, shot: &Shot<'_>, hit: ClosestHit) -> ControlFlow<()> {
+        if hit.t > shot.ray.t_min() && hit.t <= self.t_max && shot.accepts(&hit) {
+            self.found = true;
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn answer(&self) -> AnyHit {
+        AnyHit(self.found)
+    }
+}
+
+/// Lets the verdict speak over one triangle and offers what it finds.
+#[inline(always)]
+pub fn test_triangle<Q: Query, C: Counters>(
+    shot: &Shot<'_>,
+    id: TriangleId,
+    triangle: &Triangle,
+    query: &mut Q,
+    counters: &mut C,
+) -> ControlFlow<()> {
+    counters.count(Event::Verdict);
+    match verdict(&shot.slab, &shot.shear, triangle) {
+        Some([t, u, v]) => query.offer(shot, ClosestHit { t, u, v, triangle: id }),
+        None => ControlFlow::Continue(()),
+    }
+}
+
+/// Tests a block: filters all at once, then lets the verdict speak over what is left.
+#[inline(always)]
+pub fn test_block<S, V, Q, C, const W: usize>(
+    simd: S,
+    shot: &Shot<'_>,
+    block: &TriangleBlock<W>,
+    query: &mut Q,
+    counters: &mut C,
+) -> ControlFlow<()>
+where
+    S: Simd,
+    V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+    Q: Query,
+    C: Counters,
+{
+    counters.count(Event::TriangleTest);
+    if C::COUNTS {
+        counters.add(Event::TriangleLane, block.len() as u64);
+    }
+    let mut lanes = block.candidates::<S, V>(simd, &shot.ray, query.t_max());
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize;
+        lanes &= lanes - 1;
+        let id = block.ids[lane];
+        if id != TriangleId::NONE {
+            test_triangle(shot, id, &block.triangle(lane), query, counters)?;
+        }
+    }
+    ControlFlow::Continue(())
+}

@@ -1,0 +1,49 @@
+//! What a structure says of its size and its making.
+
+/// Exact bytes by part.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MemoryReport {
+    /// Names and bytes.
+    pub parts: Vec<(&'static str, usize)>,
+}
+
+impl MemoryReport {
+    /// A report of some parts.
+    pub fn new(parts: impl Into<Vec<(&'static str, usize)>>) -> Self {
+        Self { parts: parts.into() }
+    }
+
+    /// All bytes.
+    pub fn total(&self) -> usize {
+        self.parts.iter().map(|(_, bytes)| bytes).sum()
+    }
+}
+
+/// How a structure was built and what came of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BuildReport {
+    /// Names of phases and their seconds.
+    pub phases: Vec<(&'static str, f64)>,
+    /// Triangles given.
+    pub triangles: usize,
+    /// Inner nodes.
+    pub nodes: usize,
+    /// Leaves.
+    pub leaves: usize,
+    /// Triangles of a leaf, on average.
+    pub mean_leaf: f64,
+    /// Depth of a leaf, on average; the root has depth 0.
+    pub mean_depth: f64,
+    /// Depth of the deepest leaf.
+    pub max_depth: usize,
+    /// Expected cost of a random ray through the root's box by the surface area heuristic, in units
+    /// of one box test.
+    pub sah_cost: f64,
+}
+
+impl BuildReport {
+    /// Seconds in all.
+    pub fn seconds(&self) -> f64 {
+        self.phases.iter().map(|(_, seconds)| seconds).sum()
+    }
+}

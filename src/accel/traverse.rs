@@ -1,0 +1,132 @@
+//! From a walk written once to the object that callers see.
+
+use fearless_simd::{Level, Simd};
+
+use super::{
+    Accel, Any, AnyHit, Batch, BuildReport, Closest, ClosestHit, Counters, Counts, MemoryReport,
+    NotCounted, Query, Shot, Tracer,
+};
+
+/// A structure that rays walk through.
+///
+/// Generic over instruction set, question and counters; [`Accel`] follows for every implementor.
+/// Everything below [`Traverse::shoot`] down to the vector instructions must be
+/// `#[inline(always)]`, or each of them becomes a call.
+pub trait Traverse: Send + Sync {
+    /// What a thread needs to walk: stacks, caches.
+    type Scratch: Send;
+
+    /// Fresh scratch for one thread.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Finds the answer for one ray.
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        scratch: &mut Self::Scratch,
+        counters: &mut C,
+    );
+
+    /// Finds the answers for a slice of rays; ray by ray unless a structure knows better.
+    #[inline(always)]
+    fn shoot<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        scratch: &mut Self::Scratch,
+        counters: &mut C,
+    ) {
+        for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
+            let mut query = Q::new(ray);
+            let shot = Shot::new(ray, index, batch.filter());
+            self.walk(simd, &shot, &mut query, scratch, counters);
+            *answer = query.answer();
+        }
+    }
+
+    /// The instruction set to walk with, settled when it was built.
+    fn level(&self) -> Level;
+
+    /// See [`Accel::memory`].
+    fn memory(&self) -> MemoryReport;
+
+    /// See [`Accel::report`].
+    fn report(&self) -> &BuildReport;
+}
+
+impl<T: Traverse> Accel for T {
+    fn tracer(&self) -> Box<dyn Tracer + '_> {
+        Box::new(Worker { structure: self, scratch: self.scratch(), counters: NotCounted })
+    }
+
+    fn counting_tracer(&self) -> Box<dyn Tracer + '_> {
+        Box::new(Worker { structure: self, scratch: self.scratch(), counters: Counts::default() })
+    }
+
+    fn memory(&self) -> MemoryReport {
+        Traverse::memory(self)
+    }
+
+    fn report(&self) -> &BuildReport {
+        Traverse::report(self)
+    }
+}
+
+struct Worker<'a, T: Traverse, C> {
+    structure: &'a T,
+    scratch: T::Scratch,
+    counters: C,
+}
+
+/// How a worker gets from its level to code; counted walks exist at one instruction set only.
+trait Shoot {
+    fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]);
+}
+
+impl<T: Traverse> Shoot for Worker<'_, T, NotCounted> {
+    fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
+        assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
+        crate::vectorized!(self.structure.level(), simd => self.structure.shoot::<_, Q, _>(
+            simd,
+            batch,
+            answers,
+            &mut self.scratch,
+            &mut self.counters,
+        ));
+    }
+}
+
+impl<T: Traverse> Shoot for Worker<'_, T, Counts> {
+    fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
+        assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
+        if let Level::Fallback(simd) = Level::fallback() {
+            self.structure.shoot::<_, Q, _>(
+                simd,
+                batch,
+                answers,
+                &mut self.scratch,
+                &mut self.counters,
+            );
+        }
+    }
+}
+
+impl<T: Traverse, C: Counters> Tracer for Worker<'_, T, C>
+where
+    Self: Shoot,
+{
+    fn closest_hits(&mut self, batch: &Batch<'_>, hits: &mut [ClosestHit]) {
+        self.shoot::<Closest>(batch, hits);
+    }
+
+    fn any_hits(&mut self, batch: &Batch<'_>, hits: &mut [AnyHit]) {
+        self.shoot::<Any>(batch, hits);
+    }
+
+    fn counts(&self) -> Counts {
+        self.counters.counts()
+    }
+}

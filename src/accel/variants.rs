@@ -1,0 +1,130 @@
+//! The table of structures, and how one is named and built.
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use fearless_simd::Level;
+
+use super::{Accel, BuildError, OptionSpec, Options, SpecError, brute, bvh, kd};
+use crate::geom::TriangleSource;
+use crate::simd::Isa;
+
+/// A row of the table: all that the rest of the program knows about a structure.
+pub struct Variant {
+    /// As `--accel` takes it.
+    pub id: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Where it comes from.
+    pub paper: &'static str,
+    /// Its options.
+    pub options: &'static [OptionSpec],
+    /// Builds it over the triangles, on the threads of the current pool.
+    pub build: fn(&BuildInput<'_>) -> Result<Box<dyn Accel>, BuildError>,
+}
+
+/// What a structure is built from.
+pub struct BuildInput<'a> {
+    /// The triangles.
+    pub source: Arc<dyn TriangleSource>,
+    /// The options of its row.
+    pub options: &'a Options,
+    /// The instruction set to walk with.
+    pub level: Level,
+}
+
+/// All structures; the only place where they are registered. The order is that of all listings.
+pub const VARIANTS: &[Variant] =
+    &[brute::VARIANT, bvh::binary::VARIANT, kd::STACK_DIRECTION, kd::ROPES];
+
+impl fmt::Debug for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+/// A structure with its options, as in `bvh2:build=sweep`.
+#[derive(Clone, Debug)]
+pub struct AccelSpec {
+    /// The row.
+    pub variant: &'static Variant,
+    /// The options.
+    pub options: Options,
+}
+
+impl FromStr for AccelSpec {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        let (id, options) = text.split_once(':').unwrap_or((text, ""));
+        let variant = VARIANTS
+            .iter()
+            .find(|variant| variant.id == id)
+            .ok_or_else(|| SpecError::UnknownId { id: id.to_owned(), near: near_ids(id) })?;
+        Ok(Self { variant, options: Options::parse(variant.id, variant.options, options)? })
+    }
+}
+
+impl fmt::Display for AccelSpec {
+    /// The id and those options that are not at their defaults.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.variant.id)?;
+        let chosen = self.options.iter().zip(self.variant.options);
+        let chosen = chosen.filter(|((_, value), spec)| *value != spec.default);
+        for (i, ((name, value), _)) in chosen.enumerate() {
+            write!(f, "{}{name}={value}", if i == 0 { ':' } else { ',' })?;
+        }
+        Ok(())
+    }
+}
+
+/// Up to three ids like the one that was meant, the most similar first.
+fn near_ids(id: &str) -> Vec<&'static str> {
+    let mut scored: Vec<_> =
+        VARIANTS.iter().map(|v| (strsim::jaro_winkler(id, v.id), v.id)).collect();
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    scored.into_iter().filter(|(score, _)| *score > 0.7).take(3).map(|(_, id)| id).collect()
+}
+
+/// Builds a structure over triangles, on the threads of the current pool.
+///
+/// # Errors
+/// Limits of the structure, or an instruction set that this CPU lacks.
+pub fn build(
+    spec: &AccelSpec,
+    source: Arc<dyn TriangleSource>,
+    isa: Isa,
+) -> Result<Box<dyn Accel>, BuildError> {
+    const LIMIT: usize = (u32::MAX - 1) as usize;
+    if source.len() > LIMIT {
+        return Err(BuildError::TooManyTriangles { count: source.len(), limit: LIMIT });
+    }
+    let level = isa.level().ok_or(BuildError::NoSuchIsa { isa: isa.name() })?;
+    (spec.variant.build)(&BuildInput { source, options: &spec.options, level })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_unique_and_options_well_formed() {
+        for (i, variant) in VARIANTS.iter().enumerate() {
+            assert!(VARIANTS[..i].iter().all(|other| other.id != variant.id), "{}", variant.id);
+            assert!(!variant.summary.ends_with('.') && !variant.summary.is_empty());
+            // Every default can be written back and read again.
+            for spec in variant.options {
+                let text = format!("{}:{}={}", variant.id, spec.name, spec.default);
+                let read: AccelSpec = text.parse().expect("a default is a legal value");
+                assert_eq!(read.options, Options::defaults(variant.options), "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_slip_of_the_pen_is_answered_with_the_near_id() {
+        let error = "brutte".parse::<AccelSpec>().expect_err("there is no such structure");
+        assert!(error.to_string().contains("did you mean brute?"), "{error}");
+    }
+}

@@ -1,0 +1,194 @@
+//! Blocks of triangles that one vector instruction stream tests at once.
+//!
+//! [`TriangleBlock::candidates`] only filters: it may let a miss pass but never stops a triangle
+//! that [`super::verdict`] would take. Width, instruction set and rounding can't change a hit.
+//!
+//! # The bound
+//! The test is Möller and Trumbore's with the edge functions as dot products of `r = c × d`, `c`
+//! the first vertex from the origin. Let `ε` be 2^-24, `|x|` the sum of a vector's magnitudes.
+//! Each component of `c` is off by `ε|c|`, edges by `ε|e|`; a component of a cross product of
+//! x and y by less than `4ε|x||y|` (two products, one difference, and the operands' own errors),
+//! and a dot product adds as much again for each of its three terms. So an edge function
+//! `r · e` is off by less than `16ε |c||d||e|`, the determinant and the distance `n · c`, with
+//! `n = e × e'`, by less than `16ε |d||e||e'|` and `16ε |c||e||e'|`. We allow twice that. A product
+//! that underflows is off by up to 2^-149 and may be multiplied by another operand: so each product
+//! of norms is raised by the smallest normal number before it meets the third norm, and after.
+//! Where a bound is above 2^100 something may have overflowed, and the lane passes unseen.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
+
+use super::Triangle;
+use crate::math::{Ray, TriangleId, Vec3};
+
+/// `W` triangles as structure of arrays. Unused places repeat a triangle, with no id.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct TriangleBlock<const W: usize> {
+    /// Per vertex a, b, c and axis, the coordinates.
+    pub vertices: [[[f32; W]; 3]; 3],
+    /// Whose they are.
+    pub ids: [TriangleId; W],
+}
+
+impl<const W: usize> TriangleBlock<W> {
+    /// Packs up to `W` triangles.
+    ///
+    /// # Panics
+    /// If there are none or more than `W`.
+    pub fn new(triangles: &[(TriangleId, Triangle)]) -> Self {
+        assert!((1..=W).contains(&triangles.len()), "a block holds 1 to {W} triangles");
+        let mut block = Self { vertices: [[[0.0; W]; 3]; 3], ids: [TriangleId::NONE; W] };
+        for lane in 0..W {
+            let (id, triangle) = triangles[lane.min(triangles.len() - 1)];
+            for (vertex, p) in [triangle.a, triangle.b, triangle.c].into_iter().enumerate() {
+                for axis in 0..3 {
+                    block.vertices[vertex][axis][lane] = p[axis];
+                }
+            }
+            if lane < triangles.len() {
+                block.ids[lane] = id;
+            }
+        }
+        block
+    }
+
+    /// The triangle of a lane.
+    #[inline(always)]
+    pub fn triangle(&self, lane: usize) -> Triangle {
+        let [a, b, c] = &self.vertices;
+        let at = |v: &[[f32; W]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        Triangle { a: at(a), b: at(b), c: at(c) }
+    }
+
+    /// How many triangles it holds.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.ids.iter().take_while(|&&id| id != TriangleId::NONE).count()
+    }
+
+    /// Whether it holds none; never true.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bit `i` is set if triangle `i` may be hit at or before `t_max`; repeats may be set too.
+    #[inline(always)]
+    pub fn candidates<S, V>(&self, simd: S, ray: &Ray, t_max: f32) -> u32
+    where
+        S: Simd,
+        V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+    {
+        const RELATIVE: f32 = 32.0 * 0.5 * f32::EPSILON;
+        const LARGE: f32 = 1.2676506e30; // 2^100
+        let (o, d) = (ray.origin(), ray.direction());
+        let splat = |x: f32| V::splat(simd, x);
+        let load =
+            |vertex: usize, axis: usize| V::load_array_ref(simd, &self.vertices[vertex][axis]);
+
+        let a = [load(0, 0), load(0, 1), load(0, 2)];
+        let e1 = [load(1, 0) - a[0], load(1, 1) - a[1], load(1, 2) - a[2]];
+        let e2 = [load(2, 0) - a[0], load(2, 1) - a[1], load(2, 2) - a[2]];
+        let c = [a[0] - splat(o.x), a[1] - splat(o.y), a[2] - splat(o.z)];
+        let d = [splat(d.x), splat(d.y), splat(d.z)];
+        let n = cross(e1, e2);
+        let r = cross(c, d);
+        let (det, distance) = (dot(n, d), dot(n, c));
+        let (u, v) = (dot(r, e2), -dot(r, e1));
+
+        // Norms of the operands, for the bounds.
+        let d_norm = splat(ray.direction().abs().element_sum() * RELATIVE);
+        let (c_norm, e1_norm, e2_norm) = (norm(c), norm(e1), norm(e2));
+        let tiny = splat(f32::MIN_POSITIVE);
+        let (cd, ee) = (c_norm * d_norm + tiny, e1_norm * e2_norm + tiny);
+        let (u_slack, v_slack) = (cd * e2_norm + tiny, cd * e1_norm + tiny);
+        let det_slack = d_norm * ee + tiny;
+        let t_slack = c_norm * splat(RELATIVE) * ee + tiny;
+        let uv_slack = u_slack + v_slack + det_slack;
+
+        // The sign of the determinant makes all of one sign. Where it can't be told, or something
+        // may have overflowed, the lane passes.
+        let magnitude = det.abs();
+        let (u, v) = (flip_sign(u, det), flip_sign(v, det));
+        let distance = flip_sign(distance, det);
+        let sure = magnitude.simd_gt(det_slack) & (uv_slack + t_slack).simd_le(splat(LARGE));
+        let outside = u.simd_lt(-u_slack)
+            | v.simd_lt(-v_slack)
+            | (u + v).simd_gt(magnitude + uv_slack)
+            | distance.simd_lt(-t_slack)
+            | distance.simd_gt(splat(t_max) * (magnitude + det_slack) + t_slack);
+        let all = (1_u64 << W) - 1;
+        (!(outside & sure).to_bitmask() & all) as u32
+    }
+}
+
+/// `x` with its sign turned where `sign` is negative.
+#[inline(always)]
+fn flip_sign<S: Simd, V: SimdFloat<S, Element = f32>>(x: V, sign: V) -> V {
+    let signs = sign.to_bits() & V::Bits::splat(x.token(), 0x8000_0000);
+    V::from_bits(x.to_bits() ^ signs)
+}
+
+#[inline(always)]
+fn cross<S: Simd, V: SimdFloat<S, Element = f32>>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn dot<S: Simd, V: SimdFloat<S, Element = f32>>(a: [V; 3], b: [V; 3]) -> V {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn norm<S: Simd, V: SimdFloat<S, Element = f32>>(a: [V; 3]) -> V {
+    a[0].abs() + a[1].abs() + a[2].abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch, f32x4};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geom::{ShearRay, SlabRay, verdict};
+
+    fn coordinate() -> impl Strategy<Value = f32> {
+        prop_oneof![
+            4 => -2.0_f32..2.0,
+            1 => Just(0.0_f32),
+            1 => Just(1.0_f32),
+            1 => -1e-6_f32..1e-6,
+            1 => 1e5_f32..1.0001e5,
+        ]
+    }
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        [coordinate(), coordinate(), coordinate()].prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default() })]
+        #[test]
+        fn what_the_verdict_takes_is_never_stopped(
+            a in point(), b in point(), c in point(), origin in point(),
+            w in [0.0_f32..=1.0, 0.0_f32..=1.0], on_edge in 0..4, exponent in -60_i32..60,
+        ) {
+            // Aimed at the inside, an edge or a vertex, at any scale.
+            let (u, v) = match on_edge {
+                0 => (w[0] * (1.0 - w[1]), w[1]),
+                1 => (w[0], 1.0 - w[0]),
+                2 => (w[0], 0.0),
+                _ => (1.0, 0.0),
+            };
+            let scale = f32::from_bits(((exponent + 127) as u32) << 23);
+            let target = a * (1.0 - u - v) + b * u + c * v;
+            let ray = Ray::new(origin * scale, (target - origin) * scale, 0.0, f32::INFINITY);
+            prop_assume!(ray != Ray::MISS);
+            let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
+            if let Some([t, ..]) = verdict(&SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
+                let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
+                let found = dispatch!(Level::new(), simd => block.candidates::<_, f32x4<_>>(simd, &ray, t));
+                prop_assert_eq!(found, 0b1111);
+            }
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The slab test: where a ray enters and leaves an axis-aligned box.
+//!
+//! # Why it is conservative
+//! The distance to a plane is computed as `(plane - origin) * inverse`, three roundings of at most
+//! half an ulp each, so that it is off by less than 2 ulps relatively, wherever the origin. Near
+//! planes are multiplied with the inverse lowered by 4 ulps, far planes with it raised by 4: for
+//! planes ahead of the origin, `enter` is then below and `exit` above the true value, and planes
+//! behind it do not matter since hits lie at `t > 0`. Where the ray runs along an axis' planes the
+//! inverse is a huge finite number and the ray is inside by comparison alone; the slack of
+//! [`own_box`] keeps a ray inside that runs exactly in a face.
+//!
+//! # Why it is monotone
+//! Subtraction and multiplication round monotonically, minimum and maximum are exact. So a box
+//! that contains another has `enter` no larger and `exit` no smaller, in floating point, not only
+//! in theory: a hit inside its triangle's own box is inside every box around it.
+
+use super::Triangle;
+use crate::math::{Aabb, Ray, Vec3};
+
+/// A ray, prepared for slab tests.
+#[derive(Clone, Copy, Debug)]
+pub struct SlabRay {
+    /// The ray's origin.
+    pub origin: Vec3,
+    /// Reciprocal direction for near planes.
+    pub inv_near: Vec3,
+    /// Reciprocal direction for far planes.
+    pub inv_far: Vec3,
+    /// 1 for each axis along which the ray goes down (negative zero included), else 0.
+    pub negative: [usize; 3],
+}
+
+impl SlabRay {
+    /// Four units in the last place of a number in [1, 2).
+    const SLACK: f32 = 4.0 * f32::EPSILON;
+
+    /// Prepares a ray.
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let direction = ray.direction();
+        let inverse = Vec3::new(recip(direction.x), recip(direction.y), recip(direction.z));
+        Self {
+            origin: ray.origin(),
+            inv_near: inverse * (1.0 - Self::SLACK),
+            inv_far: inverse * (1.0 + Self::SLACK),
+            negative: [
+                usize::from(direction.x.is_sign_negative()),
+                usize::from(direction.y.is_sign_negative()),
+                usize::from(direction.z.is_sign_negative()),
+            ],
+        }
+    }
+
+    /// The interval of `t` inside the box, not clipped to the ray's own; it misses if the first is
+    /// above the second.
+    #[inline(always)]
+    pub fn interval(&self, bounds: &Aabb) -> (f32, f32) {
+        let (lo, hi) = (bounds.min, bounds.max);
+        let pick = |axis: usize| {
+            if self.negative[axis] == 0 { (lo[axis], hi[axis]) } else { (hi[axis], lo[axis]) }
+        };
+        let (nx, fx) = pick(0);
+        let (ny, fy) = pick(1);
+        let (nz, fz) = pick(2);
+        let near = (Vec3::new(nx, ny, nz) - self.origin) * self.inv_near;
+        let far = (Vec3::new(fx, fy, fz) - self.origin) * self.inv_far;
+        (near.x.max(near.y).max(near.z), far.x.min(far.y).min(far.z))
+    }
+}
+
+/// The reciprocal with its magnitude limited to 2^127, so that it stays finite when it is raised.
+#[inline(always)]
+fn recip(x: f32) -> f32 {
+    const SMALLEST: f32 = 5.877472e-39; // 2^-127
+    1.0 / x.abs().max(SMALLEST).copysign(x)
+}
+
+/// The box that a triangle's hits lie in by definition (see [`super::verdict`]), and that every
+/// structure must build with: that of its vertices, grown by 2^-22 of the coordinates, at least by
+/// 2^-90, so that no box is flat.
+#[inline(always)]
+pub fn own_box(triangle: &Triangle) -> Aabb {
+    let bounds = triangle.bounds();
+    Aabb { min: bounds.min - slack(bounds.min), max: bounds.max + slack(bounds.max) }
+}
+
+#[inline(always)]
+fn slack(p: Vec3) -> Vec3 {
+    const RELATIVE: f32 = 2.0 * f32::EPSILON; // 2^-22
+    const ABSOLUTE: f32 = 8.077936e-28; // 2^-90
+    (p.abs() * RELATIVE).max(Vec3::splat(ABSOLUTE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const INF: f32 = f32::INFINITY;
+
+    fn interval(origin: [f32; 3], direction: [f32; 3], bounds: Aabb) -> (f32, f32) {
+        SlabRay::new(&Ray::new(origin.into(), direction.into(), 0.0, INF)).interval(&bounds)
+    }
+
+    #[test]
+    fn a_ray_along_an_axis_enters_and_leaves_the_unit_box() {
+        let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+        let (enter, exit) = interval([-1.0, 0.5, 0.5], [1.0, 0.0, -0.0], unit);
+        assert!((enter - 1.0).abs() < 1e-6 && (exit - 2.0).abs() < 1e-6);
+        let (enter, exit) = interval([-1.0, 1.5, 0.5], [1.0, 0.0, 0.0], unit);
+        assert!(enter > exit);
+    }
+
+    #[test]
+    fn a_ray_in_the_face_of_an_own_box_is_inside() {
+        let triangle = Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
+        let bounds = own_box(&triangle);
+        for direction in [[0.0, 0.0, 1.0], [-0.0, -0.0, 1.0]] {
+            let (enter, exit) = interval([1.0, 0.0, -3.0], direction, bounds);
+            assert!(enter <= 3.0 && exit >= 3.0);
+        }
+    }
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        let axis =
+            prop_oneof![-1e3_f32..1e3, -1e-3_f32..1e-3, Just(0.0), Just(-0.0), -1e20_f32..1e20];
+        [axis.clone(), axis.clone(), axis].prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        #[test]
+        fn a_box_around_a_box_has_the_wider_interval(
+            a in point(), b in point(), c in point(), d in point(), o in point(), e in point()
+        ) {
+            let inner = Aabb::of_points([a, b]);
+            let outer = inner.include(c).include(d);
+            let slab = SlabRay::new(&Ray::new(o, e, 0.0, INF));
+            let (ei, xi) = slab.interval(&inner);
+            let (eo, xo) = slab.interval(&outer);
+            prop_assert!(eo <= ei && xo >= xi);
+        }
+
+        #[test]
+        fn a_point_of_the_box_lies_in_the_interval(
+            a in point(), b in point(), o in point(), w in [0.0_f32..=1.0, 0.0..=1.0, 0.0..=1.0]
+        ) {
+            // Aim at a point of the box: by t = 1 the ray is there, up to the rounding of its
+            // direction, which an own box's slack is not there to cover: grow by that.
+            let bounds = Aabb::of_points([a, b]);
+            let target = bounds.min + bounds.extent() * Vec3::from(w);
+            let direction = target - o;
+            let rounding = (target.abs() + o.abs() + direction.abs()) * (2.0 * f32::EPSILON) + slack(bounds.max);
+            let grown = Aabb { min: bounds.min - rounding, max: bounds.max + rounding };
+            let ray = Ray::new(o, direction, 0.0, INF);
+            prop_assume!(ray != Ray::MISS);
+            let (enter, exit) = SlabRay::new(&ray).interval(&grown);
+            prop_assert!(enter <= 1.0 && exit >= 1.0, "{enter} {exit}");
+        }
+    }
+}
