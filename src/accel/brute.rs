@@ -15,8 +15,8 @@ use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f32x8};
 use rayon::prelude::*;
 
 use super::{
-    Batch, BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot,
-    Traverse, Variant, test_triangle,
+    Batch, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse, Variant,
+    test_triangle,
 };
 use crate::geom::{TriangleSource, own_box};
 use crate::math::TriangleId;
@@ -27,7 +27,7 @@ pub const VARIANT: Variant = Variant {
     summary: "every ray against every triangle: the oracle",
     paper: "-",
     options: &[],
-    build: |input| Ok(Box::new(Brute::build(input)?)),
+    build: |input| Ok(Box::new(Brute::build(input))),
 };
 
 /// Rays that meet a group of boxes together.
@@ -49,7 +49,7 @@ pub struct Brute {
 }
 
 impl Brute {
-    fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
+    fn build(input: &BuildInput<'_>) -> Self {
         let start = Instant::now();
         let count = input.source.len();
         let boxes =
@@ -62,7 +62,7 @@ impl Brute {
             sah_cost: count as f64,
             ..BuildReport::default()
         };
-        Ok(Self { source: Arc::clone(&input.source), boxes, level: input.level, report })
+        Self { source: Arc::clone(&input.source), boxes, level: input.level, report }
     }
 
     /// Tests blocks `first..first + blocks.len()` of boxes.

@@ -63,6 +63,9 @@ impl Event {
 
 /// Counts events, or compiles to nothing.
 pub trait Counters: Default + Send {
+    /// Whether it counts at all, for counts that take work to find.
+    const COUNTS: bool;
+
     /// Counts `n` events at once.
     fn add(&mut self, event: Event, n: u64);
 
@@ -81,6 +84,8 @@ pub trait Counters: Default + Send {
 pub struct NotCounted;
 
 impl Counters for NotCounted {
+    const COUNTS: bool = false;
+
     #[inline(always)]
     fn add(&mut self, _: Event, _: u64) {}
 
@@ -94,6 +99,8 @@ impl Counters for NotCounted {
 pub struct Counts([u64; Event::ALL.len()]);
 
 impl Counters for Counts {
+    const COUNTS: bool = true;
+
     #[inline(always)]
     fn add(&mut self, event: Event, n: u64) {
         self.0[event as usize] += n;

@@ -14,7 +14,7 @@
 //!    never loses the winner, nor one that ties with it. Builders of bounding volumes therefore
 //!    start from [`crate::geom::own_box`] and only ever take unions.
 //! 4. *In a kd-tree* the cells partition space, so a box is not enough: there the builder adds a
-//!    slack to every triangle's box; see [`kd`].
+//!    slack to every triangle's box; its module tells why that is enough.
 //!
 //! A ray with a NaN or infinite part, or without a direction, misses: [`crate::math::Ray::new`]
 //! sees to that, and keeps NaN out of all comparisons.
@@ -25,6 +25,7 @@
 
 mod batch;
 pub mod brute;
+pub mod bvh;
 mod counters;
 mod error;
 pub mod kd;

@@ -162,6 +162,9 @@ where
     C: Counters,
 {
     counters.count(Event::TriangleTest);
+    if C::COUNTS {
+        counters.add(Event::TriangleLane, block.len() as u64);
+    }
     let mut lanes = block.candidates::<S, V>(simd, &shot.ray, query.t_max());
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize;

@@ -1,1 +1,3 @@
-//! bench
+//! Ray sets to measure and compare structures with.
+
+pub mod ray_sets;

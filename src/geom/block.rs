@@ -10,9 +10,10 @@
 //! x and y by less than `4ε|x||y|` (two products, one difference, and the operands' own errors),
 //! and a dot product adds as much again for each of its three terms. So an edge function
 //! `r · e` is off by less than `16ε |c||d||e|`, the determinant and the distance `n · c`, with
-//! `n = e × e'`, by less than `16ε |d||e||e'|` and `16ε |c||e||e'|`. We allow twice that and, for
-//! underflow, a few times the smallest normal number. What is compared is also written so that a
-//! NaN from an overflow passes.
+//! `n = e × e'`, by less than `16ε |d||e||e'|` and `16ε |c||e||e'|`. We allow twice that. A product
+//! that underflows is off by up to 2^-149 and may be multiplied by another operand: so each product
+//! of norms is raised by the smallest normal number before it meets the third norm, and after.
+//! Where a bound is above 2^100 something may have overflowed, and the lane passes unseen.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
 
@@ -78,7 +79,7 @@ impl<const W: usize> TriangleBlock<W> {
         V: SimdFloat<S, Element = f32, Array = [f32; W]>,
     {
         const RELATIVE: f32 = 32.0 * 0.5 * f32::EPSILON;
-        const UNDERFLOW: f32 = 64.0 * f32::MIN_POSITIVE;
+        const LARGE: f32 = 1.2676506e30; // 2^100
         let (o, d) = (ray.origin(), ray.direction());
         let splat = |x: f32| V::splat(simd, x);
         let load =
@@ -97,25 +98,26 @@ impl<const W: usize> TriangleBlock<W> {
         // Norms of the operands, for the bounds.
         let d_norm = splat(ray.direction().abs().element_sum() * RELATIVE);
         let (c_norm, e1_norm, e2_norm) = (norm(c), norm(e1), norm(e2));
-        let tiny = splat(UNDERFLOW);
-        let (cd, ee) = (c_norm * d_norm, e1_norm * e2_norm);
+        let tiny = splat(f32::MIN_POSITIVE);
+        let (cd, ee) = (c_norm * d_norm + tiny, e1_norm * e2_norm + tiny);
         let (u_slack, v_slack) = (cd * e2_norm + tiny, cd * e1_norm + tiny);
         let det_slack = d_norm * ee + tiny;
-        let t_slack = c_norm * ee * splat(RELATIVE) + tiny;
+        let t_slack = c_norm * splat(RELATIVE) * ee + tiny;
+        let uv_slack = u_slack + v_slack + det_slack;
 
-        // The sign of the determinant makes all of one sign; close to zero either may be right,
-        // and where it is not told apart from zero every test must pass: slack covers both.
+        // The sign of the determinant makes all of one sign. Where it can't be told, or something
+        // may have overflowed, the lane passes.
         let magnitude = det.abs();
         let (u, v) = (flip_sign(u, det), flip_sign(v, det));
         let distance = flip_sign(distance, det);
-        let unsure = magnitude.simd_le(det_slack);
+        let sure = magnitude.simd_gt(det_slack) & (uv_slack + t_slack).simd_le(splat(LARGE));
         let outside = u.simd_lt(-u_slack)
             | v.simd_lt(-v_slack)
-            | (u + v).simd_gt(magnitude + det_slack + u_slack + v_slack)
+            | (u + v).simd_gt(magnitude + uv_slack)
             | distance.simd_lt(-t_slack)
             | distance.simd_gt(splat(t_max) * (magnitude + det_slack) + t_slack);
         let all = (1_u64 << W) - 1;
-        ((!outside | unsure).to_bitmask() & all) as u32
+        (!(outside & sure).to_bitmask() & all) as u32
     }
 }
 
@@ -139,4 +141,54 @@ fn dot<S: Simd, V: SimdFloat<S, Element = f32>>(a: [V; 3], b: [V; 3]) -> V {
 #[inline(always)]
 fn norm<S: Simd, V: SimdFloat<S, Element = f32>>(a: [V; 3]) -> V {
     a[0].abs() + a[1].abs() + a[2].abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch, f32x4};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geom::{ShearRay, SlabRay, verdict};
+
+    fn coordinate() -> impl Strategy<Value = f32> {
+        prop_oneof![
+            4 => -2.0_f32..2.0,
+            1 => Just(0.0_f32),
+            1 => Just(1.0_f32),
+            1 => -1e-6_f32..1e-6,
+            1 => 1e5_f32..1.0001e5,
+        ]
+    }
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        [coordinate(), coordinate(), coordinate()].prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default() })]
+        #[test]
+        fn what_the_verdict_takes_is_never_stopped(
+            a in point(), b in point(), c in point(), origin in point(),
+            w in [0.0_f32..=1.0, 0.0_f32..=1.0], on_edge in 0..4, exponent in -60_i32..60,
+        ) {
+            // Aimed at the inside, an edge or a vertex, at any scale.
+            let (u, v) = match on_edge {
+                0 => (w[0] * (1.0 - w[1]), w[1]),
+                1 => (w[0], 1.0 - w[0]),
+                2 => (w[0], 0.0),
+                _ => (1.0, 0.0),
+            };
+            let scale = f32::from_bits(((exponent + 127) as u32) << 23);
+            let target = a * (1.0 - u - v) + b * u + c * v;
+            let ray = Ray::new(origin * scale, (target - origin) * scale, 0.0, f32::INFINITY);
+            prop_assume!(ray != Ray::MISS);
+            let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
+            if let Some([t, ..]) = verdict(&SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
+                let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
+                let found = dispatch!(Level::new(), simd => block.candidates::<_, f32x4<_>>(simd, &ray, t));
+                prop_assert_eq!(found, 0b1111);
+            }
+        }
+    }
 }

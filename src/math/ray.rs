@@ -34,8 +34,7 @@ impl Ray {
         // Written so that NaN fails every comparison.
         let valid = origin.is_finite()
             && direction.is_finite()
-            && longest >= 1.0 / Self::DIRECTION_LIMIT
-            && longest <= Self::DIRECTION_LIMIT
+            && (1.0 / Self::DIRECTION_LIMIT..=Self::DIRECTION_LIMIT).contains(&longest)
             && !t_min.is_nan()
             && !t_max.is_nan();
         if valid { Self { origin, t_min: t_min.max(0.0), direction, t_max } } else { Self::MISS }

@@ -1,13 +1,22 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
+mod error;
 mod instance;
+mod load;
 mod material;
+pub mod npy;
+mod texture;
+mod texture_image;
 mod triangles;
 
 use std::sync::Arc;
 
+pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
+pub use load::{LoadOptions, MissingTexture, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
+pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
+pub use texture_image::{Image, ImageError, Texels};
 pub use triangles::Triangles;
 
 use crate::geom::Mesh;
@@ -39,6 +48,8 @@ pub struct Scene {
     pub instances: Vec<Instance>,
     /// Materials; instances refer to them.
     pub materials: Vec<Material>,
+    /// Textures; materials refer to them.
+    pub textures: Vec<Texture>,
     /// Cameras in the file's order.
     pub cameras: Vec<NamedCamera>,
     /// What could not be honoured.

@@ -1,0 +1,231 @@
+//! `bvh2`: the binary hierarchy, one ray at a time.
+//!
+//! The baseline, and no straw man: both children's boxes lie in their parent's cache line and are
+//! tested together, the nearer child comes first, what waits on the stack remembers where the ray
+//! enters it, and leaves are blocks of four triangles in a leaf's cache lines.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::{Level, Simd, SimdBase, f32x4};
+
+use super::{BinaryTree, build_tree, sah};
+use crate::accel::{
+    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec, Query, Shot,
+    Traverse, Value, Values, Variant, test_block,
+};
+use crate::geom::{TriangleBlock, TriangleSource};
+
+/// The row of the table.
+pub const VARIANT: Variant = Variant {
+    id: "bvh2",
+    summary: "binary bounding volume hierarchy, leaves of up to four triangles",
+    paper: "Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007",
+    options: &[OptionSpec {
+        name: "build",
+        summary: "binned SAH, or a full SAH sweep over sorted centroids",
+        values: Values::Choice(&["binned", "sweep"]),
+        default: Value::Choice("binned"),
+    }],
+    build: |input| Ok(Box::new(Bvh2::build(input)?)),
+};
+
+/// Triangles of a leaf.
+const WIDTH: usize = 4;
+/// Cost of a step relative to that of a leaf.
+const COST: sah::Cost = sah::Cost { traversal: 0.4, width: WIDTH };
+/// A node puts at most one child aside.
+const STACK: usize = sah::MAX_DEPTH + 1;
+
+/// A link to a node, or with the highest bit set to a leaf's block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Link(u32);
+
+impl Link {
+    const LEAF: u32 = 1 << 31;
+
+    #[inline(always)]
+    fn leaf(self) -> Option<usize> {
+        (self.0 & Self::LEAF != 0).then_some((self.0 & !Self::LEAF) as usize)
+    }
+}
+
+/// Two children: for each axis the lower planes of both and the upper planes of both.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct Node {
+    planes: [[[f32; 2]; 2]; 3],
+    children: [Link; 2],
+}
+
+/// The structure.
+pub struct Bvh2 {
+    root: Option<Link>,
+    nodes: Vec<Node>,
+    leaves: Vec<TriangleBlock<WIDTH>>,
+    level: Level,
+    report: BuildReport,
+}
+
+impl Bvh2 {
+    fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
+        let (tree, mut phases) = build_tree(&*input.source, input.options.choice("build"), COST);
+        let start = std::time::Instant::now();
+        let report = tree.report();
+        if report.max_depth > sah::MAX_DEPTH {
+            let (depth, limit) = (report.max_depth, sah::MAX_DEPTH);
+            return Err(BuildError::TooDeep { depth, limit });
+        }
+        if report.leaves.max(report.nodes) >= Link::LEAF as usize {
+            let (count, limit) = (report.leaves, Link::LEAF as usize);
+            return Err(BuildError::TooManyTriangles { count, limit });
+        }
+        let (links, nodes, leaves) = lay_out(&tree, &*input.source);
+        phases.push(("layout", start.elapsed().as_secs_f64()));
+        let report = BuildReport { phases, ..report };
+        Ok(Self { root: links.first().copied(), nodes, leaves, level: input.level, report })
+    }
+}
+
+/// Inner nodes and leaves, each in the tree's order.
+fn lay_out(
+    tree: &BinaryTree,
+    source: &dyn TriangleSource,
+) -> (Vec<Link>, Vec<Node>, Vec<TriangleBlock<WIDTH>>) {
+    let (mut inner, mut leaf) = (0, 0);
+    let links: Vec<Link> = (tree.nodes.iter())
+        .map(|node| {
+            let (count, flag) =
+                if node.is_leaf() { (&mut leaf, Link::LEAF) } else { (&mut inner, 0) };
+            *count += 1;
+            Link((*count - 1) | flag)
+        })
+        .collect();
+    let mut nodes = Vec::with_capacity(inner as usize);
+    let mut leaves = Vec::with_capacity(leaf as usize);
+    for (index, node) in tree.nodes.iter().enumerate() {
+        if node.is_leaf() {
+            let mut triangles = [(crate::math::TriangleId::NONE, NO_TRIANGLE); WIDTH];
+            let ids = tree.triangles(node);
+            for (slot, &id) in triangles.iter_mut().zip(ids) {
+                *slot = (id, source.triangle(id));
+            }
+            leaves.push(TriangleBlock::new(&triangles[..ids.len()]));
+            continue;
+        }
+        let children = [index + 1, node.first as usize];
+        let bounds = children.map(|child| tree.nodes[child].bounds);
+        let planes =
+            [0, 1, 2].map(|axis| [bounds.map(|b| b.min[axis]), bounds.map(|b| b.max[axis])]);
+        nodes.push(Node { planes, children: children.map(|child| links[child]) });
+    }
+    (links, nodes, leaves)
+}
+
+const NO_TRIANGLE: crate::geom::Triangle = crate::geom::Triangle {
+    a: crate::math::Vec3::ZERO,
+    b: crate::math::Vec3::ZERO,
+    c: crate::math::Vec3::ZERO,
+};
+
+impl Node {
+    /// Where the ray enters each child, and minus where it leaves it: `[in, in, -out, -out]`.
+    #[inline(always)]
+    fn intervals<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> [f32; 4] {
+        let slab = &shot.slab;
+        let mut worst =
+            f32x4::from_fn(simd, |lane| if lane < 2 { shot.ray.t_min() } else { -t_max });
+        for axis in 0..3 {
+            let near = self.planes[axis][slab.negative[axis]];
+            let far = self.planes[axis][1 - slab.negative[axis]];
+            let planes = f32x4::load_array(simd, [near[0], near[1], far[0], far[1]]);
+            let (inv_near, inv_far) = (slab.inv_near[axis], -slab.inv_far[axis]);
+            let inverse = f32x4::load_array(simd, [inv_near, inv_near, inv_far, inv_far]);
+            // Negation is exact: a maximum of negated far distances is their minimum, negated.
+            worst = worst.max((planes - slab.origin[axis]) * inverse);
+        }
+        worst.to_array()
+    }
+}
+
+impl Traverse for Bvh2 {
+    type Scratch = Box<[(Link, f32); STACK]>;
+
+    fn scratch(&self) -> Self::Scratch {
+        Box::new([(Link(0), 0.0); STACK])
+    }
+
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        stack: &mut Self::Scratch,
+        counters: &mut C,
+    ) {
+        let Some(mut link) = self.root else { return };
+        let mut pending = 0;
+        loop {
+            if let Some(leaf) = link.leaf() {
+                counters.count(Event::Leaf);
+                let block = &self.leaves[leaf];
+                if let ControlFlow::Break(()) =
+                    test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
+                {
+                    return;
+                }
+            } else {
+                counters.count(Event::InnerNode);
+                counters.count(Event::BoxTest);
+                let node = &self.nodes[link.0 as usize];
+                let [in0, in1, out0, out1] = node.intervals(simd, shot, query.t_max());
+                match (in0 <= -out0, in1 <= -out1) {
+                    (true, true) => {
+                        let first = usize::from(in1 < in0);
+                        stack[pending] = (node.children[1 - first], in0.max(in1));
+                        pending += 1;
+                        counters.count(Event::Push);
+                        link = node.children[first];
+                        continue;
+                    }
+                    (true, false) => {
+                        link = node.children[0];
+                        continue;
+                    }
+                    (false, true) => {
+                        link = node.children[1];
+                        continue;
+                    }
+                    (false, false) => {}
+                }
+            }
+            // The nearest of what waits, unless a hit was found before it.
+            loop {
+                if pending == 0 {
+                    return;
+                }
+                pending -= 1;
+                let (next, enter) = stack[pending];
+                if enter <= query.t_max() {
+                    link = next;
+                    break;
+                }
+            }
+        }
+    }
+
+    fn level(&self) -> Level {
+        self.level
+    }
+
+    fn memory(&self) -> MemoryReport {
+        MemoryReport::new([
+            ("nodes", size_of_val(&*self.nodes)),
+            ("leaves", size_of_val(&*self.leaves)),
+        ])
+    }
+
+    fn report(&self) -> &BuildReport {
+        &self.report
+    }
+}

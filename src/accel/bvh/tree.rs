@@ -1,0 +1,109 @@
+//! The binary tree that builders make: plain data.
+
+use crate::accel::BuildReport;
+use crate::math::{Aabb, TriangleId};
+
+/// A node: a leaf if `count` is not zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BinaryNode {
+    /// Box of all triangles below.
+    pub bounds: Aabb,
+    /// Of a leaf: its first place in the order. Of an inner node: its second child; the first one
+    /// follows the node itself.
+    pub first: u32,
+    /// Triangles of a leaf.
+    pub count: u32,
+}
+
+impl BinaryNode {
+    /// Whether it holds triangles.
+    #[inline(always)]
+    pub fn is_leaf(&self) -> bool {
+        self.count > 0
+    }
+}
+
+/// A binary tree in depth-first order; no nodes if there are no triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BinaryTree {
+    /// The root first.
+    pub nodes: Vec<BinaryNode>,
+    /// Triangles, leaf by leaf.
+    pub order: Vec<TriangleId>,
+}
+
+impl BinaryTree {
+    /// Appends the subtree `other` to this one.
+    ///
+    /// Its leaves' places must be right already; its nodes' links are moved.
+    pub(super) fn append_nodes(nodes: &mut Vec<BinaryNode>, other: &[BinaryNode]) {
+        let offset = nodes.len() as u32;
+        nodes.extend(other.iter().map(|node| BinaryNode {
+            first: if node.is_leaf() { node.first } else { node.first + offset },
+            ..*node
+        }));
+    }
+
+    /// The triangles of a leaf.
+    pub fn triangles(&self, leaf: &BinaryNode) -> &[TriangleId] {
+        &self.order[leaf.first as usize..][..leaf.count as usize]
+    }
+
+    /// Shape and expected cost, with a step and a leaf at the same price.
+    pub fn report(&self) -> BuildReport {
+        let mut report = BuildReport { triangles: self.order.len(), ..BuildReport::default() };
+        let Some(root) = self.nodes.first() else { return report };
+        let mut stack = vec![(0_u32, 0_usize)];
+        let (mut area, mut depths) = (0.0, 0);
+        while let Some((index, depth)) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            area += node.bounds.half_area();
+            if node.is_leaf() {
+                report.leaves += 1;
+                depths += depth;
+                report.max_depth = report.max_depth.max(depth);
+            } else {
+                report.nodes += 1;
+                stack.extend([(node.first, depth + 1), (index + 1, depth + 1)]);
+            }
+        }
+        report.sah_cost = area / root.bounds.half_area().max(f64::MIN_POSITIVE);
+        report.mean_leaf = self.order.len() as f64 / report.leaves as f64;
+        report.mean_depth = depths as f64 / report.leaves as f64;
+        report
+    }
+
+    /// Checks that every triangle is in exactly one leaf and every box holds what is below it.
+    ///
+    /// # Errors
+    /// What is wrong.
+    pub fn validate(&self, bounds_of: impl Fn(TriangleId) -> Aabb) -> Result<(), String> {
+        let mut seen = vec![false; self.order.len()];
+        let mut places = vec![false; self.order.len()];
+        for (index, node) in self.nodes.iter().enumerate() {
+            if !node.is_leaf() {
+                for child in [index + 1, node.first as usize] {
+                    let child_bounds = self.nodes.get(child).ok_or("a link leads nowhere")?.bounds;
+                    if !node.bounds.contains(child_bounds) {
+                        return Err(format!("node {index} does not hold its child {child}"));
+                    }
+                }
+                continue;
+            }
+            for place in node.first..node.first + node.count {
+                if std::mem::replace(&mut places[place as usize], true) {
+                    return Err(format!("place {place} is in two leaves"));
+                }
+            }
+            for &id in self.triangles(node) {
+                if std::mem::replace(&mut seen[id.index()], true) {
+                    return Err(format!("triangle {id:?} is in two leaves"));
+                }
+                if !node.bounds.contains(bounds_of(id)) {
+                    return Err(format!("leaf {index} does not hold triangle {id:?}"));
+                }
+            }
+        }
+        if seen.iter().all(|&s| s) { Ok(()) } else { Err("a triangle is in no leaf".to_owned()) }
+    }
+}

@@ -1,0 +1,28 @@
+//! Triangles to shoot at, and options that several commands share.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::CliError;
+use crate::geom::{Triangle, TriangleList, TriangleSource};
+use crate::math::Vec3;
+use crate::scene::npy;
+
+/// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order.
+pub fn triangles(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
+    let rows = npy::read_f32(path, 9)?;
+    if let Some(bad) = rows.iter().position(|x| !x.is_finite()) {
+        let message = format!("{}: row {}: a coordinate is not finite", path.display(), bad / 9);
+        return Err(CliError::Input(message));
+    }
+    let point = |p: &[f32]| Vec3::new(p[0], p[1], p[2]);
+    let triangle = |r: &[f32]| Triangle { a: point(r), b: point(&r[3..]), c: point(&r[6..]) };
+    Ok(Arc::new(TriangleList(rows.chunks_exact(9).map(triangle).collect())))
+}
+
+/// Runs `work` on `threads` threads; zero: one a core.
+pub fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> Result<R, CliError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| CliError::Usage(format!("--threads {threads}: {error}")))?;
+    Ok(pool.install(work))
+}

@@ -1,0 +1,229 @@
+//! `dapple trace`: a file of rays in, hits out.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::{CliError, input};
+use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
+use crate::bench::ray_sets::from_rows;
+use crate::scene::npy;
+use crate::simd::Isa;
+
+/// Shoot a file of rays at a scene and time it.
+///
+/// Rays are rows of eight float32 (origin, t_min, direction, t_max) in an .npy file. Hits are rows
+/// of four float32: t (infinity on a miss), u, v and the triangle's number as its bits; with --any
+/// one byte a ray. The time is from rows to hits in memory, after one pass that is not timed.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Examples:\n  dapple trace bunny.obj --rays rays.npy --hits hits.npy\n  \
+    dapple trace tris.npy --rays rays.npy --any --accel bvh2 --threads 1 --repeat 5 --json")]
+pub struct TraceArgs {
+    /// A scene file, or an .npy of (N, 9) float32 triangles whose order is their number
+    scene: PathBuf,
+    /// The rays
+    #[arg(long, value_name = "FILE")]
+    rays: PathBuf,
+    /// Where to write the hits
+    #[arg(long, value_name = "FILE")]
+    hits: Option<PathBuf>,
+    /// Ask only whether anything is hit
+    #[arg(long)]
+    any: bool,
+    /// The structure, `dapple accels` lists them
+    #[arg(long, value_name = "ID[:option=value,…]", default_value = "bvh2")]
+    accel: AccelSpec,
+    /// The instruction set; never changes a hit
+    #[arg(long, default_value_t)]
+    isa: Isa,
+    /// Threads to build and shoot with; 0: one a core
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Timed passes; the median counts
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    repeat: usize,
+    /// Ask ray by ray, in slices of one
+    #[arg(long)]
+    single: bool,
+    /// Count the work of a further pass
+    #[arg(long)]
+    counters: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Rays that a thread takes at once.
+const SLICE: usize = 4096;
+
+/// The answers to all rays.
+enum Answers {
+    Closest(Vec<ClosestHit>),
+    Any(Vec<AnyHit>),
+}
+
+/// Runs the command.
+pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
+    let source = input::triangles(&args.scene)?;
+    let rows = npy::read_f32(&args.rays, 8)?;
+    let rays = rows.len() / 8;
+    let triangles = source.len();
+    input::on_threads(args.threads, || {
+        let accel = build(&args.accel, source, args.isa)?;
+        let mut answers = if args.any {
+            Answers::Any(vec![AnyHit(false); rays])
+        } else {
+            Answers::Closest(vec![ClosestHit::MISS; rays])
+        };
+        shoot(&*accel, &rows, &mut answers, args.single, false);
+        let mut seconds: Vec<f64> = (0..args.repeat.max(1))
+            .map(|_| {
+                let start = Instant::now();
+                shoot(&*accel, &rows, &mut answers, args.single, false);
+                start.elapsed().as_secs_f64()
+            })
+            .collect();
+        seconds.sort_by(f64::total_cmp);
+        let counts = args.counters.then(|| shoot(&*accel, &rows, &mut answers, args.single, true));
+        if let Some(path) = &args.hits {
+            match &answers {
+                Answers::Closest(hits) => npy::write_f32(path, 4, bytemuck::cast_slice(hits))?,
+                Answers::Any(hits) => {
+                    npy::write_u8(
+                        path,
+                        &hits.iter().map(|hit| u8::from(hit.0)).collect::<Vec<_>>(),
+                    )?;
+                }
+            }
+        }
+        let summary = Summary {
+            triangles,
+            rays,
+            hits: answers.hits(),
+            seconds: seconds[seconds.len() / 2],
+            counts,
+        };
+        summary.print(args, &*accel);
+        Ok(ExitCode::SUCCESS)
+    })?
+}
+
+impl Answers {
+    fn hits(&self) -> usize {
+        match self {
+            Self::Closest(hits) => hits.iter().filter(|hit| hit.is_hit()).count(),
+            Self::Any(hits) => hits.iter().filter(|hit| hit.0).count(),
+        }
+    }
+}
+
+/// Answers all rows on the threads of the pool.
+fn shoot(
+    accel: &dyn Accel,
+    rows: &[f32],
+    answers: &mut Answers,
+    single: bool,
+    counting: bool,
+) -> Counts {
+    match answers {
+        Answers::Closest(hits) => {
+            shoot_all(accel, rows, hits, single, counting, |tracer, batch, hits| {
+                tracer.closest_hits(batch, hits);
+            })
+        }
+        Answers::Any(hits) => {
+            shoot_all(accel, rows, hits, single, counting, |tracer, batch, hits| {
+                tracer.any_hits(batch, hits);
+            })
+        }
+    }
+}
+
+fn shoot_all<A: Send>(
+    accel: &dyn Accel,
+    rows: &[f32],
+    answers: &mut [A],
+    single: bool,
+    counting: bool,
+    ask: impl Fn(&mut dyn Tracer, &Batch<'_>, &mut [A]) + Sync,
+) -> Counts {
+    let tracer = || if counting { accel.counting_tracer() } else { accel.tracer() };
+    // A task of many slices, so that a tracer is not made anew for each.
+    let task =
+        (answers.len() / rayon::current_num_threads() / 4).max(SLICE).next_multiple_of(SLICE);
+    let tasks = rows.par_chunks(task * 8).zip(answers.par_chunks_mut(task));
+    let counts: Vec<Counts> = tasks
+        .map(|(rows, answers)| {
+            let mut tracer = tracer();
+            for (rows, answers) in rows.chunks(SLICE * 8).zip(answers.chunks_mut(SLICE)) {
+                let rays = from_rows(rows);
+                let slice = if single { 1 } else { SLICE };
+                for (rays, answers) in rays.chunks(slice).zip(answers.chunks_mut(slice)) {
+                    ask(&mut *tracer, &Batch::new(rays), answers);
+                }
+            }
+            tracer.counts()
+        })
+        .collect();
+    counts.into_iter().fold(Counts::default(), |a, b| a + b)
+}
+
+struct Summary {
+    triangles: usize,
+    rays: usize,
+    hits: usize,
+    seconds: f64,
+    counts: Option<Counts>,
+}
+
+impl Summary {
+    fn print(&self, args: &TraceArgs, accel: &dyn Accel) {
+        let rate = self.rays as f64 / self.seconds.max(1e-9) * 1e-6;
+        let (report, bytes) = (accel.report(), accel.memory().total());
+        let query = if args.any { "any" } else { "closest" };
+        if args.json {
+            let counts = self.counts.as_ref().map(|counts| {
+                let entry = |event: Event| (event.name().to_owned(), counts[event].into());
+                serde_json::Map::from_iter(Event::ALL.map(entry))
+            });
+            let object = json!({
+                "accel": args.accel.to_string(),
+                "query": query,
+                "triangles": self.triangles,
+                "rays": self.rays,
+                "hits": self.hits,
+                "build_s": report.seconds(),
+                "bytes": bytes,
+                "seconds": self.seconds,
+                "mrays_s": rate,
+                "counters": counts,
+            });
+            println!("{object}");
+            return;
+        }
+        println!("{}: {} triangles, {bytes} bytes", args.accel, self.triangles);
+        println!(
+            "built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on average), SAH cost {:.2}",
+            report.seconds(),
+            report.nodes,
+            report.leaves,
+            report.mean_leaf,
+            report.max_depth,
+            report.mean_depth,
+            report.sah_cost
+        );
+        println!(
+            "{} {query} rays, {} hits, {:.4} s, {rate:.3} Mrays/s",
+            self.rays, self.hits, self.seconds
+        );
+        if let Some(counts) = self.counts {
+            let rays = self.rays.max(1) as f64;
+            for event in Event::ALL.into_iter().filter(|&event| counts[event] > 0) {
+                println!("{:>10.3} {} a ray", counts[event] as f64 / rays, event.name());
+            }
+        }
+    }
+}

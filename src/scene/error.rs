@@ -1,0 +1,232 @@
+//! What can go wrong when a scene is loaded.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+use super::Notice;
+
+/// Why a scene could not be loaded. Every message names the file and the place in it.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// A file could not be read at all.
+    #[error("{file}: {source}")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The contents are wrong: `scenes/a.gltf: /accessors/3: …`, or `scenes/a.gltf: …` where the
+    /// file as a whole is meant.
+    #[error("{file}: {}{message}", Prefix(place))]
+    Invalid {
+        /// The file.
+        file: String,
+        /// A JSON pointer, or empty.
+        place: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// The contents of a text file are wrong: `scenes/a.obj:17: …`.
+    #[error("{file}:{line}: {message}")]
+    Line {
+        /// The file.
+        file: String,
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// Extensions without which the file must not be drawn.
+    #[error(
+        "{file}: requires {}, which dapple does not support{}",
+        list(extensions),
+        remedy(extensions)
+    )]
+    Extensions {
+        /// The file.
+        file: String,
+        /// Their names.
+        extensions: Vec<String>,
+    },
+    /// Files that the scene refers to, or pictures within it, are missing or broken: all of them.
+    #[error("{file}: {}", BrokenList(broken))]
+    References {
+        /// The scene's file.
+        file: String,
+        /// All that cannot be used.
+        broken: Vec<Broken>,
+    },
+    /// There is no scene of the name or number asked for.
+    #[error("{file}: no scene {wanted:?}; it has {}", list(present))]
+    NoSuchScene {
+        /// The file.
+        file: String,
+        /// The name or number asked for.
+        wanted: String,
+        /// What there is.
+        present: Vec<String>,
+    },
+    /// Neither the ending nor the first bytes tell the format.
+    #[error("{file}: not a scene that dapple reads (.gltf, .glb, .obj)")]
+    UnknownFormat {
+        /// The file.
+        file: String,
+    },
+    /// `strict` was asked for and there are notices.
+    #[error("{}refused because of --strict", Notices(notices))]
+    Strict {
+        /// The notices.
+        notices: Vec<Notice>,
+    },
+}
+
+impl LoadError {
+    /// [`LoadError::Read`] for a path.
+    pub fn read(file: &Path, source: io::Error) -> Self {
+        Self::Read { file: file.display().to_string(), source }
+    }
+
+    /// [`LoadError::Invalid`] for a path; `place` is a JSON pointer or empty.
+    pub fn invalid(file: &Path, place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::Invalid {
+            file: file.display().to_string(),
+            place: place.into(),
+            message: message.into(),
+        }
+    }
+
+    /// [`LoadError::Line`] for a path; `line` counts from 1.
+    pub fn line(file: &Path, line: usize, message: impl Into<String>) -> Self {
+        Self::Line { file: file.display().to_string(), line, message: message.into() }
+    }
+}
+
+/// Something that a scene refers to and that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Broken {
+    /// The file's name as the scene spells it; empty where the data are inside the scene's file.
+    pub name: String,
+    /// Where the scene refers to it: a JSON pointer, or `file:line`.
+    pub place: String,
+    /// What is the matter.
+    pub reason: String,
+    /// Whether it is a texture, without which one can go on.
+    pub texture: bool,
+}
+
+struct Prefix<'a>(&'a str);
+
+impl fmt::Display for Prefix<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() { Ok(()) } else { write!(f, "{}: ", self.0) }
+    }
+}
+
+struct BrokenList<'a>(&'a [Broken]);
+
+impl fmt::Display for BrokenList<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            [one] => Line(one).fmt(f)?,
+            all => {
+                write!(f, "{} references cannot be used:", all.len())?;
+                for broken in all {
+                    write!(f, "\n  {}", Line(broken))?;
+                }
+            }
+        }
+        if !self.0.is_empty() && self.0.iter().all(|broken| broken.texture) {
+            let joint = if self.0.len() == 1 { "; " } else { "\n" };
+            write!(f, "{joint}--missing-texture magenta goes on without")?;
+        }
+        Ok(())
+    }
+}
+
+struct Line<'a>(&'a Broken);
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Broken { name, place, reason, .. } = self.0;
+        if name.is_empty() {
+            write!(f, "{place}: {reason}")
+        } else {
+            write!(f, "{place}: {name:?}: {reason}")
+        }
+    }
+}
+
+struct Notices<'a>(&'a [Notice]);
+
+impl fmt::Display for Notices<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|notice| writeln!(f, "{}: {}", notice.place, notice.message))
+    }
+}
+
+fn list(names: &[String]) -> String {
+    match names {
+        [] => "none".to_owned(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// What helps where the extension packs the data.
+fn remedy(extensions: &[String]) -> &'static str {
+    let packed = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"];
+    if extensions.iter().any(|name| packed.contains(&name.as_str())) {
+        "; export it again without compression"
+    } else {
+        ""
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_say_where_and_what() {
+        let file = Path::new("scenes/a.gltf");
+        assert_eq!(
+            LoadError::invalid(file, "/accessors/3", "its count is 0").to_string(),
+            "scenes/a.gltf: /accessors/3: its count is 0"
+        );
+        assert_eq!(LoadError::invalid(file, "", "empty").to_string(), "scenes/a.gltf: empty");
+        assert_eq!(
+            LoadError::line(Path::new("a.obj"), 17, "face refers to vertex 9 of 8").to_string(),
+            "a.obj:17: face refers to vertex 9 of 8"
+        );
+    }
+
+    #[test]
+    fn all_broken_references_are_listed() {
+        let broken = |name: &str| Broken {
+            name: name.to_owned(),
+            place: "/images/0".to_owned(),
+            reason: "no such file".to_owned(),
+            texture: true,
+        };
+        let file = "a.gltf".to_owned();
+        let two = LoadError::References { file, broken: vec![broken("x.png"), broken("y.png")] };
+        assert_eq!(
+            two.to_string(),
+            "a.gltf: 2 references cannot be used:\n  /images/0: \"x.png\": no such file\n  \
+             /images/0: \"y.png\": no such file\n--missing-texture magenta goes on without"
+        );
+    }
+
+    #[test]
+    fn packed_files_come_with_a_remedy() {
+        let extensions = vec!["KHR_draco_mesh_compression".to_owned(), "X".to_owned()];
+        let error = LoadError::Extensions { file: "a.glb".to_owned(), extensions };
+        assert_eq!(
+            error.to_string(),
+            "a.glb: requires KHR_draco_mesh_compression and X, which dapple does not support; \
+             export it again without compression"
+        );
+    }
+}

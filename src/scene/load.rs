@@ -1,0 +1,55 @@
+//! The way in: from a path to a scene.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use super::LoadError;
+
+/// What to do about a texture that is missing or broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MissingTexture {
+    /// An error that lists all of them.
+    #[default]
+    Error,
+    /// Paint it magenta and say so in a notice.
+    Magenta,
+}
+
+/// How to load a scene.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Whether any notice is an error.
+    pub strict: bool,
+    /// What to do about a texture that is missing or broken.
+    pub missing_texture: MissingTexture,
+    /// Which of a file's scenes, by its name or else its number from 0; none: the file's default.
+    pub scene: Option<String>,
+}
+
+/// The largest file that is read: a limit against special and sparse files, not against scenes.
+const MAX_FILE_BYTES: u64 = 8 << 30;
+
+/// The contents of a regular file.
+///
+/// # Errors
+/// [`LoadError::Read`] with what the system says, or if it is no regular file (a pipe would never
+/// end) or beyond 8 GiB.
+pub fn read_file(path: &Path) -> Result<Vec<u8>, LoadError> {
+    read_regular(path).map_err(|source| LoadError::read(path, source))
+}
+
+/// [`read_file`] with the bare reason.
+pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(io::Error::other("is a folder, not a file"));
+    }
+    if !metadata.is_file() {
+        return Err(io::Error::other("is not a regular file"));
+    }
+    if metadata.len() > MAX_FILE_BYTES {
+        return Err(io::Error::other("is larger than 8 GiB"));
+    }
+    fs::read(path)
+}

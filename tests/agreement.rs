@@ -1,0 +1,146 @@
+//! Every structure of the table answers as brute force does, to the bit.
+
+use std::sync::Arc;
+
+use dapple::accel::{AccelSpec, AnyHit, Batch, ClosestHit, VARIANTS, build};
+use dapple::bench::ray_sets::{Random, RaySet, Target};
+use dapple::geom::{Triangle, TriangleList, TriangleSource};
+use dapple::math::{Ray, Vec3};
+use dapple::simd::Isa;
+
+/// All structures with all choices of all their options.
+fn specs() -> Vec<AccelSpec> {
+    let mut specs = Vec::new();
+    for variant in VARIANTS {
+        specs.push(variant.id.to_owned());
+        for option in variant.options {
+            if let dapple::accel::Values::Choice(words) = option.values {
+                specs.extend(
+                    words.iter().map(|word| format!("{}:{}={word}", variant.id, option.name)),
+                );
+            }
+        }
+    }
+    specs.iter().map(|spec| spec.parse().expect("made from the table")).collect()
+}
+
+fn soup(count: usize, size: f32, scale: f32) -> Vec<Triangle> {
+    (0..count)
+        .map(|i| {
+            let random = &mut Random::new(7, i as u64);
+            let at = random.cube();
+            let corner = |random: &mut Random| (at + (random.cube() - 0.5) * size) * scale;
+            Triangle { a: corner(random), b: corner(random), c: corner(random) }
+        })
+        .collect()
+}
+
+/// A sheet of squares, each of two triangles, in the plane z = `z`.
+fn sheet(n: usize, z: f32) -> Vec<Triangle> {
+    let p = |x: usize, y: usize| Vec3::new(x as f32, y as f32, z);
+    (0..n * n)
+        .flat_map(|i| {
+            let (x, y) = (i % n, i / n);
+            let (a, b, c, d) = (p(x, y), p(x + 1, y), p(x + 1, y + 1), p(x, y + 1));
+            [Triangle { a, b, c }, Triangle { a, b: c, c: d }]
+        })
+        .collect()
+}
+
+fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
+    let twins: Vec<_> = soup(200, 0.3, 1.0).into_iter().flat_map(|t| [t, t]).collect();
+    let one = Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
+    let mut cube = sheet(8, 0.0);
+    let turned = |t: &Triangle, f: fn(Vec3) -> Vec3| Triangle { a: f(t.a), b: f(t.b), c: f(t.c) };
+    let sides: [fn(Vec3) -> Vec3; 3] =
+        [|p| Vec3::new(p.x, p.y, 8.0), |p| Vec3::new(0.0, p.x, p.y), |p| Vec3::new(p.y, 8.0, p.x)];
+    for side in sides {
+        let moved: Vec<_> = cube[..128].iter().map(|t| turned(t, side)).collect();
+        cube.extend(moved);
+    }
+    vec![
+        ("none", vec![]),
+        ("one", vec![one]),
+        ("copies", vec![one; 300]),
+        ("flat", vec![Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::X * 3.0 }; 20]),
+        ("soup", soup(2000, 0.2, 1.0)),
+        ("big and small", [soup(50, 2.0, 1.0), soup(500, 0.01, 1.0)].concat()),
+        ("twins", twins),
+        ("sheet", sheet(16, 0.0)),
+        ("sheets", [sheet(8, -0.0), sheet(8, 1e-7), sheet(8, 1.0)].concat()),
+        ("cube", cube),
+        ("tiny", soup(300, 0.3, 1e-20)),
+        ("huge", soup(300, 0.3, 1e20)),
+        (
+            "far away",
+            soup(300, 0.3, 1.0).iter().map(|t| turned(t, |p| p + Vec3::splat(1e6))).collect(),
+        ),
+        (
+            "exponential",
+            (0..120)
+                .map(|i| {
+                    let s = f32::from_bits(((i + 4) as u32) << 23);
+                    Triangle { a: Vec3::X * s, b: Vec3::new(s, s, 0.0), c: Vec3::new(s, 0.0, s) }
+                })
+                .collect(),
+        ),
+    ]
+}
+
+#[test]
+fn every_structure_answers_as_brute_force_does() {
+    let isas: Vec<Isa> = Isa::available().collect();
+    for (name, triangles) in scenes() {
+        let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(triangles));
+        let oracle = build(&"brute".parse().expect("known"), Arc::clone(&source), Isa::Auto)
+            .expect("brute force has no limits");
+        let target = Target::new(&*source, &*oracle);
+        let rays: Vec<Ray> = RaySet::ALL
+            .into_iter()
+            .flat_map(|set| target.rays(set, if set == RaySet::Hostile { 4000 } else { 600 }, 1))
+            .collect();
+        let mut expected = vec![ClosestHit::MISS; rays.len()];
+        oracle.tracer().closest_hits(&Batch::new(&rays), &mut expected);
+        if !["none", "flat", "exponential"].contains(&name) {
+            assert!(expected.iter().any(ClosestHit::is_hit), "no ray hits {name}");
+        }
+        for spec in specs() {
+            for &isa in &isas {
+                let accel = build(&spec, Arc::clone(&source), isa).expect("small scenes build");
+                for slice in [1, 2, 3, 5, 8, 13, 17, 31, 33, 257, rays.len()] {
+                    check(
+                        &format!("{name}, {spec}, {isa}, {slice}"),
+                        &*accel,
+                        &rays,
+                        &expected,
+                        slice,
+                    );
+                }
+            }
+        }
+    }
+}
+
+fn check(
+    what: &str,
+    accel: &dyn dapple::accel::Accel,
+    rays: &[Ray],
+    expected: &[ClosestHit],
+    slice: usize,
+) {
+    // Short slices over a part only; what they could break does not depend on the ray.
+    let count = rays.len().min(slice * 200);
+    let (mut hits, mut any) = (vec![ClosestHit::MISS; count], vec![AnyHit(true); count]);
+    for mut tracer in [accel.tracer(), accel.counting_tracer()] {
+        let slices = rays[..count].chunks(slice);
+        for ((rays, hits), any) in slices.zip(hits.chunks_mut(slice)).zip(any.chunks_mut(slice)) {
+            tracer.closest_hits(&Batch::new(rays), hits);
+            tracer.any_hits(&Batch::new(rays), any);
+        }
+        for (i, hit) in hits.iter().enumerate() {
+            let (ray, expected) = (&rays[i], &expected[i]);
+            assert!(hit.same_bits(expected), "{what}: ray {i} {ray:?}: {hit:?}, not {expected:?}");
+            assert_eq!(any[i].0, expected.is_hit(), "{what}: any hit of ray {i} {ray:?}");
+        }
+    }
+}
