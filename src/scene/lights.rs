@@ -185,7 +185,7 @@ impl World {
             return None;
         }
         // From beyond this surface to short of the light's, both by their errors.
-        let (point, error) = triangle_point(&triangle, sample.uv.x, sample.uv.y);
+        let (point, error) = triangle_point(&triangle, sample.uv.x, sample.uv.y, self.slack);
         let end = offset_origin(point, error, sample.normal, -direction);
         let ray = segment(surface, direction, end);
         Some(LightSample { direction, radiance, pdf, delta: false, ray })
