@@ -28,6 +28,7 @@ pub mod brute;
 pub mod bvh;
 mod counters;
 mod error;
+pub mod kd;
 mod options;
 mod query;
 mod report;

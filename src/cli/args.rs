@@ -140,7 +140,12 @@ pub struct RenderArgs {
     #[arg(value_parser = threads)]
     pub threads: usize,
     /// The ray-shooting structure; `dapple accels` lists them
-    #[arg(long, value_name = "ID[:option=value,…]", default_value = "bvh2", help_heading = "Speed")]
+    #[arg(
+        long,
+        value_name = "ID[:option=value,…]",
+        default_value = "bvh2",
+        help_heading = "Speed"
+    )]
     #[arg(value_parser = parsed::<AccelSpec>)]
     pub accel: AccelSpec,
     /// The instruction set

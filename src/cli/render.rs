@@ -62,11 +62,11 @@ pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
         args: RenderArgs,
     }
     let words = words.iter().map(OsStr::new);
-    let parsed = Words::try_parse_from([OsStr::new("render"), scene.as_os_str()].into_iter().chain(words));
+    let parsed =
+        Words::try_parse_from([OsStr::new("render"), scene.as_os_str()].into_iter().chain(words));
     let args = parsed.map_err(|error| CliError::Usage(error.to_string()))?.args;
     let job = prepare(&args)?;
-    let (mut rendered, _) =
-        on_pool(&args, &job, &AtomicBool::new(false), ProgressStyle::None)?;
+    let (mut rendered, _) = on_pool(&args, &job, &AtomicBool::new(false), ProgressStyle::None)?;
     describe(&mut rendered.picture, &args, &job, &rendered.elapsed);
     Ok(rendered.picture)
 }
@@ -130,8 +130,7 @@ fn debug(args: &RenderArgs, job: &Job, sample: (u32, u32, u64)) -> Result<ExitCo
 fn describe(picture: &mut Picture, args: &RenderArgs, job: &Job, elapsed: &Duration) {
     let settings = &job.settings;
     let transport = &settings.transport;
-    let roulette =
-        transport.roulette_depth.map_or("\"off\"".to_owned(), |depth| depth.to_string());
+    let roulette = transport.roulette_depth.map_or("\"off\"".to_owned(), |depth| depth.to_string());
     let toml = format!(
         "resolution = [{}, {}]\ncrop = [{}]\nspp = {}\nseed = {}\nfilter = \"{}\"\nbsdf = \"{}\"\n\
          max-depth = {}\nrr-depth = {roulette}\ntransparent = {}\n",
@@ -194,9 +193,8 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
         .flatten()
         .map(|path| path.display().to_string())
         .collect();
-    let memory = peak_memory().map_or(String::new(), |bytes| {
-        format!(", peak {:.0} MB", bytes as f64 / 1e6)
-    });
+    let memory =
+        peak_memory().map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
     format!(
         "{}: {width}x{height}, {} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
          {:.2} µs a path; load {:.2} s, build {:.2} s{memory}",

@@ -51,6 +51,18 @@ impl Albedo {
     }
 }
 
+/// The place of an alpha between two rows of [`Albedos`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row(f32);
+
+impl Row {
+    /// The place of `alpha`.
+    #[inline]
+    pub fn of(alpha: f32) -> Self {
+        Self(alpha.sqrt() * (N - 1) as f32)
+    }
+}
+
 static ALBEDOS: LazyLock<Box<Albedos>> = LazyLock::new(|| Box::new(Albedos::compute()));
 
 impl Albedos {
@@ -60,26 +72,20 @@ impl Albedos {
         &ALBEDOS
     }
 
-    /// The row of `alpha`, for [`Albedos::at`] and [`Albedos::average`].
-    #[inline]
-    pub fn row(alpha: f32) -> f32 {
-        alpha.sqrt() * (N - 1) as f32
-    }
-
     /// The albedo seen from a direction of that cosine.
     #[inline]
-    pub fn at(&self, row: f32, cos: f32) -> Albedo {
-        let (i, row_t) = cell::<N>(row);
-        let (j, column_t) = cell::<N>(cos.sqrt() * (N - 1) as f32);
+    pub fn at(&self, row: Row, cos: f32) -> Albedo {
+        let (i, row_t) = cell::<N>(row.0);
+        let (j, t) = cell::<N>(cos.sqrt() * (N - 1) as f32);
         let (below, above) = (&self.cells[i], &self.cells[i + 1]);
-        let below = below[j].mix(below[j + 1], column_t);
-        below.mix(above[j].mix(above[j + 1], column_t), row_t)
+        let below = below[j].mix(below[j + 1], t);
+        below.mix(above[j].mix(above[j + 1], t), row_t)
     }
 
     /// The albedo under light from all directions alike.
     #[inline]
-    pub fn average(&self, row: f32) -> Albedo {
-        let (i, t) = cell::<N>(row);
+    pub fn average(&self, row: Row) -> Albedo {
+        let (i, t) = cell::<N>(row.0);
         self.averages[i].mix(self.averages[i + 1], t)
     }
 
@@ -95,8 +101,9 @@ impl Albedos {
 /// The interval of an axis of `M` entries that holds `x`, and the place in it.
 #[inline]
 fn cell<const M: usize>(x: f32) -> (usize, f32) {
-    let index = (x as usize).min(M - 2);
-    (index, (x - index as f32).min(1.0))
+    // Through i32, the one conversion that is one instruction.
+    let index = (x as i32).clamp(0, M as i32 - 2);
+    (index as usize, (x - index as f32).min(1.0))
 }
 
 fn node_alpha(row: usize, count: usize) -> f32 {

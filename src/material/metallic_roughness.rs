@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::energy::{Albedo, Albedos};
+use super::energy::{Albedo, Albedos, Row};
 use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, ggx, is_above, mean, unit};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
@@ -20,11 +20,12 @@ const LEAST_SPECULAR: f32 = 0.1;
 /// Both Fresnel terms are Schlick's and share the half vector, so metal and coat are one lobe of
 /// mixed `f0` and `f90`. In [`BsdfForm::AppendixB`] the diffuse part is `base / π * (1 - F)`, as
 /// glTF 2.0 has it in Appendix B. In [`BsdfForm::Conserving`] it is
-/// `base / π * (1 - S(o)) (1 - S(i)) / (1 - S_avg)`, S the coat's albedo (Kelemen and Szirmay-Kalos,
-/// 2001), and the metal's multiple scattering is `F / π * (1 - E(o)) (1 - E(i)) / (1 - E_avg)`, E the
-/// white lobe's albedo (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017).
-/// Both are reciprocal and add up to one where everything is white. The coat's own multiple
-/// scattering is part of what S leaves to the base.
+/// `base / π * (1 - S(o)) (1 - S(i)) / (1 - S_avg)`, S the coat's albedo (Kelemen and
+/// Szirmay-Kalos, 2001), and the metal's multiple scattering is
+/// `F / π * (1 - E(o)) (1 - E(i)) / (1 - E_avg)`, E the white lobe's albedo (Kulla and Conty,
+/// "Revisiting Physically Based Shading at Imageworks", 2017). Both are reciprocal and add up to
+/// one where everything is white. The coat's own multiple scattering is part of what S leaves to
+/// the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetallicRoughness {
     /// Colour of the diffuse base, times one minus metallic.
@@ -36,8 +37,7 @@ pub struct MetallicRoughness {
     coat_f0: f32,
     coat_f90: f32,
     alpha: f32,
-    /// Of the albedo table.
-    row: f32,
+    row: Row,
     /// `1 / (1 - S_avg)`.
     coat_scale: f32,
     /// Metallic times the colour of light that bounced more than once.
@@ -64,7 +64,7 @@ impl MetallicRoughness {
         let (roughness, specular) = (unit(params.roughness), unit(params.specular));
         let (base, dielectric) = (params.base_color, 1.0 - metallic);
         let alpha = (roughness * roughness).max(LEAST_ALPHA);
-        let row = Albedos::row(alpha);
+        let row = Row::of(alpha);
 
         let root = (params.ior - 1.0) / (params.ior + 1.0);
         let coat = (params.specular_color * (root * root)).min(Vec3::ONE) * specular;

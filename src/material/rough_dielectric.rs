@@ -6,7 +6,7 @@
 //! light is lost, at the price of reciprocity.
 
 use super::dielectric::{Dielectric, Split};
-use super::energy::{self, Albedos};
+use super::energy::{self, Albedos, Row};
 use super::{BsdfForm, BsdfSample, fresnel, ggx, is_above};
 use crate::math::{Vec2, Vec3};
 
@@ -116,7 +116,7 @@ fn evaluate_thin(
     let (face, _) = fresnel::dielectric(wo.dot(h), glass.ior);
     let split = Split::new(fresnel::thin_sheet(face), glass.tint);
     let lobe = ggx::Lobe::new(h, wo.z, mirrored.z, glass.alpha);
-    let albedo = Albedos::get().at(Albedos::row(glass.alpha), wo.z);
+    let albedo = Albedos::get().at(Row::of(glass.alpha), wo.z);
     let scattered = lobe.reflected * mirrored.z / (1.0 - albedo.loss());
     let density = lobe.visible * 0.5;
     if reflects {

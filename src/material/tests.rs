@@ -330,7 +330,8 @@ proptest! {
         prop_assert!(value.is_finite() && value.min_element() >= 0.0, "{} {:?}", value, bsdf);
         prop_assert!(pdf.is_finite() && pdf >= 0.0);
         let end = |bit: u32, u: f32| {
-            if ends >> bit & 1 == 0 { u } else if u < 0.5 { 0.0 } else { crate::sampling::ONE_MINUS_EPSILON }
+            let end = if u < 0.5 { 0.0 } else { crate::sampling::ONE_MINUS_EPSILON };
+            if ends >> bit & 1 == 0 { u } else { end }
         };
         let drawn = bsdf.sample(unit(wo), end(0, u[0]), Vec2::new(end(1, u[1]), end(2, u[2])));
         if let Some(sample) = drawn {

@@ -40,12 +40,10 @@ pub enum DistributionError {
 /// to the bit, however uneven the values are.
 #[derive(Clone, Debug)]
 pub struct Distribution2d {
-    width: usize,
-    height: usize,
-    /// `height + 1` values from 0 to 1.
-    rows: Vec<f32>,
-    /// `width + 1` values from 0 to 1 for each row.
-    columns: Vec<f32>,
+    /// One line, of `height` cells.
+    rows: Lines,
+    /// `height` lines of `width` cells.
+    columns: Lines,
 }
 
 impl Distribution2d {
@@ -61,91 +59,131 @@ impl Distribution2d {
         if !filled || width.max(height) > Self::MOST {
             return Err(DistributionError::Size { width, height, values: values.len() });
         }
-        let (mut columns, mut sums) = (Vec::with_capacity((width + 1) * height), Vec::new());
+        let mut columns = Lines::with_capacity(width, height);
+        let mut sums = Vec::with_capacity(height);
         for (row, cells) in values.chunks_exact(width).enumerate() {
             for (column, &value) in cells.iter().enumerate() {
                 if !value.is_finite() || value < 0.0 {
                     return Err(DistributionError::Value { column, row, value });
                 }
             }
-            sums.push(push_cumulative(&mut columns, cells.iter().map(|&value| f64::from(value))));
+            sums.push(columns.push(cells.iter().map(|&value| f64::from(value))));
         }
-        let mut rows = Vec::with_capacity(height + 1);
-        if push_cumulative(&mut rows, sums.iter().copied()) == 0.0 {
+        let mut rows = Lines::with_capacity(height, 1);
+        if rows.push(sums.iter().copied()) == 0.0 {
             return Err(DistributionError::AllZero);
         }
-        Ok(Self { width, height, rows, columns })
+        Ok(Self { rows, columns })
     }
 
-    /// A point of `[0, 1)^2` and its density with respect to the square's area, which is above zero.
+    /// A point of `[0, 1)^2` and its density with respect to the square's area, which is above
+    /// zero.
     #[inline]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
-        let (row, y, row_pdf) = sample_cumulative(&self.rows, u.y);
-        let (_, x, column_pdf) = sample_cumulative(self.row(row), u.x);
+        let (row, y, row_pdf) = self.rows.sample(0, u.y);
+        let (_, x, column_pdf) = self.columns.sample(row, u.x);
         (Vec2::new(x, y), row_pdf * column_pdf)
     }
 
     /// The density at a point of `[0, 1]^2` with respect to the square's area.
     #[inline]
     pub fn pdf(&self, point: Vec2) -> f32 {
-        let (row, column) = (cell_of(point.y, self.height), cell_of(point.x, self.width));
-        let cells = self.row(row);
-        let of_row = (self.rows[row + 1] - self.rows[row]) * self.height as f32;
-        let of_column = (cells[column + 1] - cells[column]) * self.width as f32;
-        of_row * of_column
+        let row = self.rows.cell_of(point.y);
+        self.rows.pdf(0, row) * self.columns.pdf(row, self.columns.cell_of(point.x))
+    }
+}
+
+/// Densities on the unit interval that are constant in each of `count` even cells.
+#[derive(Clone, Debug)]
+struct Lines {
+    count: usize,
+    /// `count + 1` values from 0 to 1 for each line.
+    cumulative: Vec<f32>,
+    /// `buckets + 1` for each line: how many cumulative values lie in earlier buckets of the unit
+    /// interval. A search then starts among a few values instead of a whole line.
+    guides: Vec<u32>,
+    buckets: usize,
+}
+
+impl Lines {
+    fn with_capacity(count: usize, lines: usize) -> Self {
+        let buckets = count.div_ceil(4);
+        let cumulative = Vec::with_capacity((count + 1) * lines);
+        Self { count, cumulative, guides: Vec::with_capacity((buckets + 1) * lines), buckets }
+    }
+
+    /// Appends the line of `values` and returns their sum. Where all are zero it has even cells:
+    /// it is never asked, but must hold no NaN.
+    fn push(&mut self, values: impl ExactSizeIterator<Item = f64> + Clone) -> f64 {
+        let (count, sum) = (self.count, values.clone().sum::<f64>());
+        let start = self.cumulative.len();
+        self.cumulative.push(0.0);
+        let mut running = 0.0;
+        for (index, value) in values.enumerate() {
+            running += value;
+            let share = if sum > 0.0 { running / sum } else { (index + 1) as f64 / count as f64 };
+            self.cumulative.push(share.min(1.0) as f32);
+        }
+        let line = &mut self.cumulative[start..];
+        // Rounding may leave the end below one; the zeros before it then share its fate.
+        let last = line[count];
+        line.iter_mut().filter(|entry| **entry == last).for_each(|entry| *entry = 1.0);
+
+        let mut below = 0;
+        for bucket in 0..=self.buckets {
+            let earlier = |entry: &f32| bucket_of(*entry, self.buckets) < bucket;
+            below += line[below..].iter().take_while(|entry| earlier(entry)).count();
+            self.guides.push(below as u32);
+        }
+        sum
     }
 
     #[inline]
-    fn row(&self, row: usize) -> &[f32] {
-        let stride = self.width + 1;
-        &self.columns[row * stride..][..stride]
+    fn line(&self, line: usize) -> &[f32] {
+        &self.cumulative[line * (self.count + 1)..][..=self.count]
+    }
+
+    /// The cell that holds `u`, the place of `u` in `[0, 1)` and the density there.
+    #[inline]
+    fn sample(&self, line: usize, u: f32) -> (usize, f32, f32) {
+        let guides = &self.guides[line * (self.buckets + 1)..][..=self.buckets];
+        let bucket = bucket_of(u, self.buckets).min(self.buckets - 1);
+        let (from, to) = (guides[bucket] as usize, guides[bucket + 1] as usize);
+        let line = self.line(line);
+        // The first entry above `u` ends its cell, which therefore is never empty.
+        let end = from + line[from..to].partition_point(|&entry| entry <= u);
+        let cell = end.clamp(1, self.count) - 1;
+        let mass = line[cell + 1] - line[cell];
+        let within = ((u - line[cell]) / mass).min(ONE_MINUS_EPSILON);
+        let place = (cell as f32 + within) / self.count as f32;
+        let mut place = place.min(ONE_MINUS_EPSILON);
+        // Rounding may carry it over an edge of the cell, where `pdf` would see another density.
+        while self.cell_of(place) > cell {
+            place = place.next_down();
+        }
+        while self.cell_of(place) < cell {
+            place = place.next_up();
+        }
+        (cell, place, mass * self.count as f32)
+    }
+
+    #[inline]
+    fn pdf(&self, line: usize, cell: usize) -> f32 {
+        let line = self.line(line);
+        (line[cell + 1] - line[cell]) * self.count as f32
+    }
+
+    /// The cell of a place in `[0, 1]`.
+    #[inline]
+    fn cell_of(&self, place: f32) -> usize {
+        ((place * self.count as f32) as usize).min(self.count - 1)
     }
 }
 
-/// Appends the running sums of `values`, from 0 to exactly 1; even steps where all are zero, which
-/// is never asked but must hold no NaN. Returns the sum.
-fn push_cumulative(
-    table: &mut Vec<f32>,
-    values: impl ExactSizeIterator<Item = f64> + Clone,
-) -> f64 {
-    let (count, sum) = (values.len(), values.clone().sum::<f64>());
-    let start = table.len();
-    table.push(0.0);
-    let mut running = 0.0;
-    for (index, value) in values.enumerate() {
-        running += value;
-        let share = if sum > 0.0 { running / sum } else { (index + 1) as f64 / count as f64 };
-        table.push(share.min(1.0) as f32);
-    }
-    // Rounding may leave the end below one; the trailing zeros then share its fate.
-    let last = table[table.len() - 1];
-    table[start..].iter_mut().filter(|entry| **entry == last).for_each(|entry| *entry = 1.0);
-    sum
-}
-
-/// The cell of a place in `[0, 1]`.
+/// The bucket of a cumulative value. Any monotone function would do, so rounding does no harm.
 #[inline]
-fn cell_of(place: f32, count: usize) -> usize {
-    ((place * count as f32) as usize).min(count - 1)
-}
-
-/// The cell that holds `u`, the place of `u` in `[0, 1)` and the density there.
-#[inline]
-fn sample_cumulative(table: &[f32], u: f32) -> (usize, f32, f32) {
-    let count = table.len() - 1;
-    // The first entry above `u` ends its cell, which therefore is never empty.
-    let cell = table.partition_point(|&entry| entry <= u).clamp(1, count) - 1;
-    let mass = table[cell + 1] - table[cell];
-    let within = ((u - table[cell]) / mass).min(ONE_MINUS_EPSILON);
-    let mut place = ((cell as f32 + within) / count as f32).min(ONE_MINUS_EPSILON);
-    // Rounding may carry it over an edge of the cell, where `pdf` would see another density.
-    while cell_of(place, count) > cell {
-        place = place.next_down();
-    }
-    while cell_of(place, count) < cell {
-        place = place.next_up();
-    }
-    (cell, place, mass * count as f32)
+fn bucket_of(value: f32, buckets: usize) -> usize {
+    (value * buckets as f32) as usize
 }
 
 #[cfg(test)]
@@ -204,7 +242,8 @@ mod tests {
             prop_assert!(pdf > 0.0 && pdf.is_finite());
             prop_assert!(point.cmpge(Vec2::ZERO).all() && point.cmplt(Vec2::ONE).all());
             prop_assert_eq!(pdf, distribution.pdf(point));
-            let cell = (point.y * height as f32) as usize * width + (point.x * width as f32) as usize;
+            let row = (point.y * height as f32) as usize;
+            let cell = row * width + (point.x * width as f32) as usize;
             prop_assert!(values[cell] > 0.0);
             let mean: f32 = (0..width * height).map(|cell| {
                 let (column, row) = (cell % width, cell / width);

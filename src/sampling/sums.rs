@@ -2,9 +2,9 @@
 //!
 //! Floating-point addition is not associative: a mean of means, or a sum in another order, has
 //! other bits. So the order is fixed once: sixteen consecutive samples are one block, summed in
-//! their order; block k is leaf k of a binary tree whose inner nodes add their left and right child.
-//! A run of blocks is kept as the few largest whole subtrees that fill it, and two adjacent runs are
-//! joined by adding siblings only. Whatever the cuts, the same nodes come out.
+//! their order; block k is leaf k of a binary tree whose inner nodes add their left and right
+//! child. A run of blocks is kept as the few largest whole subtrees that fill it, and two adjacent
+//! runs are joined by adding siblings only. Whatever the cuts, the same nodes come out.
 
 use thiserror::Error;
 
@@ -128,8 +128,7 @@ impl<const C: usize> BlockSums<C> {
         if later.first != self.next || !self.next.is_multiple_of(BLOCK) {
             return Err(NotAdjacent { expected: self.next, found: later.first });
         }
-        // A node of the later run may be the right sibling of a node that its own left part is
-        // needed for first; in order, each push meets a completed left neighbour.
+        // In order, so that a right sibling always meets its left one, or none.
         later.nodes.iter().for_each(|&node| self.push(node));
         self.open = later.open;
         self.next = later.next;

@@ -22,11 +22,11 @@ fn sin_cos_eighth(angle: f32) -> (f32, f32) {
 #[inline]
 pub fn unit_circle(turns: f32) -> Vec2 {
     let quarters = turns * 4.0;
-    let nearest = (quarters + 0.5) as u32;
+    let nearest = (quarters + 0.5) as i32;
     let (sin, cos) = sin_cos_eighth((quarters - nearest as f32) * (2.0 * FRAC_PI_4));
     // Signs and the exchange by bits: which quadrant it is cannot be predicted.
     let (x, y) = if nearest & 1 == 0 { (cos, sin) } else { (sin, cos) };
-    let flip = |value: f32, bit: u32| f32::from_bits(value.to_bits() ^ (bit & 2) << 30);
+    let flip = |value: f32, bit: i32| f32::from_bits(value.to_bits() ^ (bit as u32 & 2) << 30);
     Vec2::new(flip(x, nearest + 1), flip(y, nearest))
 }
 

@@ -5,6 +5,7 @@ pub mod defaults;
 mod digest;
 mod environment;
 mod error;
+pub mod gltf;
 mod instance;
 mod lights;
 mod load;
@@ -16,6 +17,7 @@ mod surface;
 mod texture;
 mod texture_image;
 mod triangles;
+mod uri;
 mod world;
 
 use std::sync::Arc;

@@ -1,7 +1,12 @@
 //! Cameras (glTF 2.0, 3.10).
 
+use glam::DAffine3;
+
 use super::json::{Fault, Object};
+use super::nodes;
 use super::notices::Notices;
+use crate::camera::{Camera, Projection};
+use crate::scene::NamedCamera;
 
 /// A camera without its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,25 +15,21 @@ pub struct CameraDeclaration {
     pub name: String,
     /// Width over height that the file asks for.
     pub aspect: Option<f32>,
-    /// What it sees.
-    pub lens: Lens,
+    /// What it sees. Near and far planes are not looked at: there is no depth buffer to fit.
+    pub projection: Projection,
 }
 
-/// How a camera sees. Near and far planes are not looked at: there is no depth buffer to fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
-    /// Angle between top and bottom, radians.
-    Perspective {
-        /// The angle.
-        yfov: f32,
-    },
-    /// Half the width and half the height of what is seen, metres.
-    Orthographic {
-        /// Half the width.
-        xmag: f32,
-        /// Half the height.
-        ymag: f32,
-    },
+impl CameraDeclaration {
+    /// The camera at a node called `node`; none if the node's transform has no directions.
+    pub fn place(&self, to_world: &DAffine3, node: &str) -> Option<NamedCamera> {
+        let to_world = nodes::narrowed(&nodes::rigid(to_world)?);
+        let name = if self.name.is_empty() { node } else { &self.name };
+        Some(NamedCamera {
+            name: name.to_owned(),
+            aspect: self.aspect,
+            camera: Camera { projection: self.projection, to_world, lens: None },
+        })
+    }
 }
 
 /// Reads all cameras.
@@ -43,12 +44,11 @@ fn camera(object: &Object, notices: &mut Notices) -> Result<CameraDeclaration, F
     if perspective.is_some() && orthographic.is_some() {
         notices.add(object.place(), "has two projections; the one that its type names is used");
     }
-    let (lens, aspect) = match (kind, perspective, orthographic) {
+    let (projection, aspect) = match (kind, perspective, orthographic) {
         ("perspective", Some(lens), _) => (self::perspective(&lens)?, aspect(&lens)?),
         ("orthographic", _, Some(lens)) => {
-            let lens = self::orthographic(&lens, notices)?;
-            let Lens::Orthographic { xmag, ymag } = lens else { unreachable!("as made above") };
-            (lens, Some(xmag / ymag))
+            let [xmag, ymag] = self::magnitudes(&lens, notices)?;
+            (Projection::Orthographic { xmag, ymag }, Some(xmag / ymag))
         }
         ("perspective" | "orthographic", _, _) => return Err(object.absent(kind)),
         _ => {
@@ -56,16 +56,17 @@ fn camera(object: &Object, notices: &mut Notices) -> Result<CameraDeclaration, F
             return Err(object.fault_at("type", message));
         }
     };
-    Ok(CameraDeclaration { name: object.name()?, aspect, lens })
+    let aspect = aspect.filter(|aspect: &f32| aspect.is_normal());
+    Ok(CameraDeclaration { name: object.name()?, aspect, projection })
 }
 
-fn perspective(lens: &Object) -> Result<Lens, Fault> {
+fn perspective(lens: &Object) -> Result<Projection, Fault> {
     let yfov = lens.required_number("yfov")?;
     lens.required_number("znear")?;
     if !(yfov > 0.0 && yfov < std::f32::consts::PI) {
         return Err(lens.fault_at("yfov", format!("{yfov} is not between 0 and pi")));
     }
-    Ok(Lens::Perspective { yfov })
+    Ok(Projection::Perspective { yfov })
 }
 
 fn aspect(lens: &Object) -> Result<Option<f32>, Fault> {
@@ -75,12 +76,12 @@ fn aspect(lens: &Object) -> Result<Option<f32>, Fault> {
     }
 }
 
-fn orthographic(lens: &Object, notices: &mut Notices) -> Result<Lens, Fault> {
+fn magnitudes(lens: &Object, notices: &mut Notices) -> Result<[f32; 2], Fault> {
     lens.required_number("znear")?;
     lens.required_number("zfar")?;
     let mut size = |key| {
         let size = lens.required_number(key)?;
-        if size == 0.0 {
+        if size.abs() < f32::MIN_POSITIVE {
             return Err(lens.fault_at(key, "must not be 0"));
         }
         if size < 0.0 {
@@ -88,7 +89,7 @@ fn orthographic(lens: &Object, notices: &mut Notices) -> Result<Lens, Fault> {
         }
         Ok(size.abs())
     };
-    Ok(Lens::Orthographic { xmag: size("xmag")?, ymag: size("ymag")? })
+    Ok([size("xmag")?, size("ymag")?])
 }
 
 #[cfg(test)]
@@ -108,15 +109,27 @@ mod tests {
         let camera = camera_of(
             r#"{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 1}, "name": "a"}"#,
         );
-        let lens = Lens::Perspective { yfov: 0.5 };
+        let projection = Projection::Perspective { yfov: 0.5 };
         let name = "a".to_owned();
-        assert_eq!(camera, Ok(CameraDeclaration { name, aspect: None, lens }));
+        assert_eq!(camera, Ok(CameraDeclaration { name, aspect: None, projection }));
 
         let camera = camera_of(
             r#"{"type": "orthographic",
                 "orthographic": {"xmag": 3, "ymag": 2, "znear": 0, "zfar": 1}}"#,
         );
         assert_eq!(camera.expect("valid").aspect, Some(1.5));
+    }
+
+    #[test]
+    fn a_nameless_camera_takes_the_name_of_its_node() {
+        let camera =
+            camera_of(r#"{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 1}}"#)
+                .expect("valid");
+        let at = DAffine3::from_translation(glam::DVec3::X);
+        let placed = camera.place(&at, "door").expect("has directions");
+        assert_eq!(placed.name, "door");
+        assert_eq!(placed.camera.to_world.translation, glam::Vec3A::X);
+        assert!(camera.place(&DAffine3::from_scale(glam::DVec3::ZERO), "").is_none());
     }
 
     #[test]

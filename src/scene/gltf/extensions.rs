@@ -53,7 +53,7 @@ pub fn unsupported(root: &Object) -> Result<Vec<String>, Fault> {
 pub fn note(document: &Value, root: &Object, notices: &mut Notices) -> Result<(), Fault> {
     let declared = strings(root, "extensionsUsed")?;
     let mut met = BTreeSet::new();
-    each_extension(document, String::new(), &mut |place, name| {
+    each_extension(document, "", &mut |place, name| {
         met.insert(name.to_owned());
         if !is_supported(name) {
             let consequence = consequence(name);
@@ -82,12 +82,12 @@ fn strings(root: &Object, key: &str) -> Result<Vec<String>, Fault> {
 
 /// Calls `note` with the pointer to and the name of every extension object in the document. The
 /// parser has limited the depth, so that recursion is safe.
-fn each_extension(value: &Value, place: String, note: &mut dyn FnMut(String, &str)) {
+fn each_extension(value: &Value, place: &str, note: &mut dyn FnMut(String, &str)) {
     match value {
         Value::Array(elements) => {
             for (i, element) in elements.iter().enumerate() {
                 if element.is_object() || element.is_array() {
-                    each_extension(element, format!("{place}/{i}"), note);
+                    each_extension(element, &format!("{place}/{i}"), note);
                 }
             }
         }
@@ -99,11 +99,11 @@ fn each_extension(value: &Value, place: String, note: &mut dyn FnMut(String, &st
                         for (name, extension) in extensions {
                             let place = pointer(&format!("{place}/extensions"), name);
                             note(place.clone(), name);
-                            each_extension(extension, place, note);
+                            each_extension(extension, &place, note);
                         }
                     }
                     (_, Value::Object(_) | Value::Array(_)) => {
-                        each_extension(member, pointer(&place, key), note);
+                        each_extension(member, &pointer(place, key), note);
                     }
                     _ => {}
                 }

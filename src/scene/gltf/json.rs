@@ -219,7 +219,7 @@ fn whole(value: &Value, place: impl Fn() -> String) -> Result<u64, Fault> {
         return Ok(whole);
     }
     match value.as_f64() {
-        Some(number) if number >= 0.0 && number <= EXACT && number.fract() == 0.0 => {
+        Some(number) if (0.0..=EXACT).contains(&number) && number.fract() == 0.0 => {
             Ok(number as u64)
         }
         Some(number) => Err(Fault::new(place(), format!("{number} is no index, size or count"))),

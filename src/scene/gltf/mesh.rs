@@ -23,6 +23,10 @@ pub enum Mode {
     Fan,
 }
 
+/// A morph target: the bits of its weight, and the accessors of the displacements of positions,
+/// normals and tangents.
+pub type Target = (u32, [Option<usize>; 3]);
+
 /// The accessors that a primitive's geometry is made of. Equal ones make equal meshes.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Geometry {
@@ -38,9 +42,17 @@ pub struct Geometry {
     pub uvs: [Option<usize>; 2],
     /// Which vertices, in which order; none: all, as they stand.
     pub indices: Option<usize>,
-    /// Morph targets with a weight other than zero: bits of the weight, and the accessors of the
-    /// displacements of positions, normals and tangents.
-    pub targets: Vec<(u32, [Option<usize>; 3])>,
+    /// Morph targets with a weight other than zero.
+    pub targets: Vec<Target>,
+}
+
+impl Geometry {
+    /// All accessors that it reads.
+    pub fn accessors(&self) -> impl Iterator<Item = usize> {
+        let optional = [self.normals, self.tangents, self.uvs[0], self.uvs[1], self.indices];
+        let targets = self.targets.iter().flat_map(|(_, accessors)| *accessors);
+        [self.positions].into_iter().chain(optional.into_iter().chain(targets).flatten())
+    }
 }
 
 /// A part of a mesh.
@@ -154,11 +166,7 @@ fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
     notices.add(attributes.at(name), message);
 }
 
-fn targets(
-    object: &Object,
-    weights: &[f32],
-    accessors: usize,
-) -> Result<Vec<(u32, [Option<usize>; 3])>, Fault> {
+fn targets(object: &Object, weights: &[f32], accessors: usize) -> Result<Vec<Target>, Fault> {
     let mut targets = Vec::new();
     for (i, target) in object.objects("targets")?.iter().enumerate() {
         let attribute = |name| target.reference(name, "accessor", accessors);

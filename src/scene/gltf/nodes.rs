@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 use super::json::{Fault, Object};
 use super::notices::Notices;
+use crate::math::Affine3A;
 
 /// How many of everything there are that a node may refer to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -135,17 +136,17 @@ pub fn parents(nodes: &[Node]) -> Result<Vec<Option<usize>>, Fault> {
 /// parents and are told apart.
 pub fn place(nodes: &[Node], roots: &[usize]) -> Vec<Placed> {
     let mut placed = Vec::new();
-    let mut pending: Vec<Placed> = roots
-        .iter()
-        .rev()
-        .map(|&node| Placed { node, to_world: nodes[node].local })
-        .collect();
+    let mut pending: Vec<Placed> =
+        roots.iter().rev().map(|&node| Placed { node, to_world: nodes[node].local }).collect();
     while let Some(at) = pending.pop() {
         placed.push(at);
-        pending.extend(nodes[at.node].children.iter().rev().map(|&node| Placed {
-            node,
-            to_world: at.to_world * nodes[node].local,
-        }));
+        pending.extend(
+            nodes[at.node]
+                .children
+                .iter()
+                .rev()
+                .map(|&node| Placed { node, to_world: at.to_world * nodes[node].local }),
+        );
     }
     placed
 }
@@ -160,6 +161,11 @@ pub fn rigid(to_world: &DAffine3) -> Option<DAffine3> {
     (matrix3.is_finite() && translation.is_finite()).then_some(DAffine3 { matrix3, translation })
 }
 
+/// The same in f32.
+pub fn narrowed(to_world: &DAffine3) -> Affine3A {
+    Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::json;
@@ -168,7 +174,8 @@ mod tests {
     fn nodes(text: &str) -> Result<Vec<Node>, Fault> {
         let value = json::parse(format!("{{\"nodes\": {text}}}").as_bytes()).expect("valid JSON");
         let root = Object::new(&value, String::new()).expect("an object");
-        let counts = Counts { nodes: root.array("nodes").expect("nodes").len(), ..Counts::default() };
+        let counts =
+            Counts { nodes: root.array("nodes").expect("nodes").len(), ..Counts::default() };
         read(&root, counts, &mut Notices::default())
     }
 
@@ -207,11 +214,9 @@ mod tests {
 
     #[test]
     fn a_chain_of_a_hundred_thousand_is_only_long() {
-        let mut chain = String::from("[");
-        for i in 1..100_000 {
-            chain += &format!("{{\"children\": [{i}], \"translation\": [1, 0, 0]}},");
-        }
-        let nodes = nodes(&(chain + "{}]")).expect("valid");
+        let link = |i| format!("{{\"children\": [{i}], \"translation\": [1, 0, 0]}},");
+        let chain: String = (1..100_000).map(link).collect();
+        let nodes = nodes(&format!("[{chain}{{}}]")).expect("valid");
         parents(&nodes).expect("a tree");
         let last = place(&nodes, &[0]).last().copied().expect("placed");
         assert_eq!(last.to_world.translation.x, 99_999.0);

@@ -141,9 +141,7 @@ impl Reader<'_> {
             Mode::Strip => (0..count.saturating_sub(2))
                 .map(|i| corners(i, i + 1 + i % 2, i + 2 - i % 2))
                 .collect(),
-            Mode::Fan => {
-                (0..count.saturating_sub(2)).map(|i| corners(i + 1, i + 2, 0)).collect()
-            }
+            Mode::Fan => (0..count.saturating_sub(2)).map(|i| corners(i + 1, i + 2, 0)).collect(),
         }
     }
 }

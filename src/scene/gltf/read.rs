@@ -72,7 +72,7 @@ impl<'a> Storage<'a> {
     /// Vectors of `N` numbers, or scalars where `N` is 1.
     pub fn vectors<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>, Fault> {
         let accessor = &self.accessors[index];
-        self.expect(accessor, N, "numbers")?;
+        Self::expect(accessor, N, "numbers")?;
         self.reserve(&accessor.place, accessor.count.saturating_mul(4 * N as u64))?;
         let decode = decoder(accessor.component, accessor.normalized);
         let size = accessor.component.size() as usize;
@@ -88,7 +88,7 @@ impl<'a> Storage<'a> {
     /// Unsigned integers.
     pub fn indices(&self, index: usize) -> Result<Vec<u32>, Fault> {
         let accessor = &self.accessors[index];
-        self.expect(accessor, 1, "indices")?;
+        Self::expect(accessor, 1, "indices")?;
         let decode = index_decoder(accessor.component).ok_or_else(|| {
             Fault::new(accessor.place.clone(), "indices must be unsigned integers")
         })?;
@@ -96,7 +96,7 @@ impl<'a> Storage<'a> {
         self.elements(accessor, 0, decode)
     }
 
-    fn expect(&self, accessor: &Accessor, count: usize, what: &str) -> Result<(), Fault> {
+    fn expect(accessor: &Accessor, count: usize, what: &str) -> Result<(), Fault> {
         let found = match accessor.shape {
             Shape::Scalar => 1,
             Shape::Vector(found) => found as usize,
@@ -236,8 +236,7 @@ mod tests {
         let bytes = [1, 3, 7, 9, 0, 0];
         let mut accessor = plain(Component::U8, Shape::Scalar, 4);
         accessor.base = None;
-        accessor.sparse =
-            Some(Sparse { count: 2, indices: (1, 0, Component::U8), values: (1, 2) });
+        accessor.sparse = Some(Sparse { count: 2, indices: (1, 0, Component::U8), values: (1, 2) });
         let read = storage(&bytes, None, accessor.clone()).vectors::<1>(0).expect("reads");
         assert_eq!(read, [[0.0], [7.0], [0.0], [9.0]]);
 

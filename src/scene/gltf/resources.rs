@@ -173,9 +173,10 @@ fn decode_images(
         .collect();
 
     // Sizes are known before anything is decoded, so that many small files are no bomb either.
-    let sizes = files.iter().flatten().map(|(bytes, name)| {
-        (bytes.len() as u64, Image::decoded_bytes(bytes, name).unwrap_or(0))
-    });
+    let sizes = files
+        .iter()
+        .flatten()
+        .map(|(bytes, name)| (bytes.len() as u64, Image::decoded_bytes(bytes, name).unwrap_or(0)));
     let (encoded, total) = sizes.fold((0_u64, 0_u64), |sum, size| {
         (sum.0.saturating_add(size.0), sum.1.saturating_add(size.1))
     });
@@ -197,10 +198,8 @@ mod tests {
 
     #[test]
     fn buffers_come_from_data_or_the_container_and_must_be_long_enough() {
-        let declaration = |uri: Option<&str>, length| BufferDeclaration {
-            uri: uri.map(str::to_owned),
-            length,
-        };
+        let declaration =
+            |uri: Option<&str>, length| BufferDeclaration { uri: uri.map(str::to_owned), length };
         let declarations = [
             declaration(None, 2),
             declaration(Some("data:;base64,AAEC"), 4),

@@ -128,9 +128,7 @@ fn sampler(object: &Object) -> Result<([Wrap; 2], Filter), Fault> {
         10497 => Ok(Wrap::Repeat),
         33071 => Ok(Wrap::Clamp),
         33648 => Ok(Wrap::Mirror),
-        other => {
-            Err(object.fault_at(key, format!("{other} is none of 10497, 33071 and 33648")))
-        }
+        other => Err(object.fault_at(key, format!("{other} is none of 10497, 33071 and 33648"))),
     };
     let filter = match object.whole("magFilter")? {
         None | Some(9729) => Filter::Bilinear,
@@ -144,7 +142,8 @@ fn sampler(object: &Object) -> Result<([Wrap; 2], Filter), Fault> {
     match object.whole("minFilter")? {
         None | Some(9728..=9729 | 9984..=9987) => Ok(([wrap("wrapS")?, wrap("wrapT")?], filter)),
         Some(other) => {
-            Err(object.fault_at("minFilter", format!("{other} is none of 9728 to 9729, 9984 to 9987")))
+            Err(object
+                .fault_at("minFilter", format!("{other} is none of 9728 to 9729, 9984 to 9987")))
         }
     }
 }
