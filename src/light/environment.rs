@@ -87,6 +87,11 @@ impl Environment {
         Self { source: Source::Image(image), mean }
     }
 
+    /// Whether the same comes from everywhere.
+    pub fn is_constant(&self) -> bool {
+        matches!(self.source, Source::Constant(_))
+    }
+
     /// Mean radiance over all directions.
     pub fn mean(&self) -> Vec3 {
         self.mean
