@@ -31,7 +31,7 @@ fn alpha_lets_its_share_of_light_through() {
     ] {
         let mut material = Material { alpha_mode: mode, ..lambert(0.0) };
         material.base_color.w = alpha;
-        let mut settings = settings(16, 256, 4);
+        let mut settings = settings(64, 256, 4);
         settings.transport.transparent = mode == AlphaMode::Opaque;
         let rendered = run(in_white_world((wall(), material)), &camera, &settings);
         assert_mean(&rendered, expected);
@@ -55,7 +55,7 @@ fn shadows_of_blended_surfaces_are_half_dark() {
     });
     // From below the roof.
     let camera = flat_camera(Vec3::Y * 0.5, Vec3::ZERO, 0.1);
-    assert_mean(&run(scene, &camera, &settings(64, 256, 2)), 0.5);
+    assert_mean(&run(scene, &camera, &settings(64, 1024, 2)), 0.5);
 }
 
 /// A sphere with smooth normals under a lamp, plain and as the mirror image of its mirror image.
