@@ -104,7 +104,7 @@ impl World {
 
         let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
         let triangle = Triangle { a, b, c };
-        let (position, position_error) = triangle_point(&triangle, hit.u, hit.v);
+        let (position, position_error) = triangle_point(&triangle, hit.u, hit.v, self.slack);
         let (normal, area) = normal_and_area(&triangle);
 
         let resolved = &self.materials[instance.material.index()];
@@ -151,11 +151,13 @@ impl World {
 /// A point of a triangle in world space and the bound of its error (pbrt-v4, section 6.8).
 ///
 /// The corners are taken as exact: structures intersect the very same rounded triangle, so that
-/// what an instance's transform has rounded away is no error of the point against it.
+/// what an instance's transform has rounded away is no error of the point against it. But their
+/// verdict about it rounds too, in f64, however close to zero the coordinates are: `slack` bounds
+/// that.
 #[inline]
-pub(super) fn triangle_point(triangle: &Triangle, u: f32, v: f32) -> (Vec3, Vec3) {
+pub(super) fn triangle_point(triangle: &Triangle, u: f32, v: f32, slack: f32) -> (Vec3, Vec3) {
     let (a, b, c) = (triangle.a * (1.0 - u - v), triangle.b * u, triangle.c * v);
-    (a + b + c, (a.abs() + b.abs() + c.abs()) * GAMMA_7)
+    (a + b + c, (a.abs() + b.abs() + c.abs()) * GAMMA_7 + slack)
 }
 
 /// `point` moved off its surface to the side that `towards` points to, just so far that it lies
