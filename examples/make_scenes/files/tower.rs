@@ -13,8 +13,8 @@ illum 1
 newmtl brick wall
 Kd 1 1 1
 Ks 0 0 0
-map_Kd -s 8 3 1 textures/bricks.png
-bump -s 8 3 1 -bm 0.02 -imfchan g textures/bricks_roughness.png
+map_Kd -s 12 6 1 textures/bricks.png
+bump -s 12 6 1 -bm 0.02 -imfchan g textures/bricks_roughness.png
 illum 2
 
 newmtl stone
@@ -112,7 +112,7 @@ impl Obj {
 
 fn meadow(obj: &mut Obj) {
     obj.line("o meadow\nusemtl meadow");
-    let ground = obj.ring(48, 30.0, 0.0);
+    let ground = obj.ring(48, 5.0, 0.0);
     obj.polygon(&ground);
 }
 
