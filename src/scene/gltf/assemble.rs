@@ -83,8 +83,8 @@ pub fn assemble(
             .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
     }
     let mut scene = builder.scene;
-    let Document { nodes, cameras, lights, .. } = &document;
-    place_cameras_and_lights(nodes, cameras, lights, &placed, &mut scene, notices);
+    let (cameras, lights) = (&document.cameras, &document.lights);
+    place_cameras_and_lights(&document.nodes, cameras, lights, &placed, &mut scene, notices);
     scene.materials = builder.palette.materials;
     scene.textures = textures;
     Ok(scene)

@@ -111,7 +111,7 @@ mod tests {
         );
         let projection = Projection::Perspective { yfov: 0.5 };
         let name = "a".to_owned();
-        assert_eq!(camera, Ok(CameraDeclaration { name, aspect: None, lens }));
+        assert_eq!(camera, Ok(CameraDeclaration { name, aspect: None, projection }));
 
         let camera = camera_of(
             r#"{"type": "orthographic",
@@ -122,10 +122,9 @@ mod tests {
 
     #[test]
     fn a_nameless_camera_takes_the_name_of_its_node() {
-        let camera = camera_of(
-            r#"{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 1}}"#,
-        )
-        .expect("valid");
+        let camera =
+            camera_of(r#"{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 1}}"#)
+                .expect("valid");
         let at = DAffine3::from_translation(glam::DVec3::X);
         let placed = camera.place(&at, "door").expect("has directions");
         assert_eq!(placed.name, "door");
