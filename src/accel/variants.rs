@@ -35,8 +35,24 @@ pub struct BuildInput<'a> {
 }
 
 /// All structures; the only place where they are registered. The order is that of all listings.
-pub const VARIANTS: &[Variant] =
-    &[brute::VARIANT, bvh::binary::VARIANT, kd::STACK_DIRECTION, kd::ROPES];
+pub const VARIANTS: &[Variant] = &[
+    brute::VARIANT,
+    bvh::binary::VARIANT,
+    kd::SEQUENTIAL,
+    kd::STACK_ORIGIN,
+    kd::STACK_DIRECTION,
+    kd::STACK_ROBUST,
+    kd::BRANCHLESS,
+    kd::ROPES,
+    kd::ROPE_TREES,
+    kd::RESTART,
+    kd::BACKTRACK,
+    kd::SPARSE_BOXES,
+    kd::PUSH_DOWN,
+    kd::SHORT_STACK,
+    kd::SPILL,
+    kd::PREFETCH,
+];
 
 impl fmt::Debug for Variant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -24,8 +24,10 @@ pub fn figure(value: f64) -> String {
     if size != 0.0 && !(1e-4..1e6).contains(&size) {
         return format!("{value:.4e}");
     }
-    let digits = [10.0, 100.0, 1e3, 1e4, 1e5].iter().filter(|&&bound| size >= bound).count();
-    let text = format!("{value:.*}", 5 - digits);
+    // Six digits, of which those before the point are counted, and zeros right after it are not.
+    let whole = [10.0, 100.0, 1e3, 1e4, 1e5].iter().filter(|&&bound| size >= bound).count();
+    let zeros = [1.0, 0.1, 0.01, 1e-3].iter().filter(|&&bound| size != 0.0 && size < bound).count();
+    let text = format!("{value:.*}", 5 + zeros - whole);
     if !text.contains('.') {
         return text;
     }
@@ -57,7 +59,7 @@ mod tests {
     #[test]
     fn figures_are_short() {
         let figures = [0.0, 1.0, 0.123456789, 123.456789, 1234567.0, 0.00001234, -2.5, f64::NAN];
-        let text = ["0", "1", "0.12346", "123.457", "1.2346e6", "1.2340e-5", "-2.5", "NaN"];
+        let text = ["0", "1", "0.123457", "123.457", "1.2346e6", "1.2340e-5", "-2.5", "NaN"];
         assert_eq!(figures.map(figure), text);
         assert_eq!(figure(100.0), "100");
         assert_eq!(figure(100_000.0), "100000");

@@ -12,9 +12,11 @@
 //! edge. A ray through the interior of a mesh therefore finds a triangle, at edges and vertices
 //! too. In f64 no fallback for zeros is needed to tell how far.
 //!
-//! Where we differ: a determinant below its own rounding error is a miss (edge-on and flat
-//! triangles), and the hit must lie in the triangle's own box as the slab test sees it (see
-//! [`super::slab`]): `t` is clamped into that interval. This makes all boxes around it agree.
+//! Where we differ: a triangle that is edge-on to within 2^-30, or flat, is missed, so that the
+//! point at `t` is within 2^-20 of the triangle's size from the triangle itself, however grazing
+//! the ray; a kd-tree with clipped triangles needs that. And the hit must lie in the triangle's own
+//! box as the slab test sees it (see [`super::slab`]): `t` is clamped into that interval. This
+//! makes all boxes around it agree.
 
 use super::Triangle;
 use super::slab::{SlabRay, own_box};
@@ -80,7 +82,8 @@ pub fn verdict(slab: &SlabRay, shear: &ShearRay, triangle: &Triangle) -> Option<
     }
     let det = wa + wb + wc;
     let magnitude = cb.abs() + bc.abs() + ac.abs() + ca.abs() + ba.abs() + ab.abs();
-    if det.abs() <= 4.0 * f64::EPSILON * magnitude {
+    const EDGE_ON: f64 = 9.313225746154785e-10; // 2^-30
+    if det.abs() <= EDGE_ON * magnitude {
         return None;
     }
     let inv_det = 1.0 / det;

@@ -1,26 +1,10 @@
 //! Links from the faces of leaves to what lies behind them.
 
-use super::layout::Compact;
+use super::layout::{Compact, Nodes, Packed};
 use super::tree::{KdTree, LeafId, Node, halves};
+use super::walk::leaf_by_leaf::Next;
+use crate::accel::Event;
 use crate::math::{Aabb, NodeId};
-
-/// What [`super::walk::neighbours`] follows.
-pub trait Links: Send + Sync {
-    /// Derives them from a tree.
-    fn new(tree: &KdTree) -> Self;
-
-    /// The nodes that links lead to; `main` are the tree's own.
-    fn nodes<'a>(&'a self, main: &'a Compact) -> &'a Compact;
-
-    /// A leaf's cell; planes at the rim are infinite.
-    fn cell(&self, leaf: LeafId) -> &Aabb;
-
-    /// Behind the lower (0) or upper (1) face along an axis; [`NodeId::NONE`] at the rim.
-    fn link(&self, leaf: LeafId, axis: usize, side: usize) -> NodeId;
-
-    /// Bytes by part.
-    fn memory(&self) -> Vec<(&'static str, usize)>;
-}
 
 /// A leaf's place among its neighbours.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +27,9 @@ pub struct Ropes {
     places: Vec<Place>,
 }
 
-impl Links for Ropes {
+impl Next for Ropes {
+    const EVENT: Option<Event> = None;
+
     fn new(tree: &KdTree) -> Self {
         Self { places: places(tree) }
     }
@@ -59,12 +45,116 @@ impl Links for Ropes {
     }
 
     #[inline(always)]
-    fn link(&self, leaf: LeafId, axis: usize, side: usize) -> NodeId {
+    fn behind(&self, leaf: LeafId, axis: usize, side: usize) -> NodeId {
         self.places[leaf.index()].links[axis][side]
     }
 
     fn memory(&self) -> Vec<(&'static str, usize)> {
         vec![("links", size_of_val(&*self.places))]
+    }
+}
+
+/// Rope trees: each indirect link replaced by a tree of those leaves only that touch the face.
+///
+/// - V. Havran, J. Bittner, J. Žára, "Ray tracing with rope trees", 1998.
+///
+/// The planes of such a tree are those of the kd-tree that cross the face, so it has two axes.
+/// The first nodes of the array are the leaves themselves, for direct links to lead to.
+#[derive(Debug)]
+pub struct RopeTrees {
+    places: Vec<Place>,
+    trees: Compact,
+}
+
+impl Next for RopeTrees {
+    const EVENT: Option<Event> = None;
+
+    fn new(tree: &KdTree) -> Self {
+        let mut places = places(tree);
+        let mut nodes: Vec<Packed> =
+            (0..places.len()).map(|leaf| Packed::leaf(LeafId(leaf as u32))).collect();
+        for place in &mut places {
+            for axis in 0..3 {
+                for side in 0..2 {
+                    let link = &mut place.links[axis][side];
+                    if *link != NodeId::NONE {
+                        *link = match tree.nodes[link.index()] {
+                            Node::Leaf(leaf) => NodeId(leaf.0),
+                            Node::Inner { .. } => {
+                                let face = Face { cell: place.cell, axis, side };
+                                let root = NodeId::from_index(nodes.len());
+                                face.touch(tree, *link, &mut nodes);
+                                root
+                            }
+                        };
+                    }
+                }
+            }
+        }
+        Self { places, trees: Compact::from_packed(nodes) }
+    }
+
+    #[inline(always)]
+    fn nodes<'a>(&'a self, _: &'a Compact) -> &'a Compact {
+        &self.trees
+    }
+
+    #[inline(always)]
+    fn cell(&self, leaf: LeafId) -> &Aabb {
+        &self.places[leaf.index()].cell
+    }
+
+    #[inline(always)]
+    fn behind(&self, leaf: LeafId, axis: usize, side: usize) -> NodeId {
+        self.places[leaf.index()].links[axis][side]
+    }
+
+    fn memory(&self) -> Vec<(&'static str, usize)> {
+        vec![("links", size_of_val(&*self.places)), ("rope trees", self.trees.bytes())]
+    }
+}
+
+/// A side of a leaf's cell.
+struct Face {
+    cell: Aabb,
+    axis: usize,
+    side: usize,
+}
+
+impl Face {
+    /// Below `at`, a node behind the face, the deepest node that covers all of it.
+    fn cover(&self, tree: &KdTree, mut at: NodeId) -> NodeId {
+        while let Node::Inner { axis, split, above } = tree.nodes[at.index()] {
+            let (axis, below) = (axis as usize, NodeId(at.0 + 1));
+            at = if axis == self.axis {
+                // The child at the face: beyond an upper one it is the one below.
+                if self.side == 1 { below } else { above }
+            } else if split <= self.cell.min[axis] {
+                above
+            } else if split >= self.cell.max[axis] {
+                below
+            } else {
+                break;
+            };
+        }
+        at
+    }
+
+    /// Adds the leaves below `at` that touch the face, as a tree.
+    fn touch(&self, tree: &KdTree, at: NodeId, nodes: &mut Vec<Packed>) {
+        let at = self.cover(tree, at);
+        match tree.nodes[at.index()] {
+            Node::Leaf(leaf) => nodes.push(Packed::leaf(leaf)),
+            Node::Inner { axis, split, above } => {
+                let (axis, place) = (axis as usize, nodes.len());
+                nodes.push(Packed::leaf(LeafId(u32::MAX)));
+                let [low, high] = halves(&self.cell, axis, split);
+                Face { cell: low, ..*self }.touch(tree, NodeId(at.0 + 1), nodes);
+                let above_place = NodeId::from_index(nodes.len());
+                Face { cell: high, ..*self }.touch(tree, above, nodes);
+                nodes[place] = Packed::inner(axis, split, above_place);
+            }
+        }
     }
 }
 
@@ -96,22 +186,10 @@ fn places(tree: &KdTree) -> Vec<Place> {
 fn push_down(tree: &KdTree, place: &mut Place) {
     for axis in 0..3 {
         for side in 0..2 {
-            let link = &mut place.links[axis][side];
-            while *link != NodeId::NONE
-                && let Node::Inner { axis: other, split, above } = tree.nodes[link.index()]
-            {
-                let below = NodeId(link.0 + 1);
-                let other = other as usize;
-                *link = if other == axis {
-                    // The child at the face: above an upper one it is the one below.
-                    if side == 1 { below } else { above }
-                } else if split <= place.cell.min[other] {
-                    above
-                } else if split >= place.cell.max[other] {
-                    below
-                } else {
-                    break;
-                };
+            let link = place.links[axis][side];
+            if link != NodeId::NONE {
+                let face = Face { cell: place.cell, axis, side };
+                place.links[axis][side] = face.cover(tree, link);
             }
         }
     }

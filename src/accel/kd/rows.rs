@@ -2,43 +2,100 @@
 
 use fearless_simd::Level;
 
-use super::build;
-use super::layout::Compact;
-use super::links::Ropes;
+use super::build::OPTIONS;
+use super::layout::{Basic, Clustered, Compact, Layout, Treelet, TreeletFilled};
+use super::links::{RopeTrees, Ropes};
 use super::tree::KdTree;
-use super::walk::front_to_back::FrontToBack;
-use super::walk::neighbours::Neighbours;
-use super::walk::stack::Full;
+use super::walk::backtrack::{Backtrack, EveryNode, EveryNth};
+use super::walk::branchless::Branchless;
+use super::walk::front_to_back::{ByDirection, ByOrigin, Classify, FrontToBack};
+use super::walk::leaf_by_leaf::{FromRoot, LeafByLeaf};
+use super::walk::plane_points::PlanePoints;
+use super::walk::prefetch::Prefetch;
+use super::walk::todo::{Full, Nothing, Ring, Spill, Todo};
 use super::walk::{Walk, Walked};
-use crate::accel::{Accel, BuildError, BuildInput, Options, Variant};
+use crate::accel::{Accel, BuildError, BuildInput, OptionSpec, Options, Value, Values, Variant};
 
 /// A walk over a tree that is there already, so that several can share one.
 pub type OverTree = fn(&KdTree, &Options, Level) -> Result<Box<dyn Accel>, BuildError>;
 
-fn walked<W: Walk + 'static>(
-    tree: &KdTree,
-    level: Level,
-    walk: W,
-) -> Result<Box<dyn Accel>, BuildError> {
-    Ok(Box::new(Walked::new(tree.base.clone(), walk, level, tree.report.clone())))
+type Built = Result<Box<dyn Accel>, BuildError>;
+
+const fn integer(
+    name: &'static str,
+    summary: &'static str,
+    range: [u64; 2],
+    default: u64,
+) -> OptionSpec {
+    let values = Values::Integer(range[0], range[1]);
+    OptionSpec { name, summary, values, default: Value::Integer(default) }
 }
 
-fn build(input: &BuildInput<'_>, over: OverTree) -> Result<Box<dyn Accel>, BuildError> {
+/// The option of those that walk on every layout.
+pub const LAYOUT: OptionSpec = OptionSpec {
+    name: "layout",
+    summary: "how nodes lie in memory",
+    values: Values::Choice(&["compact", "basic", "treelet", "treelet-filled", "clustered"]),
+    default: Value::Choice("compact"),
+};
+
+const fn with(option: OptionSpec) -> [OptionSpec; 5] {
+    [OPTIONS[0], OPTIONS[1], OPTIONS[2], OPTIONS[3], option]
+}
+
+const WITH_LAYOUT: [OptionSpec; 5] = with(LAYOUT);
+const WITH_ENTRIES: [OptionSpec; 5] =
+    with(integer("entries", "entries of the short stack", [1, 64], 8));
+const WITH_EVERY: [OptionSpec; 5] =
+    with(integer("every", "levels from one box to the next", [1, 32], 4));
+const WITH_RAYS: [OptionSpec; 5] = with(integer("rays", "rays in flight", [1, 64], 16));
+
+fn build(input: &BuildInput<'_>, over: OverTree) -> Built {
     over(&KdTree::build(&input.source, input.options)?, input.options, input.level)
 }
 
-fn stack_direction(tree: &KdTree, _: &Options, level: Level) -> Result<Box<dyn Accel>, BuildError> {
-    walked(tree, level, FrontToBack::<Compact, Full>::new(tree)?)
+fn walked<W: Walk + 'static>(tree: &KdTree, level: Level, walk: W) -> Built {
+    Ok(Box::new(Walked::new(tree, walk, level)))
 }
 
-fn ropes(tree: &KdTree, _: &Options, level: Level) -> Result<Box<dyn Accel>, BuildError> {
-    walked(tree, level, Neighbours::<Ropes>::new(tree))
+/// Calls a function that is generic over layouts with the one that was chosen.
+macro_rules! in_layout {
+    ($function:ident::<$($policy:ty),*>($tree:expr, $options:expr, $level:expr)) => {
+        match $options.choice("layout") {
+            "basic" => $function::<Basic, $($policy),*>($tree, $level),
+            "treelet" => $function::<Treelet, $($policy),*>($tree, $level),
+            "treelet-filled" => $function::<TreeletFilled, $($policy),*>($tree, $level),
+            "clustered" => $function::<Clustered, $($policy),*>($tree, $level),
+            _ => $function::<Compact, $($policy),*>($tree, $level),
+        }
+    };
 }
 
-/// Declares rows: the constants that [`crate::accel::VARIANTS`] lists, and the same by id for those
-/// who have a tree already.
+fn stack<L: Layout + 'static, K: Classify + 'static>(tree: &KdTree, level: Level) -> Built {
+    walked(tree, level, FrontToBack::<L, K, Full>::new(tree, 0)?)
+}
+
+fn plane_points<L: Layout + 'static>(tree: &KdTree, level: Level) -> Built {
+    walked(tree, level, PlanePoints::<L>::new(tree)?)
+}
+
+fn branchless<L: Layout + 'static>(tree: &KdTree, level: Level) -> Built {
+    walked(tree, level, Branchless::<L>::new(tree)?)
+}
+
+fn keeping<T: Todo + 'static>(tree: &KdTree, level: Level, entries: usize) -> Built {
+    walked(tree, level, FrontToBack::<Compact, ByDirection, T>::new(tree, entries)?)
+}
+
+fn entries(options: &Options) -> usize {
+    options.integer("entries") as usize
+}
+
+/// Declares rows: the constants that [`crate::accel::VARIANTS`] lists, and the same by id for
+/// those who have a tree already.
 macro_rules! rows {
-    ($($(#[$doc:meta])* $name:ident: $id:literal, $options:expr, $over:expr, $summary:literal, $paper:literal;)*) => {
+    ($($(#[$doc:meta])* $name:ident: $id:literal, $options:expr, $over:expr,
+       $summary:literal, $paper:literal;)*) => {
         $(
             $(#[$doc])*
             pub const $name: Variant = Variant {
@@ -51,17 +108,109 @@ macro_rules! rows {
         )*
 
         /// All kd-trees by id.
-        pub const OVER: &[(&str, OverTree)] = &[$(($id, $over)),*];
+        pub static OVER: &[(&str, OverTree)] = &[$(($id, $over)),*];
     };
 }
 
 rows! {
-    /// The textbook's way: a stack of far children. Fast, needs nothing beside the nodes.
-    STACK_DIRECTION: "kd-stack-direction", &build::OPTIONS, stack_direction,
+    /// Finds each leaf from the root. Needs no stack, only the leaves' boxes, and visits the most
+    /// nodes of all: the measure of what the others save. Ours moves on by distances, not by an
+    /// epsilon, so it can't loop.
+    SEQUENTIAL: "kd-sequential", &OPTIONS,
+        |tree, _, level| walked(tree, level, LeafByLeaf::<FromRoot>::new(tree)),
+        "kd-tree, every leaf found anew from the root; no stack",
+        "Kaplan 1985; review by Hapala and Havran 2011, 3.1";
+    /// A stack of far children; the near child is the one with the ray's origin. Ours is correct
+    /// with the origin in a plane. Take it to compare; direction is as good and simpler.
+    STACK_ORIGIN: "kd-stack-origin", &WITH_LAYOUT,
+        |tree, options, level| in_layout!(stack::<ByOrigin>(tree, options, level)),
+        "kd-tree, stack of far children; near and far by the ray's origin",
+        "Jansen 1986; Arvo 1988; review, 3.2";
+    /// The textbook's way: a stack of far children, the near child by the sign of the direction.
+    /// Needs nothing beside the nodes. Take it unless you know better.
+    STACK_DIRECTION: "kd-stack-direction", &WITH_LAYOUT,
+        |tree, options, level| in_layout!(stack::<ByDirection>(tree, options, level)),
         "kd-tree, stack of far children; near and far by the ray's direction",
-        "Keller 1997; Wald 2004; review by Hapala and Havran 2011, 3.2";
-    /// Links from leaf to leaf: fewer nodes, no stack, some 50 bytes more a leaf.
-    ROPES: "kd-ropes", &build::OPTIONS, ropes,
+        "Keller 1997; Wald 2004; review, 3.2";
+    /// Havran's TA-rec-B: children by coordinates of points on planes, kept on the stack; two
+    /// branches a node and a distance only where both children are crossed. Needs a larger stack.
+    STACK_ROBUST: "kd-stack-robust", &WITH_LAYOUT,
+        |tree, options, level| in_layout!(plane_points::<>(tree, options, level)),
+        "kd-tree, stack of points on planes (TA-rec-B): two comparisons a node",
+        "Havran et al. 1997; Havran 2000; review, 3.2";
+    /// Writes both children and moves the stack pointer by comparisons: no branch to mispredict,
+    /// but each step waits for the store before it. Pays on hardware without branch prediction.
+    BRANCHLESS: "kd-branchless", &WITH_LAYOUT,
+        |tree, options, level| in_layout!(branchless::<>(tree, options, level)),
+        "kd-tree, stack pointer moved by comparisons instead of branches",
+        "Hapala 2009; review, 5.5";
+    /// Links from leaf to leaf: the fewest nodes, no stack, some 50 bytes more a leaf.
+    ROPES: "kd-ropes", &OPTIONS,
+        |tree, _, level| walked(tree, level, LeafByLeaf::<Ropes>::new(tree)),
         "kd-tree, links between neighbouring leaves instead of a stack",
         "MacDonald and Booth 1990; Popov et al. 2007; review, 3.3";
+    /// Links lead to small trees of just the leaves at a face: fewer nodes again than ropes, for
+    /// much more memory and a longer build.
+    ROPE_TREES: "kd-rope-trees", &OPTIONS,
+        |tree, _, level| walked(tree, level, LeafByLeaf::<RopeTrees>::new(tree)),
+        "kd-tree, links to trees of the leaves that touch a face",
+        "Havran, Bittner and Zara 1998; review, 3.3";
+    /// Begins at the root after every leaf: constant memory and nothing derived, twice the nodes.
+    RESTART: "kd-restart", &OPTIONS,
+        |tree, _, level| keeping::<Nothing<false>>(tree, level, 0),
+        "kd-tree, begun again at the root after every leaf",
+        "Foley and Sugerman 2005; review, 5.1";
+    /// Goes up by parents until a box goes on, then down: fewer nodes than restart, 32 bytes more
+    /// for every node.
+    BACKTRACK: "kd-backtrack", &OPTIONS,
+        |tree, _, level| walked(tree, level, Backtrack::<EveryNode>::new(tree, 1)),
+        "kd-tree, back up by parents and boxes in every node",
+        "Foley and Sugerman 2005; review, 5.1.1";
+    /// The same with boxes on every Nth level: most of the gain for a fraction of the memory.
+    SPARSE_BOXES: "kd-sparse-boxes", &WITH_EVERY,
+        |tree, options, level| {
+            let every = options.integer("every") as usize;
+            walked(tree, level, Backtrack::<EveryNth>::new(tree, every))
+        },
+        "kd-tree, back up by parents and boxes on some levels",
+        "Havran and Bittner 2007; review, 5.1.2";
+    /// Restart from the deepest node that holds all that is left of the ray.
+    PUSH_DOWN: "kd-push-down", &OPTIONS,
+        |tree, _, level| keeping::<Nothing<true>>(tree, level, 0),
+        "kd-tree, begun again at the deepest node that holds the rest of the ray",
+        "Horn et al. 2007; review, 5.2";
+    /// A stack of a few entries that forgets the oldest; push-down when it runs empty. As good as a
+    /// full stack in less memory a ray, which only matters where memory a ray is dear.
+    SHORT_STACK: "kd-short-stack", &WITH_ENTRIES,
+        |tree, options, level| keeping::<Ring>(tree, level, entries(options)),
+        "kd-tree, short stack that forgets, and push-down",
+        "Horn et al. 2007; review, 5.4";
+    /// A short stack whose oldest entries spill to a large one: no restarts.
+    SPILL: "kd-spill", &WITH_ENTRIES,
+        |tree, options, level| keeping::<Spill>(tree, level, entries(options)),
+        "kd-tree, short stack that spills into a large one",
+        "Novak 2009; review, 5.4";
+    /// Several rays of a slice in flight, a node each in turn: hides memory latency in large trees.
+    /// Wants slices of 64 rays or more; a single ray gains nothing.
+    PREFETCH: "kd-prefetch", &WITH_RAYS,
+        |tree, options, level| {
+            Ok(Box::new(Prefetch::new(tree, options.integer("rays") as usize, level)?))
+        },
+        "kd-tree, several rays in flight to hide memory latency",
+        "Benthin et al. 2006; Bittner et al. 2009; review, 6.4";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::VARIANTS;
+
+    #[test]
+    fn every_row_is_in_the_table() {
+        let listed: Vec<_> =
+            VARIANTS.iter().map(|v| v.id).filter(|id| OVER.iter().any(|o| o.0 == *id)).collect();
+        let all: Vec<_> = OVER.iter().map(|(id, _)| *id).collect();
+        assert_eq!(listed, all);
+        assert_eq!(all.len(), 14);
+    }
 }

@@ -17,7 +17,7 @@ pub struct Slack {
 
 impl Slack {
     /// Tame rays start no further than this many times the longest edge of the box from its
-    /// centre. With it the unit of distances is at most four edges.
+    /// centre; planes are then at most four edges away.
     const REACH: f32 = 3.0;
     /// 2^-17 of the longest edge, or 128 half-ulps of it.
     const RELATIVE: f32 = 7.629395e-6;

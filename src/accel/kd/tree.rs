@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use fearless_simd::{Simd, f32x4};
-use std::ops::ControlFlow;
-
 use super::slack::Slack;
-use crate::accel::{BuildReport, Counters, Event, Query, Shot, test_block};
+use crate::accel::BuildReport;
 use crate::geom::{TriangleBlock, TriangleSource};
 use crate::math::{Aabb, NodeId, TriangleId};
 
@@ -73,12 +70,15 @@ impl std::fmt::Debug for Base {
 /// Triangles of a block.
 pub const LANES: usize = 4;
 
+/// Triangles to test at once.
+pub type Block = TriangleBlock<LANES>;
+
 /// The leaves' triangles, inline.
 #[derive(Clone, Debug)]
 pub struct Leaves {
     /// Leaf `i` has the blocks `starts[i]..starts[i + 1]`.
     starts: Vec<u32>,
-    blocks: Vec<TriangleBlock<LANES>>,
+    blocks: Vec<Block>,
 }
 
 impl Leaves {
@@ -96,7 +96,7 @@ impl Leaves {
                 let triangles = [ids.first(), ids.get(1), ids.get(2), ids.get(3)]
                     .map(|id| id.map(|&id| (id, source.triangle(id))));
                 let present: Vec<_> = triangles.into_iter().flatten().collect();
-                blocks.push(TriangleBlock::new(&present));
+                blocks.push(Block::new(&present));
             }
             starts.push(blocks.len() as u32);
         }
@@ -116,7 +116,7 @@ impl Leaves {
 
     /// Where a leaf's blocks begin and end.
     #[inline(always)]
-    pub fn blocks(&self, leaf: LeafId) -> &[TriangleBlock<LANES>] {
+    pub fn blocks(&self, leaf: LeafId) -> &[Block] {
         match self.starts.get(leaf.index()..leaf.index() + 2) {
             Some(&[start, end]) => self.blocks.get(start as usize..end as usize).unwrap_or(&[]),
             _ => &[],
@@ -126,24 +126,6 @@ impl Leaves {
     /// Bytes of the parts, for reports.
     pub fn memory(&self) -> [(&'static str, usize); 2] {
         [("leaves", size_of_val(&*self.starts)), ("triangles", size_of_val(&*self.blocks))]
-    }
-
-    /// Tests a leaf's triangles.
-    #[inline(always)]
-    pub fn test<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        leaf: LeafId,
-        shot: &Shot<'_>,
-        query: &mut Q,
-        counters: &mut C,
-    ) -> ControlFlow<()> {
-        counters.count(Event::Leaf);
-        for block in self.blocks(leaf) {
-            counters.add(Event::TriangleLane, block.len() as u64);
-            test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, block, query, counters)?;
-        }
-        ControlFlow::Continue(())
     }
 }
 

@@ -99,6 +99,59 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_supported_is_named() {
+        let value = |bytes: &[u8], name: &[u8]| {
+            // The value of an attribute comes after its name, its type and its size.
+            4 + name.len() + bytes.windows(name.len()).position(|it| it == name).expect("there")
+        };
+        // Number 8 is DWAA, in blocks of 32 lines: one of them where ZIP has two.
+        let mut bytes = encode(&small()).expect("encoded");
+        let (kind, count) =
+            (value(&bytes, b"compression\0compression\0"), value(&bytes, b"chunkCount\0int\0"));
+        assert_eq!((bytes[kind], bytes[count]), (3, 2), "ZIP, two blocks");
+        (bytes[kind], bytes[count]) = (8, 1);
+        let error = decode(&bytes, Path::new("a.exr")).expect_err("DWAA").to_string();
+        assert!(error.starts_with("a.exr: dwaa compression is not supported"), "{error}");
+        // The type of the part: deep scanlines, in a version that says so.
+        let mut bytes = encode(&small()).expect("encoded");
+        let at = bytes.windows(13).position(|it| it == b"scanlineimage").expect("there");
+        bytes.splice(at..at + 13, *b"deepscanline");
+        bytes[at - 4] = 12;
+        bytes[5] |= 0x08;
+        let error = decode(&bytes, Path::new("a.exr")).expect_err("deep").to_string();
+        assert!(error.starts_with("a.exr: not supported: deep data"), "{error}");
+    }
+
+    #[test]
+    fn half_floats_in_tiles_are_read_and_of_several_parts_the_one_with_colours() {
+        use ::exr::prelude::*;
+        let part = |name: &str, channels: [&str; 3]| {
+            let values: Vec<f16> = (0..30 * 20).map(|i| f16::from_f32(i as f32)).collect();
+            let channel = |name: &str| AnyChannel::new(name, FlatSamples::F16(values.clone()));
+            let encoding = Encoding {
+                compression: Compression::PIZ,
+                blocks: Blocks::Tiles(Vec2(16, 16)),
+                line_order: LineOrder::Increasing,
+            };
+            let channels = AnyChannels::sort(channels.map(channel).into_iter().collect());
+            Layer::new((30, 20), LayerAttributes::named(name), encoding, channels)
+        };
+        let parts = [part("depth", ["Z", "front", "back"]), part("colour", ["R", "G", "B"])];
+        let image = Image::from_layers(
+            ImageAttributes::new(IntegerBounds::from_dimensions((30, 20))),
+            parts.into_iter().collect::<SmallVec<[_; 2]>>(),
+        );
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write().to_buffered(&mut bytes).expect("written");
+        let picture = decode(bytes.get_ref(), Path::new("a.exr")).expect("read");
+        assert_eq!(picture.crop, Window::of_size(30, 20));
+        let names: Vec<_> = picture.channels().iter().map(|it| it.name.as_str()).collect();
+        assert_eq!(names, ["B", "G", "R"]);
+        let expected: Vec<f32> = (0..600).map(|i| i as f32).collect();
+        assert_eq!(picture.channel("G"), Some(&expected[..]));
+    }
+
+    #[test]
     fn a_file_of_another_kind_is_named() {
         let error = decode(b"#?RADIANCE\n", Path::new("sky.exr")).expect_err("not EXR");
         assert!(error.to_string().starts_with("sky.exr: not a sound EXR file"), "{error}");

@@ -32,6 +32,8 @@ impl Arena {
         below: impl FnOnce(&mut Self) + Send,
         above: impl FnOnce(&mut Self) + Send,
     ) {
+        // No negative zero: the distance from an origin in a plane has the sign of the direction.
+        let split = split + 0.0;
         let at = self.nodes.len();
         self.nodes.push(Node::Leaf(LeafId(u32::MAX)));
         let above_at;

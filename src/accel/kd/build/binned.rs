@@ -7,44 +7,29 @@
 //! Ours looks at all three axes, spans the bins over the triangles rather than the cell, and adds
 //! the planes that cut off the empty space beside them.
 
+use super::bins::{BINS, Candidates};
 use super::{Costs, Plane, Reference};
 use crate::math::Aabb;
 
-/// Intervals along an axis.
-const BINS: usize = 32;
-
 /// The best plane of all bins' bounds.
 pub fn best(references: &[Reference], cell: &Aabb, costs: &Costs) -> Option<Plane> {
-    let count = references.len();
-    let range = references.iter().fold(Aabb::EMPTY, |all, r| all.union(r.bounds));
-    let range = range.intersection(*cell);
-    let mut best = None;
+    let mut candidates = Candidates::new(references, cell, costs);
     for axis in 0..3 {
-        let mut offer = |split: f32, below: usize, above: usize| {
-            if let Some(plane) = costs.plane(cell, axis, split, below, above) {
-                best = Plane::better(best, plane);
-            }
-        };
-        let (low, high) = (range.min[axis], range.max[axis]);
-        offer(low, 0, count);
-        offer(high, count, 0);
-        let width = (high - low) / BINS as f32;
-        if !(width > 0.0 && width.is_finite()) {
-            continue;
-        }
+        let Some(planes) = candidates.planes(axis) else { continue };
         let mut bins = [0; BINS];
-        for reference in references {
-            let centroid = reference.bounds.min[axis] * 0.5 + reference.bounds.max[axis] * 0.5;
-            // Saturates at both ends.
-            bins[(((centroid - low) / width) as usize).min(BINS - 1)] += 1;
+        for Reference { bounds, .. } in references {
+            bins[planes.near(bounds.min[axis] * 0.5 + bounds.max[axis] * 0.5)] += 1;
         }
         let mut below = 0;
         for (bin, here) in bins[..BINS - 1].iter().enumerate() {
             below += here;
-            offer(low + width * (bin + 1) as f32, below, count - below);
+            // No centroid beyond a plane does not make it empty there.
+            if below > 0 && below < references.len() {
+                candidates.offer(axis, planes.plane(bin), below, references.len() - below);
+            }
         }
     }
-    best
+    candidates.best
 }
 
 #[cfg(test)]

@@ -2,15 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::{Arena, Reference, Settings, binned};
+use super::{Arena, Costs, FORK_COUNT, FORK_LEVELS, Plane, Reference, Settings};
 use crate::accel::kd::slack::Slack;
 use crate::accel::kd::tree::halves;
 use crate::geom::{TriangleSource, own_box};
 use crate::math::{Aabb, TriangleId};
 
-/// Children are built at once down to this level, if they are large enough.
-const FORK_LEVELS: usize = 8;
-const FORK_COUNT: usize = 1024;
+/// Finds the best plane for a list of boxes in a cell.
+pub type Best = fn(&[Reference], &Aabb, &Costs) -> Option<Plane>;
 
 /// Builds the nodes.
 pub fn build(
@@ -18,6 +17,7 @@ pub fn build(
     bounds: &Aabb,
     slack: &Slack,
     settings: &Settings,
+    best: Best,
 ) -> Arena {
     let references = (0..source.len())
         .into_par_iter()
@@ -27,7 +27,7 @@ pub fn build(
         })
         .collect();
     let mut arena = Arena::default();
-    divide(references, bounds, 0, 0, settings, &mut arena);
+    divide(references, bounds, 0, 0, settings, best, &mut arena);
     arena
 }
 
@@ -37,15 +37,16 @@ fn divide(
     depth: usize,
     mut failed: u32,
     settings: &Settings,
+    best: Best,
     arena: &mut Arena,
 ) {
     let count = references.len();
-    let best = if count <= settings.leaf || depth >= settings.depth {
+    let plane = if count <= settings.leaf || depth >= settings.depth {
         None
     } else {
-        binned::best(&references, cell, &settings.costs)
+        best(&references, cell, &settings.costs)
     };
-    let plane = best.filter(|plane| !settings.stops(count, Some(plane), &mut failed));
+    let plane = plane.filter(|plane| !settings.stops(count, Some(plane), &mut failed));
     let parts = plane.map(|plane| (plane, part(&references, plane.axis, plane.split)));
     // Where all are on both sides, nothing is gained further down either.
     let Some((plane, [below, above])) =
@@ -61,8 +62,8 @@ fn divide(
         plane.axis,
         plane.split,
         fork,
-        |arena| divide(below, &low, depth + 1, failed, settings, arena),
-        |arena| divide(above, &high, depth + 1, failed, settings, arena),
+        |arena| divide(below, &low, depth + 1, failed, settings, best, arena),
+        |arena| divide(above, &high, depth + 1, failed, settings, best, arena),
     );
 }
 

@@ -7,8 +7,12 @@
 
 mod arena;
 mod binned;
+mod bins;
+mod clip;
 mod cost;
 mod lists;
+mod minmax;
+mod sweep;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -27,8 +31,8 @@ pub const OPTIONS: [OptionSpec; 4] = [
     OptionSpec {
         name: "build",
         summary: "how planes are found",
-        values: Values::Choice(&["binned"]),
-        default: Value::Choice("binned"),
+        values: Values::Choice(&["sah", "minmax", "binned"]),
+        default: Value::Choice("sah"),
     },
     OptionSpec {
         name: "empty",
@@ -49,6 +53,10 @@ pub const OPTIONS: [OptionSpec; 4] = [
         default: Value::Integer(1),
     },
 ];
+
+/// Children are built at once down to this level, if there are enough triangles.
+const FORK_LEVELS: usize = 8;
+const FORK_COUNT: usize = 1024;
 
 /// What a builder needs to know.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +109,12 @@ impl KdTree {
             Slack::NONE
         });
         let bounds = slack.grow(&own);
-        let arena = lists::build(&**source, &bounds, &slack, &settings);
+        let choice = options.choice("build");
+        let arena = match choice {
+            "binned" => lists::build(&**source, &bounds, &slack, &settings, binned::best),
+            "minmax" => lists::build(&**source, &bounds, &slack, &settings, minmax::best),
+            _ => sweep::build(&**source, &bounds, &slack, &settings),
+        };
         let built = Instant::now();
         let leaves = Leaves::new(&**source, &arena.ids, &arena.ends)
             .filter(|_| arena.nodes.len() < NODE_LIMIT)
@@ -109,7 +122,8 @@ impl KdTree {
                 needed: (arena.nodes.len() * 8 + arena.ids.len() * 40) as u64,
                 limit: NODE_LIMIT as u64 * 8,
             })?;
-        let base = Base { bounds, slack, clipped: false, leaves, source: Arc::clone(source) };
+        let base =
+            Base { bounds, slack, clipped: choice == "sah", leaves, source: Arc::clone(source) };
         let mut report = statistics(&arena, &bounds, &settings.costs);
         report.triangles = source.len();
         report.phases = vec![

@@ -1,6 +1,6 @@
 //! Eight bytes a node, in depth-first order (figure 9b of the review).
 
-use super::{Layout, View};
+use super::{Layout, Nodes, View};
 use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::math::NodeId;
 
@@ -13,33 +13,29 @@ pub struct Compact {
 /// An inner node: the split, and the child above shifted left by two beside the axis. A leaf: its
 /// number, and a 3.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
-struct Packed {
+#[repr(C, align(8))]
+pub struct Packed {
     split: u32,
     above: u32,
 }
 
 const LEAF: u32 = 3;
 
-impl Layout for Compact {
-    fn new(tree: &KdTree) -> Self {
-        let nodes = tree.nodes.iter().map(|node| match *node {
-            Node::Inner { axis, split, above } => {
-                Packed { split: split.to_bits(), above: above.0 << 2 | u32::from(axis) }
-            }
-            Node::Leaf(leaf) => Packed { split: leaf.0, above: LEAF },
-        });
-        Self { nodes: nodes.collect() }
+impl Packed {
+    /// A leaf.
+    pub fn leaf(leaf: LeafId) -> Self {
+        Self { split: leaf.0, above: LEAF }
     }
 
-    #[inline(always)]
-    fn root(&self) -> NodeId {
-        NodeId(0)
+    /// An inner node.
+    pub fn inner(axis: usize, split: f32, above: NodeId) -> Self {
+        Self { split: split.to_bits(), above: above.0 << 2 | axis as u32 }
     }
 
+    /// What it says if it is the node `at`.
     #[inline(always)]
-    fn view(&self, at: NodeId) -> View {
-        let Packed { split, above } = self.nodes[at.index()];
+    pub fn view(self, at: NodeId) -> View {
+        let Self { split, above } = self;
         if above & 3 == LEAF {
             return View::Leaf(LeafId(split));
         }
@@ -48,6 +44,41 @@ impl Layout for Compact {
             split: f32::from_bits(split),
             children: [NodeId(at.0 + 1), NodeId(above >> 2)],
         }
+    }
+}
+
+impl Compact {
+    /// Nodes that are in order already.
+    pub fn from_packed(nodes: Vec<Packed>) -> Self {
+        Self { nodes }
+    }
+
+    /// Reads a node without looking at it.
+    #[inline(always)]
+    pub fn packed(&self, at: NodeId) -> Packed {
+        self.nodes[at.index()]
+    }
+}
+
+impl Layout for Compact {
+    fn new(tree: &KdTree) -> Self {
+        let nodes = tree.nodes.iter().map(|node| match *node {
+            Node::Inner { axis, split, above } => Packed::inner(axis as usize, split, above),
+            Node::Leaf(leaf) => Packed::leaf(leaf),
+        });
+        Self { nodes: nodes.collect() }
+    }
+}
+
+impl Nodes for Compact {
+    #[inline(always)]
+    fn root(&self) -> NodeId {
+        NodeId(0)
+    }
+
+    #[inline(always)]
+    fn view(&self, at: NodeId) -> View {
+        self.packed(at).view(at)
     }
 
     fn bytes(&self) -> usize {

@@ -1,97 +1,135 @@
 //! Front-to-back traversal, one ray at a time.
 //!
 //! The recursive traversal of the review (section 3.2, algorithm 2) with the recursion unrolled.
-//! What it does with the farther child is the policy `T`.
+//! How the near child is told is the policy `K`; what is done with the farther one is the policy
+//! `T`: a list that forgets makes the loop begin again, at the root (section 5.1) or at the deepest
+//! node that is known to hold all that is left of the ray (section 5.2, algorithm 4).
+//!
+//! After each leaf the walk goes on exactly where it left off, not a little further.
 
 use std::marker::PhantomData;
 
-use fearless_simd::Simd;
-
-use super::super::layout::{Layout, View};
+use super::super::layout::{Layout, Nodes, View};
 use super::super::ray::{Crossing, KdRay, Span};
-use super::super::tree::{Base, KdTree};
-use super::Walk;
-use super::stack::Todo;
-use crate::accel::{BuildError, Counters, Event, Query, Shot};
+use super::super::tree::KdTree;
+use super::todo::Todo;
+use super::{Visit, Walk};
+use crate::accel::{BuildError, Counters, Event, Query};
 
-/// Visits the leaves along a ray in order, keeping farther children in a `T`.
-#[derive(Debug)]
-pub struct FrontToBack<L, T> {
-    layout: L,
-    todo: PhantomData<fn() -> T>,
+/// How the near child is told from the far one.
+pub trait Classify: Send + Sync {
+    /// Which child is near, 0 below and 1 above, where the plane is, and which children are
+    /// crossed.
+    fn classify(ray: &KdRay, axis: usize, split: f32, span: Span) -> (usize, f32, Crossing);
 }
 
-impl<L: Layout, T: Todo> FrontToBack<L, T> {
-    /// Lays a tree out to walk it.
-    ///
-    /// # Errors
-    /// If the tree is too deep for the to-do list.
-    pub fn new(tree: &KdTree) -> Result<Self, BuildError> {
-        if tree.depth() > T::CAPACITY {
-            return Err(BuildError::TooDeep { depth: tree.depth(), limit: T::CAPACITY });
-        }
-        Ok(Self { layout: L::new(tree), todo: PhantomData })
+/// By the ray's direction (Keller 1997, Wald 2004): the near child is the one that it comes from.
+#[derive(Debug)]
+pub struct ByDirection;
+
+impl Classify for ByDirection {
+    #[inline(always)]
+    fn classify(ray: &KdRay, axis: usize, split: f32, span: Span) -> (usize, f32, Crossing) {
+        let t_split = ray.t_split(axis, split);
+        (ray.near(axis), t_split, Crossing::of(t_split, span))
     }
 }
 
-impl<L: Layout, T: Todo> Walk for FrontToBack<L, T> {
-    type Layout = L;
+/// By the ray's origin (Jansen 1986, Arvo 1988): the near child is the one with the origin.
+///
+/// A plane behind the origin is told by the sign of its distance, zeros included. An origin in the
+/// plane belongs below it: then a ray that goes up is beyond the plane at distance zero, and for
+/// one that goes down the distance is a negative zero and it stays below.
+#[derive(Debug)]
+pub struct ByOrigin;
+
+impl Classify for ByOrigin {
+    #[inline(always)]
+    fn classify(ray: &KdRay, axis: usize, split: f32, span: Span) -> (usize, f32, Crossing) {
+        let t_split = ray.t_split(axis, split);
+        let near = usize::from(ray.origin(axis) > split);
+        let crossing =
+            if t_split.is_sign_negative() { Crossing::Near } else { Crossing::of(t_split, span) };
+        (near, t_split, crossing)
+    }
+}
+
+/// Visits the leaves along a ray in order, keeping farther children in a `T`.
+#[derive(Debug)]
+pub struct FrontToBack<L, K, T> {
+    layout: L,
+    entries: usize,
+    policies: PhantomData<fn() -> (K, T)>,
+}
+
+impl<L: Layout, K: Classify, T: Todo> FrontToBack<L, K, T> {
+    /// Lays a tree out to walk it; `entries` is the size of a short stack.
+    ///
+    /// # Errors
+    /// If the tree is too deep for the to-do list.
+    pub fn new(tree: &KdTree, entries: usize) -> Result<Self, BuildError> {
+        if tree.depth() > T::CAPACITY {
+            return Err(BuildError::TooDeep { depth: tree.depth(), limit: T::CAPACITY });
+        }
+        Ok(Self { layout: L::new(tree), entries, policies: PhantomData })
+    }
+}
+
+impl<L: Layout, K: Classify, T: Todo> Walk for FrontToBack<L, K, T> {
     type Scratch = T;
 
-    fn layout(&self) -> &L {
+    fn nodes(&self) -> &dyn Nodes {
         &self.layout
     }
 
     fn scratch(&self) -> T {
-        T::default()
+        T::new(self.entries)
     }
 
-    #[inline(always)]
-    fn walk<S: Simd, Q: Query, C: Counters>(
+    #[inline(never)]
+    fn walk<Q: Query, C: Counters>(
         &self,
-        simd: S,
-        base: &Base,
-        ray: &KdRay,
+        visit: &mut Visit<'_, Q, C>,
         mut span: Span,
-        shot: &Shot<'_>,
-        query: &mut Q,
         todo: &mut T,
-        counters: &mut C,
     ) {
         todo.clear();
+        let end = span.exit;
         let mut at = self.layout.root();
+        let (mut restart_at, mut single_path) = (at, true);
         loop {
             let leaf = loop {
-                match self.layout.view(at) {
+                let (axis, split, children) = match self.layout.view(at) {
+                    View::Inner { axis, split, children } => (axis, split, children),
                     View::Leaf(leaf) => break leaf,
-                    View::Inner { axis, split, children } => {
-                        counters.count(Event::InnerNode);
-                        let t_split = ray.t_split(axis, split);
-                        let near = ray.near(axis);
-                        at = match Crossing::of(t_split, span) {
-                            Crossing::Far => children[1 - near],
-                            Crossing::Near => children[near],
-                            Crossing::Both => {
-                                counters.count(Event::Push);
-                                todo.push(children[1 - near], span.exit);
-                                span.exit = t_split;
-                                children[near]
-                            }
-                        };
+                };
+                visit.counters.count(Event::InnerNode);
+                let (near, t_split, crossing) = K::classify(&visit.ray, axis, split, span);
+                match crossing {
+                    Crossing::Far => at = children[1 - near],
+                    Crossing::Near => at = children[near],
+                    Crossing::Both => {
+                        visit.counters.count(Event::Push);
+                        todo.push(children[1 - near], span.exit);
+                        (at, span.exit, single_path) = (children[near], t_split, false);
                     }
                 }
+                if T::PUSH_DOWN && single_path {
+                    restart_at = at; // all that is left of the ray lies in here
+                }
             };
-            if base.leaves.test(simd, leaf, shot, query, counters).is_break()
-                || query.t_max() < span.exit
-            {
+            if visit.leaf_ends(leaf, span.exit) {
                 return;
             }
-            let Some((far, exit)) = todo.pop() else { return };
-            (at, span) = (far, Span { enter: span.exit, exit });
+            (at, span) = match todo.pop() {
+                Some((far, exit)) => (far, Span { enter: span.exit, exit }),
+                None if T::FORGETS && span.exit < end => {
+                    visit.counters.count(Event::Restart);
+                    single_path = true;
+                    (restart_at, Span { enter: span.exit, exit: end })
+                }
+                None => return,
+            };
         }
-    }
-
-    fn memory(&self) -> Vec<(&'static str, usize)> {
-        Vec::new()
     }
 }

@@ -1,19 +1,25 @@
 //! Walks: which nodes a ray visits, in which order. They know nothing of builds.
 
+pub mod backtrack;
+pub mod branchless;
 pub mod front_to_back;
-pub mod neighbours;
+pub mod leaf_by_leaf;
+pub mod plane_points;
+pub mod prefetch;
 mod robust;
-pub mod stack;
+pub mod todo;
+mod visit;
+
+pub use visit::{LeafTest, Visit, With};
 
 use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
 
-use super::layout::Layout;
+use super::layout::Nodes;
 use super::ray::{KdRay, Span};
-use super::tree::Base;
+use super::tree::{Base, KdTree};
 use crate::accel::{BuildReport, Counters, MemoryReport, Query, Shot, Traverse};
-use crate::math::Aabb;
 
 /// A way through a tree.
 ///
@@ -21,36 +27,30 @@ use crate::math::Aabb;
 /// span crosses, front to back, until a hit is strictly before what is left. Rays that are not
 /// tame never come here.
 pub trait Walk: Send + Sync {
-    /// How nodes lie in memory.
-    type Layout: Layout;
     /// What a thread needs.
     type Scratch: Send;
 
     /// The nodes.
-    fn layout(&self) -> &Self::Layout;
+    fn nodes(&self) -> &dyn Nodes;
 
     /// Fresh scratch for one thread.
     fn scratch(&self) -> Self::Scratch;
 
     /// Walks.
-    fn walk<S: Simd, Q: Query, C: Counters>(
+    fn walk<Q: Query, C: Counters>(
         &self,
-        simd: S,
-        base: &Base,
-        ray: &KdRay,
+        visit: &mut Visit<'_, Q, C>,
         span: Span,
-        shot: &Shot<'_>,
-        query: &mut Q,
         scratch: &mut Self::Scratch,
-        counters: &mut C,
     );
 
-    /// Bytes of what it derived from the tree, the layout's aside.
-    fn memory(&self) -> Vec<(&'static str, usize)>;
+    /// Bytes of what it derived from the tree, the nodes aside.
+    fn memory(&self) -> Vec<(&'static str, usize)> {
+        Vec::new()
+    }
 }
 
 /// A tree with a way through it: what the table's rows build.
-#[derive(Debug)]
 pub struct Walked<W> {
     base: Arc<Base>,
     walk: W,
@@ -60,17 +60,9 @@ pub struct Walked<W> {
 
 impl<W: Walk> Walked<W> {
     /// Joins them.
-    pub fn new(base: Arc<Base>, walk: W, level: Level, report: BuildReport) -> Self {
-        Self { base, walk, level, report }
+    pub fn new(tree: &KdTree, walk: W, level: Level) -> Self {
+        Self { base: Arc::clone(&tree.base), walk, level, report: tree.report.clone() }
     }
-}
-
-/// The part of a tame ray inside the root's box, if any.
-#[inline(always)]
-fn enter_root(bounds: &Aabb, shot: &Shot<'_>, t_max: f32) -> Option<Span> {
-    let (enter, exit) = shot.slab.interval(bounds);
-    let span = Span { enter: enter.max(shot.ray.t_min()), exit: exit.min(t_max) };
-    (span.enter <= span.exit).then_some(span)
 }
 
 impl<W: Walk> Traverse for Walked<W> {
@@ -89,12 +81,13 @@ impl<W: Walk> Traverse for Walked<W> {
         (scratch, todo): &mut Self::Scratch,
         counters: &mut C,
     ) {
-        let base = &*self.base;
+        let (base, ray) = (&*self.base, KdRay::new(&shot.ray));
+        let leaf_test = &With(simd);
+        let mut visit = Visit { base, shot, ray, leaf_test, query, counters };
         if !base.slack.is_tame(&shot.ray) {
-            robust::walk(simd, base, self.walk.layout(), shot, query, todo, counters);
-        } else if let Some(span) = enter_root(&base.bounds, shot, query.t_max()) {
-            let ray = KdRay::new(&shot.ray);
-            self.walk.walk(simd, base, &ray, span, shot, query, scratch, counters);
+            robust::walk(self.walk.nodes(), &mut visit, todo);
+        } else if let Some(span) = visit.span() {
+            self.walk.walk(&mut visit, span, scratch);
         }
     }
 
@@ -103,7 +96,7 @@ impl<W: Walk> Traverse for Walked<W> {
     }
 
     fn memory(&self) -> MemoryReport {
-        let mut parts = vec![("nodes", self.walk.layout().bytes())];
+        let mut parts = vec![("nodes", self.walk.nodes().bytes())];
         parts.extend(self.base.leaves.memory());
         parts.extend(self.walk.memory());
         MemoryReport::new(parts)

@@ -1,0 +1,260 @@
+//! The exact sweep: every plane where a triangle's box begins or ends is a candidate.
+//!
+//! - I. Wald, V. Havran, "On building fast kd-trees for ray tracing, and on doing that in
+//!   O(N log N)", 2006. The events of all three axes are sorted once, in one list; a split takes the
+//!   list apart in its order. Triangles on both sides are clipped to each ("perfect splits"); their
+//!   new events, few, are sorted and merged.
+//!
+//! Planar triangles, which Wald and Havran put on the cheaper side, do not occur: the slack gives
+//! all boxes thickness. A triangle is below a plane if it begins before it, and above if it ends
+//! behind it. Parts are clipped to the cell grown by the slack, and grown themselves afterwards.
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use super::clip::clipped_bounds;
+use super::{Arena, FORK_COUNT, FORK_LEVELS, Plane, Reference, Settings};
+use crate::accel::kd::slack::Slack;
+use crate::accel::kd::tree::halves;
+use crate::geom::TriangleSource;
+use crate::math::{Aabb, TriangleId};
+
+/// Where a box begins or ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Event {
+    at: f32,
+    /// The place of the triangle in the node's list.
+    place: u32,
+    axis: u8,
+    begins: bool,
+}
+
+impl Event {
+    /// By coordinate, axis, ends before beginnings; zeros have one sign.
+    #[inline]
+    fn order(&self, other: &Self) -> Ordering {
+        let tie = || (self.axis, self.begins).cmp(&(other.axis, other.begins));
+        self.at.total_cmp(&other.at).then_with(tie)
+    }
+
+    /// Both events of a box along all axes.
+    fn of(place: u32, bounds: &Aabb) -> [Self; 6] {
+        let event = |axis: usize, begins: bool| Self {
+            at: if begins { bounds.min[axis] } else { bounds.max[axis] } + 0.0,
+            place,
+            axis: axis as u8,
+            begins,
+        };
+        [
+            event(0, true),
+            event(0, false),
+            event(1, true),
+            event(1, false),
+            event(2, true),
+            event(2, false),
+        ]
+    }
+}
+
+/// The triangles of a node, and their events in order.
+struct Part {
+    references: Vec<Reference>,
+    events: Vec<Event>,
+}
+
+struct Builder<'a> {
+    source: &'a dyn TriangleSource,
+    slack: &'a Slack,
+    settings: &'a Settings,
+}
+
+/// Builds the nodes.
+pub fn build(
+    source: &dyn TriangleSource,
+    bounds: &Aabb,
+    slack: &Slack,
+    settings: &Settings,
+) -> Arena {
+    let references: Vec<_> = (0..source.len())
+        .into_par_iter()
+        .map(|i| {
+            let id = TriangleId::from_index(i);
+            Reference { bounds: slack.grow(&source.triangle(id).bounds()), id }
+        })
+        .collect();
+    let mut events: Vec<_> = references
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(place, reference)| Event::of(place as u32, &reference.bounds))
+        .collect();
+    // Stable: equal events stay in the order of the triangles.
+    events.par_sort_by(Event::order);
+    let mut arena = Arena::default();
+    let builder = Builder { source, slack, settings };
+    builder.divide(Part { references, events }, bounds, 0, 0, &mut arena);
+    arena
+}
+
+/// The plane of the lowest cost.
+fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
+    let mut below = [0; 3];
+    let mut above = [part.references.len(); 3];
+    let mut best = None;
+    let mut rest = &part.events[..];
+    while let Some(&Event { at, axis, .. }) = rest.first() {
+        let of_group = |event: &&Event| event.at == at && event.axis == axis;
+        let group = rest.iter().take_while(of_group);
+        let (mut ends, mut count) = (0, 0);
+        for event in group {
+            count += 1;
+            ends += usize::from(!event.begins);
+        }
+        let axis = axis as usize;
+        above[axis] -= ends;
+        if let Some(plane) = settings.costs.plane(cell, axis, at, below[axis], above[axis]) {
+            best = Plane::better(best, plane);
+        }
+        below[axis] += count - ends;
+        rest = &rest[count..];
+    }
+    best
+}
+
+impl Builder<'_> {
+    fn divide(&self, part: Part, cell: &Aabb, depth: usize, mut failed: u32, arena: &mut Arena) {
+        let (settings, count) = (self.settings, part.references.len());
+        let best = if count <= settings.leaf || depth >= settings.depth {
+            None
+        } else {
+            best(&part, cell, settings)
+        };
+        let plane = best.filter(|plane| !settings.stops(count, Some(plane), &mut failed));
+        let Some(plane) = plane else {
+            arena.leaf(part.references.iter().map(|reference| reference.id));
+            return;
+        };
+        let cells = halves(cell, plane.axis, plane.split);
+        let [below, above] = self.split(&part, &plane, &cells);
+        drop(part);
+        let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
+        arena.inner(
+            plane.axis,
+            plane.split,
+            fork,
+            |arena| self.divide(below, &cells[0], depth + 1, failed, arena),
+            |arena| self.divide(above, &cells[1], depth + 1, failed, arena),
+        );
+    }
+
+    /// What is on either side of a plane.
+    fn split(&self, part: &Part, plane: &Plane, cells: &[Aabb; 2]) -> [Part; 2] {
+        /// Not on this side, or there with new events.
+        const GONE: u32 = u32::MAX;
+        let grown = cells.map(|cell| self.slack.grow(&cell));
+        let mut sides = [(); 2].map(|()| Side::new(part.references.len() / 2));
+        for reference in &part.references {
+            let is_below = reference.bounds.min[plane.axis] < plane.split;
+            let is_above = reference.bounds.max[plane.axis] > plane.split;
+            let straddles = is_below && is_above;
+            for (side, (is_here, grown)) in
+                sides.iter_mut().zip([is_below, is_above].into_iter().zip(&grown))
+            {
+                let place = side.references.len() as u32;
+                side.places.push(if is_here && !straddles { place } else { GONE });
+                if !is_here {
+                    continue;
+                }
+                let mut reference = *reference;
+                if straddles {
+                    let triangle = self.source.triangle(reference.id);
+                    let Some(bounds) = clipped_bounds(&triangle, grown) else { continue };
+                    reference.bounds = self.slack.grow(&bounds);
+                    side.new_events.extend(Event::of(place, &reference.bounds));
+                }
+                side.references.push(reference);
+            }
+        }
+        sides.map(|side| {
+            let Side { references, places, mut new_events } = side;
+            new_events.sort_by(Event::order);
+            let old = part.events.iter().filter_map(|event| {
+                let place = places[event.place as usize];
+                (place != GONE).then_some(Event { place, ..*event })
+            });
+            let mut events = Vec::with_capacity(references.len() * 6);
+            let mut new = new_events.into_iter().peekable();
+            for event in old {
+                while let Some(earlier) = new.next_if(|new| new.order(&event).is_lt()) {
+                    events.push(earlier);
+                }
+                events.push(event);
+            }
+            events.extend(new);
+            Part { references, events }
+        })
+    }
+}
+
+/// One side of a split in the making.
+struct Side {
+    references: Vec<Reference>,
+    /// Where each triangle of the node went.
+    places: Vec<u32>,
+    new_events: Vec<Event>,
+}
+
+impl Side {
+    fn new(capacity: usize) -> Self {
+        Self {
+            references: Vec::with_capacity(capacity),
+            places: Vec::with_capacity(2 * capacity + 1),
+            new_events: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::kd::build::Costs;
+    use crate::math::Vec3;
+
+    #[test]
+    fn the_sweep_finds_what_trying_all_planes_finds() {
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Few values, so that many events coincide.
+            ((state >> 24) % 16) as f32
+        };
+        for count in 1..40 {
+            let references: Vec<_> = (0..count)
+                .map(|i| {
+                    let min = Vec3::new(random(), random(), random());
+                    let max = min + Vec3::new(random(), random(), random()) + 0.5;
+                    Reference { bounds: Aabb { min, max }, id: TriangleId(i) }
+                })
+                .collect();
+            let cell = Aabb { min: Vec3::splat(1.0), max: Vec3::splat(24.0) };
+            let mut events: Vec<_> = references
+                .iter()
+                .enumerate()
+                .flat_map(|(i, reference)| Event::of(i as u32, &reference.bounds))
+                .collect();
+            events.sort_by(Event::order);
+            let settings = Settings { costs: Costs::default(), depth: 9, leaf: 1 };
+            let all = events.iter().filter_map(|event| {
+                let axis = event.axis as usize;
+                let below = references.iter().filter(|r| r.bounds.min[axis] < event.at).count();
+                let above = references.iter().filter(|r| r.bounds.max[axis] > event.at).count();
+                settings.costs.plane(&cell, axis, event.at, below, above)
+            });
+            let expected = all.fold(None, Plane::better);
+            assert_eq!(
+                best(&Part { references, events: events.clone() }, &cell, &settings),
+                expected
+            );
+        }
+    }
+}
