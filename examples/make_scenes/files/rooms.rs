@@ -9,7 +9,7 @@ use super::shapes::{Shape, cuboid, face, quad, sphere, torus};
 
 type Files = Vec<(String, Vec<u8>)>;
 
-/// The Cornell box, from its measured data (<https://www.graphics.cornell.edu/online/box/data.html>)
+/// The Cornell box by its measured data (<https://www.graphics.cornell.edu/online/box/data.html>)
 /// at a hundredth, turned so that it opens towards +Z.
 pub fn cornell() -> Files {
     let mut g = Gltf::new("cornell");

@@ -112,7 +112,7 @@ impl Triangulator {
         self.flat.extend(polygon.iter().map(|p| [f64::from(p[x]), f64::from(p[y])]));
     }
 
-    /// Twice the signed area of the corner and its neighbours: positive where the border turns left.
+    /// Twice the signed area of the corner and its neighbours: positive where it turns left.
     fn turn(&self, corner: u32) -> f64 {
         let [a, b, c] = [self.previous[corner as usize], corner, self.next[corner as usize]];
         double_area([a, b, c].map(|corner| self.flat[corner as usize]))
