@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f32x8};
+use fearless_simd::{Level, Simd, SimdBase, SimdMask, f32x8};
 use rayon::prelude::*;
 
 use super::{
@@ -182,7 +182,7 @@ impl Traverse for Brute {
                 let shots: Vec<Shot<'_>> = (rays.iter().enumerate())
                     .map(|(i, ray)| Shot::new(ray, group * RAYS + i, batch.filter()))
                     .collect();
-                dispatch!(self.level, simd =>
+                crate::vectorized!(self.level, simd =>
                     self.group::<_, Q, C>(simd, &shots, answers, &mut counters));
                 counters
             })

@@ -1,6 +1,6 @@
 //! From a walk written once to the object that callers see.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 
 use super::{
     Accel, Any, AnyHit, Batch, BuildReport, Closest, ClosestHit, Counters, Counts, MemoryReport,
@@ -89,7 +89,7 @@ trait Shoot {
 impl<T: Traverse> Shoot for Worker<'_, T, NotCounted> {
     fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
         assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
-        dispatch!(self.structure.level(), simd => self.structure.shoot::<_, Q, _>(
+        crate::vectorized!(self.structure.level(), simd => self.structure.shoot::<_, Q, _>(
             simd,
             batch,
             answers,

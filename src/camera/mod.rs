@@ -1,1 +1,244 @@
-//! camera
+//! Cameras: from points of the film to rays.
+
+use crate::math::{Aabb, Affine3A, Frame, Mat3, Ray, Vec2, Vec3};
+use crate::sampling::warp;
+
+/// How points of the film become directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// All rays through one point.
+    Perspective {
+        /// Angle between the upper and the lower edge of the film, radians, below π.
+        yfov: f32,
+    },
+    /// All rays in parallel.
+    Orthographic {
+        /// Half of the film's width, metres. It gives the camera's own aspect only: as in
+        /// perspective, a film of another aspect keeps its height.
+        xmag: f32,
+        /// Half of the film's height, metres.
+        ymag: f32,
+    },
+}
+
+/// A lens of some width, which blurs what is not in its plane of focus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLens {
+    /// Metres.
+    pub aperture_radius: f32,
+    /// From the lens to the plane of focus, metres, along the line of sight; above zero.
+    pub focus_distance: f32,
+}
+
+/// A camera, as glTF 2.0 (3.10) has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// How points of the film become directions.
+    pub projection: Projection,
+    /// Orthonormal, and a translation. The camera looks along its -Z, +Y up.
+    pub to_world: Affine3A,
+    /// `None`: a pinhole.
+    pub lens: Option<ThinLens>,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`; `yfov` in radians. An `up` along the line of sight
+    /// or zero means any; a target at the eye means looking along -Z.
+    pub fn look_at(eye: Vec3, target: Vec3, up: Vec3, yfov: f32) -> Self {
+        let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);
+        let right = up.cross(back).try_normalize();
+        let right = right.unwrap_or_else(|| Frame::from_normal(back).tangent);
+        let turn = Mat3::from_cols(right, back.cross(right), back);
+        Self {
+            projection: Projection::Perspective { yfov },
+            to_world: Affine3A::from_mat3_translation(turn, eye),
+            lens: None,
+        }
+    }
+
+    /// A camera that sees all of `bounds`, from the front, a little to the right and above; `yfov`
+    /// in radians. An empty box counts as the unit box.
+    pub fn framing(bounds: &Aabb, yfov: f32, aspect: f32) -> Self {
+        const MARGIN: f32 = 1.05;
+        let finite = !bounds.is_empty() && bounds.min.is_finite() && bounds.max.is_finite();
+        let unit = Aabb { min: Vec3::splat(-0.5), max: Vec3::splat(0.5) };
+        let bounds = if finite { *bounds } else { unit };
+        let centre = bounds.centre();
+        let half = (bounds.max * 0.5 - bounds.min * 0.5).max(Vec3::splat(1e-6));
+
+        let back = Vec3::new(0.45, 0.35, 1.0).normalize();
+        let right = Vec3::Y.cross(back).normalize();
+        let up = back.cross(right);
+        let tan_y = libm::tanf(0.5 * yfov);
+        let tan_x = tan_y * aspect;
+        // A corner at (x, y, z) of the camera's axes is on the film from distance z + |x| / tan on.
+        let mut distance = 0.0_f32;
+        for corner in 0..8 {
+            let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            let corner = half * Vec3::new(sign(0), sign(1), sign(2));
+            let across = (corner.dot(right).abs() / tan_x).max(corner.dot(up).abs() / tan_y);
+            distance = distance.max(corner.dot(back) + across * MARGIN);
+        }
+        Self::look_at(centre + back * distance, centre, Vec3::Y, yfov)
+    }
+
+    /// The same camera with another angle of view, in radians; an orthographic one becomes
+    /// perspective.
+    pub fn with_yfov(self, yfov: f32) -> Self {
+        Self { projection: Projection::Perspective { yfov }, ..self }
+    }
+
+    /// The same camera with a lens.
+    pub fn with_lens(self, lens: ThinLens) -> Self {
+        Self { lens: Some(lens), ..self }
+    }
+
+    /// The ray through a point of the film: `film` is (0, 0) at the upper left corner and (1, 1) at
+    /// the lower right one; `aspect` is the film's width over its height; `lens`, of the unit
+    /// square, chooses the point of the lens. From 0 to infinity, of unit direction.
+    ///
+    /// To make many, see [`Camera::rays`].
+    pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2) -> Ray {
+        self.rays(aspect).ray(film, lens)
+    }
+
+    /// What makes rays for a film of that aspect.
+    pub fn rays(&self, aspect: f32) -> CameraRays {
+        let half = match self.projection {
+            Projection::Perspective { yfov } => libm::tanf(0.5 * yfov),
+            Projection::Orthographic { ymag, .. } => ymag,
+        };
+        CameraRays { camera: *self, half: Vec2::new(half * aspect, half) }
+    }
+
+    /// The camera's own aspect, where it has one.
+    pub fn aspect(&self) -> Option<f32> {
+        match self.projection {
+            Projection::Perspective { .. } => None,
+            Projection::Orthographic { xmag, ymag } => Some(xmag / ymag),
+        }
+    }
+}
+
+/// A camera made ready for a film.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRays {
+    camera: Camera,
+    /// Half of the film at distance one, or in space if orthographic.
+    half: Vec2,
+}
+
+impl CameraRays {
+    /// See [`Camera::ray`].
+    #[inline]
+    pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {
+        let x = (2.0 * film.x - 1.0) * self.half.x;
+        let y = (1.0 - 2.0 * film.y) * self.half.y;
+        let (mut origin, mut direction) = match self.camera.projection {
+            Projection::Perspective { .. } => (Vec3::ZERO, Vec3::new(x, y, -1.0)),
+            Projection::Orthographic { .. } => (Vec3::new(x, y, 0.0), Vec3::NEG_Z),
+        };
+        if let Some(thin) = self.camera.lens {
+            let focus = origin + direction * thin.focus_distance;
+            origin += (warp::disk(lens) * thin.aperture_radius).extend(0.0);
+            direction = focus - origin;
+        }
+        let to_world = &self.camera.to_world;
+        let direction = to_world.transform_vector3(direction).normalize();
+        Ray::new(to_world.transform_point3(origin), direction, 0.0, f32::INFINITY)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::FRAC_PI_2;
+
+    use super::*;
+
+    fn near(a: Vec3, b: Vec3) -> bool {
+        a.distance(b) < 1e-5
+    }
+
+    #[test]
+    fn corners_of_the_film() {
+        let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, FRAC_PI_2);
+        let ray = |x, y| camera.ray(Vec2::new(x, y), 2.0, Vec2::ZERO).direction();
+        assert!(near(ray(0.5, 0.5), Vec3::NEG_Z));
+        assert!(near(ray(0.0, 0.0), Vec3::new(-2.0, 1.0, -1.0).normalize()));
+        assert!(near(ray(1.0, 1.0), Vec3::new(2.0, -1.0, -1.0).normalize()));
+    }
+
+    #[test]
+    fn it_looks_where_it_is_told() {
+        let eye = Vec3::new(1.0, 2.0, 3.0);
+        for (target, up) in [
+            (Vec3::new(4.0, -2.0, 0.5), Vec3::Y),
+            (eye - Vec3::Y, Vec3::Y),
+            (eye, Vec3::Y),
+            (Vec3::ZERO, Vec3::ZERO),
+        ] {
+            let camera = Camera::look_at(eye, target, up, 0.7);
+            let matrix = camera.to_world.matrix3;
+            assert!((matrix.determinant() - 1.0).abs() < 1e-5);
+            let ray = camera.ray(Vec2::splat(0.5), 1.0, Vec2::ZERO);
+            assert_eq!(ray.origin(), eye);
+            assert_eq!((ray.t_min(), ray.t_max()), (0.0, f32::INFINITY));
+            let expected = (target - eye).try_normalize().unwrap_or(Vec3::NEG_Z);
+            assert!(near(ray.direction(), expected));
+            let top = camera.ray(Vec2::new(0.5, 0.0), 1.0, Vec2::ZERO).direction();
+            assert!(top.dot(up) >= ray.direction().dot(up) - 1e-5);
+        }
+    }
+
+    #[test]
+    fn parallel_rays_keep_the_height_of_the_film() {
+        let mut camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0);
+        camera.projection = Projection::Orthographic { xmag: 3.0, ymag: 2.0 };
+        assert_eq!(camera.aspect(), Some(1.5));
+        let ray = camera.ray(Vec2::new(1.0, 0.0), 1.5, Vec2::ZERO);
+        assert!(near(ray.origin(), Vec3::new(3.0, 2.0, 0.0)) && near(ray.direction(), Vec3::NEG_Z));
+        let wide = camera.ray(Vec2::new(1.0, 0.0), 2.0, Vec2::ZERO);
+        assert!(near(wide.origin(), Vec3::new(4.0, 2.0, 0.0)));
+    }
+
+    #[test]
+    fn rays_of_a_lens_meet_in_focus() {
+        let lens = ThinLens { aperture_radius: 0.3, focus_distance: 5.0 };
+        let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0).with_lens(lens);
+        let meet = |x: f32, y: f32| {
+            let ray = camera.ray(Vec2::new(0.2, 0.7), 1.5, Vec2::new(x, y));
+            assert!(ray.origin().length() <= 0.3 + 1e-6);
+            assert!((ray.direction().length() - 1.0).abs() < 1e-6);
+            ray.at((-5.0 - ray.origin().z) / ray.direction().z)
+        };
+        assert!(near(meet(0.1, 0.9), meet(0.8, 0.3)));
+        assert!(meet(0.1, 0.9).z + 5.0 < 1e-5);
+    }
+
+    #[test]
+    fn framed_boxes_fill_the_film_and_stay_on_it() {
+        for (size, aspect) in [
+            (Vec3::ONE, 1.0),
+            (Vec3::new(9.0, 0.1, 2.0), 1.8),
+            (Vec3::new(0.0, 5.0, 0.0), 0.5),
+            (Vec3::splat(1e-4), 1.0),
+            (Vec3::splat(1e6), 2.0),
+        ] {
+            let corner = Vec3::new(10.0, -3.0, 7.0) * size.max_element();
+            let bounds = Aabb { min: corner, max: corner + size };
+            let camera = Camera::framing(&bounds, 0.8, aspect);
+            let (tan_y, mut fullest) = (libm::tanf(0.4), 0.0_f32);
+            for i in 0..8 {
+                let pick = |axis: usize| if i >> axis & 1 == 0 { bounds.min } else { bounds.max };
+                let p = Vec3::new(pick(0).x, pick(1).y, pick(2).z);
+                let local = camera.to_world.inverse().transform_point3(p);
+                assert!(local.z < 0.0);
+                let film = (local.y / -local.z / tan_y).abs();
+                fullest = fullest.max(film).max((local.x / -local.z / tan_y / aspect).abs());
+            }
+            assert!(fullest < 1.0 && fullest > 0.85, "{size} {fullest}");
+        }
+        let empty = Camera::framing(&Aabb::EMPTY, 0.8, 1.0);
+        assert!(empty.to_world.translation.is_finite());
+    }
+}

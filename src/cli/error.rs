@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use crate::accel::BuildError;
+use crate::film::FilmError;
 use crate::scene::LoadError;
 use crate::scene::npy::NpyError;
 
@@ -21,6 +22,9 @@ pub enum CliError {
     /// A structure could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// A picture could not be read, compared or written.
+    #[error(transparent)]
+    Film(#[from] FilmError),
     /// The input is not what it should be.
     #[error("{0}")]
     Input(String),
@@ -35,6 +39,7 @@ impl CliError {
         ExitCode::from(match self {
             Self::Usage(_) | Self::Build(BuildError::NoSuchIsa { .. }) => 2,
             Self::Load(_) | Self::Npy(_) | Self::Input(_) => 3,
+            Self::Film(error) => error.exit_code(),
             Self::Output(_) => 4,
             Self::Build(_) => 5,
         })

@@ -4,12 +4,28 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::CliError;
+use crate::accel::BuildError;
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::Vec3;
-use crate::scene::npy;
+use crate::scene::{self, LoadOptions, MissingTexture, Triangles, npy};
 
 /// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order.
 pub fn triangles(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
+    if path.extension().is_some_and(|extension| extension == "npy") {
+        return table(path);
+    }
+    // Textures shade; rays do not meet them.
+    let options =
+        LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
+    let scene = scene::load(path, &options)?;
+    let triangles = Triangles::new(&scene).map_err(|count| BuildError::TooManyTriangles {
+        count: usize::try_from(count).unwrap_or(usize::MAX),
+        limit: u32::MAX as usize,
+    })?;
+    Ok(Arc::new(triangles))
+}
+
+fn table(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
     let rows = npy::read_f32(path, 9)?;
     if let Some(bad) = rows.iter().position(|x| !x.is_finite()) {
         let message = format!("{}: row {}: a coordinate is not finite", path.display(), bad / 9);

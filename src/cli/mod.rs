@@ -1,40 +1,97 @@
 //! The command line.
+//!
+//! A command is a file: its flags, and `run`. It is registered in [`Command`] and in [`dispatch`].
 
 mod accels;
+mod args;
+mod bench;
+mod diff;
 mod error;
+mod golden;
 mod input;
+mod prepare;
+mod progress;
+mod render;
+mod table;
 mod trace;
 mod validate;
 
+use std::error::Error;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 pub use error::CliError;
 
+/// Exit code of a bug of ours (`EX_SOFTWARE` of sysexits.h).
+const OUR_BUG: i32 = 70;
+
 #[derive(Parser)]
-#[command(version, about)]
+#[command(version, about, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
 
+// The order is that of the help.
 #[derive(Subcommand)]
 enum Command {
+    Render(Box<args::RenderArgs>),
+    Diff(diff::DiffArgs),
+    Golden(golden::GoldenArgs),
+    Accels(accels::AccelsArgs),
     Trace(trace::TraceArgs),
     Validate(validate::ValidateArgs),
-    Accels(accels::AccelsArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Trace(args) => trace::run(&args),
-        Command::Validate(args) => validate::run(&args),
-        Command::Accels(args) => Ok(accels::run(&args)),
-    };
-    outcome.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
+    own_up_to_panics();
+    dispatch(Cli::parse().command).unwrap_or_else(|error| {
+        complain(&error);
         error.exit_code()
     })
+}
+
+fn dispatch(command: Command) -> Result<ExitCode, CliError> {
+    match command {
+        Command::Render(args) => render::run(&args),
+        Command::Diff(args) => Ok(diff::run(&args)?),
+        Command::Golden(args) => {
+            let picture = |scene: &crate::film::golden::GoldenScene| {
+                Ok(render::picture(&scene.file, &scene.render)?)
+            };
+            Ok(golden::run(&args, &picture)?)
+        }
+        Command::Accels(args) => Ok(accels::run(&args)),
+        Command::Trace(args) => trace::run(&args),
+        Command::Validate(args) => validate::run(&args),
+        Command::Bench(args) => bench::run(&args),
+    }
+}
+
+/// An error and its causes, those left out that it has named itself.
+fn complain(error: &dyn Error) {
+    let mut message = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let text = inner.to_string();
+        if !message.contains(&text) {
+            message = format!("{message}: {text}");
+        }
+        cause = inner.source();
+    }
+    progress::say(&format!("error: {message}"));
+}
+
+/// A panic is a bug of ours: it says so and ends the process, on whatever thread it happens.
+/// Files that are being written are not yet in their place.
+fn own_up_to_panics() {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        report(panic);
+        progress::say("error: this is a bug in dapple; please report it with the lines above");
+        std::process::exit(OUR_BUG);
+    }));
 }

@@ -1,1 +1,30 @@
-//! film
+//! Pixel filters, pictures of named layers, their files, and how two pictures are compared.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | [`filter`] | where in and around its pixel a sample falls |
+//! | [`picture`] | frame, crop and float channels by name |
+//! | [`exr`], [`png`] | the two file formats |
+//! | [`tonemap`] | linear light to display values: AgX or clamped sRGB |
+//! | [`atomic`] | files that are whole or not there |
+//! | [`compare`] | all figures about two pictures; built of [`metrics`], [`flip`] and [`ztest`] |
+//! | [`golden`] | a folder of pictures that renders are held against |
+
+pub mod atomic;
+pub mod compare;
+mod error;
+pub mod exr;
+pub mod filter;
+pub mod flip;
+pub mod golden;
+pub mod metrics;
+pub mod picture;
+pub mod png;
+pub mod tonemap;
+pub mod ztest;
+
+pub use error::FilmError;
+pub use exr::read_rgb;
+pub use filter::PixelFilter;
+pub use picture::{Channel, Picture, Window};
+pub use tonemap::Tonemap;

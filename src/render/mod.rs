@@ -1,1 +1,20 @@
-//! render
+//! Renders a world into a picture: tiles on threads, each a stream of paths.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`stream`] | advances some thousand paths together, bounce by bounce |
+//! | [`tile`] | a rectangle of pixels and the sums of their samples |
+//! | [`frame`] | hands tiles to threads, pass after pass, and makes the picture |
+//! | [`replay`] | one path alone, told step by step |
+
+mod frame;
+mod replay;
+mod settings;
+mod stream;
+mod tile;
+
+pub use frame::{Control, Progress, Rendered, render};
+pub use replay::replay;
+pub use settings::{Aov, Settings};
+pub use stream::RayCounts;
+pub use tile::LostSample;

@@ -1,1 +1,21 @@
-//! sampling
+//! Random numbers and what is drawn with them: the sampler, warps, discrete and tabulated
+//! distributions, and the sums that samples end up in.
+//!
+//! Everything here is a pure function of its arguments, made of additions, multiplications and
+//! square roots alone, and so has the same bits on every CPU.
+
+mod alias;
+#[cfg(test)]
+pub(crate) mod chi_squared;
+mod distribution;
+mod sampler;
+mod sums;
+pub mod warp;
+
+pub use alias::{AliasError, AliasTable};
+pub use distribution::{Distribution2d, DistributionError};
+pub use sampler::Sampler;
+pub use sums::{BLOCK, BlockSums, NotAdjacent};
+
+/// The largest `f32` below one.
+pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use super::LoadError;
+use super::{LoadError, Scene, gltf, obj};
 
 /// What to do about a texture that is missing or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,6 +25,30 @@ pub struct LoadOptions {
     pub missing_texture: MissingTexture,
     /// Which of a file's scenes, by its name or else its number from 0; none: the file's default.
     pub scene: Option<String>,
+}
+
+/// Loads a scene; its format is told by its ending, else by its first bytes.
+///
+/// # Errors
+/// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    let scene = match ending.as_deref() {
+        Some("obj") => obj::load(path, options),
+        Some("gltf" | "glb") => gltf::load(path, options),
+        _ => {
+            let bytes = read_file(path)?;
+            if gltf::is_gltf(&bytes) {
+                gltf::parse(path, &bytes, options)
+            } else {
+                Err(LoadError::UnknownFormat { file: path.display().to_string() })
+            }
+        }
+    }?;
+    if options.strict && !scene.notices.is_empty() {
+        return Err(LoadError::Strict { notices: scene.notices });
+    }
+    Ok(scene)
 }
 
 /// The largest file that is read: a limit against special and sparse files, not against scenes.

@@ -133,6 +133,23 @@ impl Default for Material {
 }
 
 impl Material {
+    /// All textures that it uses.
+    pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+        [
+            &mut self.base_color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+            &mut self.bump_texture,
+            &mut self.emissive_texture,
+            &mut self.alpha_texture,
+            &mut self.specular_texture,
+            &mut self.specular_color_texture,
+            &mut self.transmission_texture,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
     /// Whether any point of it may emit.
     pub fn is_emissive(&self) -> bool {
         self.emissive.max_element() > 0.0

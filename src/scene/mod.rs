@@ -1,25 +1,43 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
+mod alpha;
+pub mod defaults;
+mod digest;
+mod environment;
 mod error;
+pub mod gltf;
 mod instance;
+mod lights;
 mod load;
 mod material;
 pub mod npy;
+pub mod obj;
+mod shading_normal;
+mod surface;
 mod texture;
 mod texture_image;
 mod triangles;
+mod uri;
+mod world;
 
 use std::sync::Arc;
 
+pub use alpha::AlphaFilter;
+pub use environment::{EnvironmentImage, EnvironmentSource};
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
-pub use load::{LoadOptions, MissingTexture, read_file};
+pub use lights::{LightSample, Lights};
+pub use load::{LoadOptions, MissingTexture, load, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
+pub use surface::Surface;
 pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
 pub use texture_image::{Image, ImageError, Texels};
 pub use triangles::Triangles;
+pub use world::World;
 
+use crate::camera::Camera;
 use crate::geom::Mesh;
+use crate::light::{Environment, Punctual};
 
 /// A camera and what the file calls it.
 #[derive(Clone, Debug)]
@@ -28,6 +46,8 @@ pub struct NamedCamera {
     pub name: String,
     /// Width over height that the file asks for.
     pub aspect: Option<f32>,
+    /// The camera.
+    pub camera: Camera,
 }
 
 /// Something that the file asks for and that is not honoured, or that looks like a mistake.
@@ -50,6 +70,10 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Textures; materials refer to them.
     pub textures: Vec<Texture>,
+    /// Lights without extent.
+    pub lights: Vec<Punctual>,
+    /// What shines from infinitely far away.
+    pub environment: Option<Environment>,
     /// Cameras in the file's order.
     pub cameras: Vec<NamedCamera>,
     /// What could not be honoured.

@@ -74,16 +74,16 @@ impl Image {
     /// # Errors
     /// [`ImageError`]; among others beyond 16384 texels a side or 1 GiB.
     pub fn decode(bytes: &[u8], name: &str) -> Result<Self, ImageError> {
-        let format = image::guess_format(bytes)
-            .or_else(|_| ImageFormat::from_path(name))
-            .map_err(|_| ImageError::UnknownFormat)?;
-        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(MAX_SIZE);
-        limits.max_image_height = Some(MAX_SIZE);
-        limits.max_alloc = Some(MAX_BYTES);
-        reader.limits(limits);
-        Self::from_dynamic(reader.decode()?)
+        Self::from_dynamic(reader(bytes, name)?.decode()?)
+    }
+
+    /// The memory that 8-bit texels of a file would take, by its header alone.
+    ///
+    /// # Errors
+    /// As for [`Image::decode`], as far as the header tells.
+    pub fn decoded_bytes(bytes: &[u8], name: &str) -> Result<u64, ImageError> {
+        let (width, height) = reader(bytes, name)?.into_dimensions()?;
+        Ok(u64::from(width) * u64::from(height) * 4)
     }
 
     fn from_dynamic(image: DynamicImage) -> Result<Self, ImageError> {
@@ -143,6 +143,19 @@ impl Image {
             Texels::Rgba32F(all) => size_of_val(&**all),
         }
     }
+}
+
+fn reader<'a>(bytes: &'a [u8], name: &str) -> Result<ImageReader<Cursor<&'a [u8]>>, ImageError> {
+    let format = image::guess_format(bytes)
+        .or_else(|_| ImageFormat::from_path(name))
+        .map_err(|_| ImageError::UnknownFormat)?;
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIZE);
+    limits.max_image_height = Some(MAX_SIZE);
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits);
+    Ok(reader)
 }
 
 impl fmt::Debug for Image {

@@ -80,3 +80,37 @@ impl FromStr for Isa {
         })
     }
 }
+
+/// Runs `$op` compiled for the instruction set of `$level`, with `$simd` as its token.
+///
+/// Compiled three times only, since each time costs seconds of building and kilobytes of binary:
+/// for AVX-512, for AVX2, and as plain code for the target's baseline (SSE2 on x86-64), which also
+/// stands in for the sets between.
+#[macro_export]
+#[doc(hidden)]
+macro_rules! vectorized {
+    ($level:expr, $simd:ident => $op:expr) => {{
+        use fearless_simd::{Level, Simd};
+        match $level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $op,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $op,
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Level::Neon($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $op,
+            ),
+            _ => match Level::fallback() {
+                Level::Fallback($simd) => $op,
+                _ => unreachable!("the fallback is the fallback"),
+            },
+        }
+    }};
+}

@@ -1,0 +1,30 @@
+//! The files of `scenes/`: small scenes that each show something, and test it.
+
+mod gltf;
+mod materials;
+mod pictures;
+mod placements;
+mod rooms;
+mod shapes;
+mod surfaces;
+mod tower;
+
+/// Names and contents of all files.
+pub fn all() -> Vec<(String, Vec<u8>)> {
+    let scenes = [
+        rooms::cornell(),
+        rooms::furnace(),
+        rooms::metals(),
+        rooms::glass(),
+        surfaces::textured(),
+        surfaces::alpha(),
+        surfaces::sky(),
+        placements::instanced(),
+        placements::many_lights(),
+        placements::orthographic(),
+    ];
+    let mut files: Vec<(String, Vec<u8>)> = scenes.into_iter().flatten().collect();
+    files.extend(tower::files());
+    files.extend(pictures::files());
+    files
+}

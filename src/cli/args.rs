@@ -1,0 +1,303 @@
+//! The flags of `dapple render`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{ArgAction, Args, ValueEnum};
+
+use crate::accel::AccelSpec;
+use crate::film::tonemap::Tonemap;
+use crate::film::{PixelFilter, Window};
+use crate::material::BsdfForm;
+use crate::math::Vec3;
+use crate::render::Aov;
+use crate::scene::EnvironmentSource;
+use crate::simd::Isa;
+
+/// Renders a scene.
+///
+/// A picture is a function of the scene and of the flags under "Image" and "Light" alone: the same
+/// bytes for any structure, any number of threads and any instruction set. Only the layer `cost`
+/// differs.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Examples:
+  dapple render scenes/cornell.gltf -o cornell.exr --png cornell.png
+  dapple render bunny.obj -o bunny.exr --env studio.hdr --look-from 0,1,3 --look-at 0,0,0
+  dapple render kitchen.glb -o kitchen.exr --spp 512 --resolution 1920x1080 --accel bvh2
+
+Exit: 0 done, 2 usage, 3 input, 4 output not written, 5 a limit, 130 or 143 interrupted after
+saving what there was.")]
+pub struct RenderArgs {
+    /// The scene: .gltf, .glb or .obj
+    pub scene_file: PathBuf,
+
+    /// Where the picture goes: an EXR with all layers
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+    /// A second output to look at
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub png: Option<PathBuf>,
+    /// How the PNG shows light: agx or srgb
+    #[arg(long, value_name = "CURVE", default_value = "agx", help_heading = "Output")]
+    #[arg(value_parser = parsed::<Tonemap>)]
+    pub tonemap: Tonemap,
+    /// Brightens the PNG, in stops; the EXR is left alone
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(help_heading = "Output", value_parser = finite)]
+    pub exposure: f32,
+    /// Layers of the EXR [default: albedo,normal,position,depth,variance,samples,cost]
+    #[arg(long, value_name = "LAYER,…", value_delimiter = ',', help_heading = "Output")]
+    #[arg(value_parser = parsed::<Aov>, hide_short_help = true)]
+    pub aov: Option<Vec<Aov>>,
+    /// Makes the background transparent (alpha is 1 everywhere otherwise)
+    #[arg(long, help_heading = "Output")]
+    pub transparent: bool,
+
+    /// Pixels [default: 1280 wide, with the camera's aspect]
+    #[arg(long, value_name = "WxH", help_heading = "Image", value_parser = resolution)]
+    pub resolution: Option<(u32, u32)>,
+    /// Samples a pixel
+    #[arg(long, value_name = "N", default_value_t = 64, help_heading = "Image")]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    pub spp: u64,
+    /// Another number, another noise
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Image")]
+    pub seed: u64,
+    /// The part of the frame to render, in pixels, y downwards, the second corner not included
+    #[arg(long, value_name = "x0,y0,x1,y1", help_heading = "Image", value_parser = window)]
+    #[arg(hide_short_help = true)]
+    pub crop: Option<Window>,
+    /// The shape of a pixel: box, gaussian or blackman-harris
+    #[arg(long, value_name = "SHAPE", default_value = "blackman-harris", help_heading = "Image")]
+    #[arg(value_parser = parsed::<PixelFilter>, hide_short_help = true)]
+    pub filter: PixelFilter,
+
+    /// The most segments of a path: 1 sees emitters only, 2 adds direct light
+    #[arg(long, value_name = "N", default_value_t = 20, help_heading = "Light")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    pub max_depth: u32,
+    /// The segment from which on dim paths may end by chance, or off
+    #[arg(long, value_name = "N|off", default_value = "5", help_heading = "Light")]
+    #[arg(value_parser = parsed::<RouletteDepth>, hide_short_help = true)]
+    pub rr_depth: RouletteDepth,
+    /// glTF's scattering, to the letter (appendix-b) or with its energy kept (conserving)
+    #[arg(long, value_name = "FORM", default_value = "conserving", help_heading = "Light")]
+    #[arg(value_parser = parsed::<BsdfForm>, hide_short_help = true)]
+    pub bsdf: BsdfForm,
+    /// Light from all around: an image of latitude and longitude (.hdr, .exr, …), or a colour
+    #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light", value_parser = parsed::<EnvironmentSource>)]
+    pub env: Option<EnvironmentSource>,
+    /// Multiplies it
+    #[arg(long, value_name = "X", default_value_t = 1.0, help_heading = "Light")]
+    #[arg(value_parser = finite, requires = "env", hide_short_help = true)]
+    pub env_scale: f32,
+    /// Turns it about +Y, in degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(help_heading = "Light", value_parser = finite, requires = "env", hide_short_help = true)]
+    pub env_rotate: f32,
+
+    /// A camera of the scene, by name or number from 0
+    #[arg(long, value_name = "NAME|N", help_heading = "Camera")]
+    #[arg(conflicts_with = "look_from")]
+    pub camera: Option<String>,
+    /// A camera of one's own: where it stands
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
+    #[arg(allow_hyphen_values = true)]
+    pub look_from: Option<Vec3>,
+    /// Where it looks [default: the middle of the scene]
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
+    #[arg(requires = "look_from", allow_hyphen_values = true)]
+    pub look_at: Option<Vec3>,
+    /// What is up for it [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
+    #[arg(requires = "look_from", allow_hyphen_values = true, hide_short_help = true)]
+    pub up: Option<Vec3>,
+    /// The angle from the picture's lower edge to its upper one, in degrees
+    #[arg(long, value_name = "DEGREES", help_heading = "Camera", value_parser = field_of_view)]
+    pub fov: Option<f32>,
+    /// Radius of the lens in metres [default: a pinhole]
+    #[arg(long, value_name = "METRES", help_heading = "Camera", value_parser = positive)]
+    #[arg(hide_short_help = true)]
+    pub aperture: Option<f32>,
+    /// Distance of what is sharp [default: that of --look-at, or the middle of the scene]
+    #[arg(long, value_name = "METRES", help_heading = "Camera", value_parser = positive)]
+    #[arg(requires = "aperture", hide_short_help = true)]
+    pub focus: Option<f32>,
+
+    /// Which of a glTF file's scenes, by name or number from 0
+    #[arg(long, value_name = "NAME|N", help_heading = "Input", hide_short_help = true)]
+    pub scene: Option<String>,
+    /// Refuses a scene that asks for anything that is not honoured
+    #[arg(long, help_heading = "Input")]
+    pub strict: bool,
+    /// Goes on without textures that cannot be read
+    #[arg(long, value_name = "COLOUR", help_heading = "Input")]
+    pub missing_texture: Option<MissingTextureArg>,
+
+    /// Threads; 0: one a core
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Speed")]
+    #[arg(value_parser = threads)]
+    pub threads: usize,
+    /// The ray-shooting structure; `dapple accels` lists them
+    #[arg(
+        long,
+        value_name = "ID[:option=value,…]",
+        default_value = "bvh2",
+        help_heading = "Speed"
+    )]
+    #[arg(value_parser = parsed::<AccelSpec>)]
+    pub accel: AccelSpec,
+    /// The instruction set
+    #[arg(long, value_name = "SET", default_value_t, help_heading = "Speed")]
+    #[arg(value_parser = parsed::<Isa>, hide_short_help = true)]
+    pub isa: Isa,
+
+    /// Follows one sample alone and tells of its path on standard output
+    #[arg(long, value_name = "x,y,s", help_heading = "Messages", value_parser = sample_id)]
+    #[arg(hide_short_help = true)]
+    pub debug_sample: Option<(u32, u32, u64)>,
+    /// How to tell how far it is
+    #[arg(long, value_name = "HOW", default_value = "auto", help_heading = "Messages")]
+    #[arg(hide_short_help = true)]
+    pub progress: ProgressStyle,
+    /// Says nothing but errors
+    #[arg(short, long, help_heading = "Messages", conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Says more; twice: still more
+    #[arg(short, long, action = ArgAction::Count, help_heading = "Messages")]
+    pub verbose: u8,
+    /// Prints a summary as one JSON object on standard output
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+}
+
+/// What to show in place of a texture that cannot be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MissingTextureArg {
+    /// Bright magenta.
+    Magenta,
+}
+
+/// How to tell how far a render is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressStyle {
+    /// A bar on a terminal, else plain lines.
+    Auto,
+    /// A bar.
+    Bar,
+    /// A line each ten seconds.
+    Plain,
+    /// A JSON object a second.
+    Json,
+    /// Not at all.
+    None,
+}
+
+/// `--rr-depth`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RouletteDepth(pub Option<u32>);
+
+impl FromStr for RouletteDepth {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "off" {
+            return Ok(Self(None));
+        }
+        let depth = text.parse().map_err(|_| "neither a number nor `off`".to_owned())?;
+        Ok(Self(Some(depth)))
+    }
+}
+
+/// By [`FromStr`], with the error as text.
+fn parsed<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|error: T::Err| error.to_string())
+}
+
+fn finite(text: &str) -> Result<f32, String> {
+    let value: f32 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if value.is_finite() { Ok(value) } else { Err(format!("{value} is not finite")) }
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let value = finite(text)?;
+    if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) }
+}
+
+fn field_of_view(text: &str) -> Result<f32, String> {
+    let degrees = positive(text)?;
+    if degrees < 180.0 { Ok(degrees) } else { Err("must be below 180 degrees".to_owned()) }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().map_err(|_| "not a number of threads".to_owned())?;
+    if threads <= 4096 { Ok(threads) } else { Err("4096 threads at most".to_owned()) }
+}
+
+fn numbers<const N: usize, T: FromStr>(text: &str, form: &str) -> Result<[T; N], String> {
+    let parts: Vec<T> = text
+        .split(',')
+        .map(|part| part.trim().parse())
+        .collect::<Result<_, _>>()
+        .map_err(|_| format!("expected {form}"))?;
+    parts.try_into().map_err(|_| format!("expected {form}"))
+}
+
+fn vector(text: &str) -> Result<Vec3, String> {
+    let vector = Vec3::from(numbers::<3, f32>(text, "three numbers, as in 0,1.5,-2")?);
+    if vector.is_finite() { Ok(vector) } else { Err("a number is not finite".to_owned()) }
+}
+
+fn window(text: &str) -> Result<Window, String> {
+    let [x0, y0, x1, y1] = numbers::<4, i32>(text, "four whole numbers: x0,y0,x1,y1")?;
+    let window = Window { x0, y0, x1, y1 };
+    if window.area() == 0 {
+        return Err("the second corner must be to the right of and below the first".to_owned());
+    }
+    Ok(window)
+}
+
+fn sample_id(text: &str) -> Result<(u32, u32, u64), String> {
+    let [x, y, sample] = numbers::<3, u64>(text, "column, row and sample, as in 12,34,0")?;
+    let side = |value: u64| u32::try_from(value).map_err(|_| "outside of any frame".to_owned());
+    Ok((side(x)?, side(y)?, sample))
+}
+
+/// Sides of up to 65,536: beyond, two pixels would share their random numbers.
+fn resolution(text: &str) -> Result<(u32, u32), String> {
+    const MOST_PIXELS: u64 = 1 << 28;
+    let form = || "expected width and height in pixels, as in 640x480".to_owned();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
+    let side = |text: &str| text.parse::<u32>().map_err(|_| form());
+    let (width, height) = (side(width)?, side(height)?);
+    if !(1..=65_536).contains(&width) || !(1..=65_536).contains(&height) {
+        return Err("sides are 1 to 65536 pixels".to_owned());
+    }
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(format!("{MOST_PIXELS} pixels at most"));
+    }
+    Ok((width, height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_checked() {
+        assert_eq!(resolution("640x480"), Ok((640, 480)));
+        for wrong in ["640", "0x1", "1x65537", "65536x65536", "axb", "-1x3"] {
+            assert!(resolution(wrong).is_err(), "{wrong}");
+        }
+        assert!(window("0,0,0,5").is_err());
+        assert_eq!(window("1,2,3,4"), Ok(Window { x0: 1, y0: 2, x1: 3, y1: 4 }));
+    }
+
+    #[test]
+    fn roulette_can_be_off() {
+        assert_eq!("off".parse(), Ok(RouletteDepth(None)));
+        assert_eq!("7".parse(), Ok(RouletteDepth(Some(7))));
+        assert!("never".parse::<RouletteDepth>().is_err());
+    }
+}

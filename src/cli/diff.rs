@@ -1,0 +1,261 @@
+//! `dapple diff`: how an image differs from a reference, as a table, as JSON or as a failure.
+
+use crate::cli::table;
+use crate::film::compare::{self, Comparison, FlipKind, Named};
+use crate::film::{FilmError, png};
+use clap::Args;
+use serde_json::json;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::str::FromStr;
+
+/// Compares an image with a reference: means, errors, FLIP, and a z-test where variances are.
+///
+/// Pixels with a NaN or an infinity are counted and left out of all figures. The z-test asks, per
+/// tile of 8x8 pixels, whether two noisy renders have the same expectation; it needs the layer
+/// `variance`, which `dapple render` writes, in at least one of the files.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Examples:
+  dapple diff out.exr golden.exr
+  dapple diff out.exr golden.exr --heatmap where.png
+  dapple diff out.exr mitsuba.exr --fail bias=0.005 --fail bad-tiles=0.01
+
+Exit status: 0, or 1 if a --fail is exceeded (or NaN), 3 if a file is missing, damaged, or the
+sizes differ, 4 if the heat map cannot be written.")]
+pub struct DiffArgs {
+    /// The image to judge (.exr or .png)
+    pub image: PathBuf,
+    /// The image that it is held against (.exr or .png)
+    pub reference: PathBuf,
+    /// Write FLIP per pixel as a picture: black is equal, pale yellow as different as can be
+    #[arg(long, value_name = "PNG")]
+    pub heatmap: Option<PathBuf>,
+    /// Exit with 1 if METRIC is above VALUE: rmse, relmse, flip, bias, bad-tiles, max, not-finite
+    #[arg(long, value_name = "METRIC=VALUE")]
+    pub fail: Vec<Limit>,
+    /// FLIP of what a display shows, clamped, instead of FLIP over a range of exposures
+    #[arg(long)]
+    pub ldr: bool,
+    /// One JSON object instead of the table
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The metrics that `--fail` knows, by the words for them.
+const METRICS: [(&str, Metric); 7] = [
+    ("rmse", |found| found.errors.rmse),
+    ("relmse", |found| found.errors.relmse),
+    ("flip", |found| found.flip),
+    ("bias", |found| found.errors.bias.abs()),
+    // Without variances there is no such figure, and a limit on it is not kept.
+    ("bad-tiles", |found| found.ztest.as_ref().map_or(f64::NAN, |test| test.bad_tiles)),
+    ("max", |found| found.errors.max),
+    ("not-finite", |found| found.not_finite.image.max(found.not_finite.reference) as f64),
+];
+
+type Metric = fn(&Comparison) -> f64;
+
+/// A `--fail METRIC=VALUE`.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    name: &'static str,
+    metric: Metric,
+    limit: f64,
+}
+
+impl FromStr for Limit {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        let (name, limit) =
+            word.split_once('=').ok_or("say METRIC=VALUE, such as relmse=0.01".to_owned())?;
+        let &(name, metric) =
+            METRICS.iter().find(|metric| metric.0 == name).ok_or_else(|| unknown_metric(name))?;
+        match limit.parse::<f64>() {
+            Ok(limit) if limit >= 0.0 => Ok(Self { name, metric, limit }),
+            _ => Err(format!("`{limit}` is not a number of 0 or more")),
+        }
+    }
+}
+
+fn unknown_metric(name: &str) -> String {
+    let near = METRICS.iter().map(|metric| (strsim::jaro_winkler(metric.0, name), metric.0));
+    let near = near.filter(|near| near.0 > 0.7).max_by(|a, b| a.0.total_cmp(&b.0));
+    let all = METRICS.map(|metric| metric.0).join(", ");
+    match near {
+        Some((_, near)) => format!("no metric `{name}`; did you mean `{near}`? There are {all}"),
+        None => format!("no metric `{name}`; there are {all}"),
+    }
+}
+
+impl Limit {
+    /// A figure that does not exist exceeds any limit, and so does a pixel that is finite in one
+    /// image only: no mean can tell of it.
+    fn is_exceeded(&self, found: &Comparison) -> bool {
+        let value = (self.metric)(found);
+        value.is_nan() || value > self.limit || found.not_finite.only_one > 0
+    }
+}
+
+/// Runs the command: the result goes to standard output.
+///
+/// # Errors
+/// Files that cannot be read, compared or written; see [`FilmError::exit_code`].
+pub fn run(args: &DiffArgs) -> Result<ExitCode, FilmError> {
+    let (image, reference) = (compare::read(&args.image)?, compare::read(&args.reference)?);
+    let kind = if args.ldr { FlipKind::Ldr } else { FlipKind::Hdr };
+    let found = compare::compare(
+        Named { path: &args.image, picture: &image },
+        Named { path: &args.reference, picture: &reference },
+        kind,
+    )?;
+    if let Some(path) = &args.heatmap {
+        png::write_rgb8(path, found.width, found.height, &found.heatmap())?;
+    }
+    let exceeded: Vec<_> = args.fail.iter().filter(|limit| limit.is_exceeded(&found)).collect();
+    let text = if args.json { in_json(&found, &exceeded)? } else { in_words(&found, &exceeded) };
+    table::print(&text)?;
+    Ok(ExitCode::from(u8::from(!exceeded.is_empty())))
+}
+
+fn in_json(found: &Comparison, exceeded: &[&Limit]) -> Result<String, FilmError> {
+    let mut object = serde_json::to_value(found)
+        .map_err(|error| FilmError::Stdout(std::io::Error::other(error)))?;
+    object["exceeded"] = json!(exceeded.iter().map(|limit| limit.name).collect::<Vec<_>>());
+    Ok(format!("{object:#}\n"))
+}
+
+fn in_words(found: &Comparison, exceeded: &[&Limit]) -> String {
+    let three = |values: &[f64; 3]| values.map(table::figure).join("  ");
+    let errors = &found.errors;
+    let mut rows = vec![
+        ("size", format!("{} x {}", found.width, found.height)),
+        ("mean, image", three(&errors.mean_image)),
+        ("mean, reference", three(&errors.mean_reference)),
+        ("ratio", three(&errors.ratio)),
+        ("bias", format!("{:+.3} %", 100.0 * errors.bias)),
+        ("RMSE", table::figure(errors.rmse)),
+        ("relMSE", table::figure(errors.relmse)),
+        ("greatest difference", table::figure(errors.max)),
+        (
+            match found.flip_kind {
+                FlipKind::Hdr => "FLIP (HDR)",
+                FlipKind::Ldr => "FLIP (LDR)",
+            },
+            table::figure(found.flip),
+        ),
+    ];
+    if let Some(test) = &found.ztest {
+        let exact = if test.one_is_exact { ", one image taken as exact" } else { "" };
+        let worst = if test.worst.is_finite() { table::figure(test.worst) } else { "inf".into() };
+        rows.push((
+            "tiles with |z| > 5",
+            format!("{:.2} % of {}, worst {worst}{exact}", 100.0 * test.bad_tiles, test.tiles),
+        ));
+        rows.push((
+            "z of tiles",
+            format!("mean {:+.3}, standard deviation {:.3}", test.mean, test.deviation),
+        ));
+        rows.push(("z of the whole", three(&test.whole)));
+    }
+    let not_finite = &found.not_finite;
+    if not_finite.image + not_finite.reference > 0 {
+        rows.push((
+            "pixels not finite",
+            format!(
+                "{} of the image, {} of the reference; left out above",
+                not_finite.image, not_finite.reference
+            ),
+        ));
+    }
+    let width = rows.iter().map(|row| row.0.len()).max().unwrap_or(0);
+    let mut text = String::new();
+    for (name, value) in rows {
+        let _ = writeln!(text, "{name:width$}  {value}");
+    }
+    for limit in exceeded {
+        let value = (limit.metric)(found);
+        let why = if value > limit.limit {
+            format!("is {}", table::figure(value))
+        } else if value.is_nan() {
+            "does not exist for these images".to_owned()
+        } else {
+            format!("cannot be told: {} pixels are finite in one image only", not_finite.only_one)
+        };
+        let _ = writeln!(text, "exceeded: {} {why}, the limit is {}", limit.name, limit.limit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{Picture, Window, exr};
+    use std::path::Path;
+
+    fn written(path: &Path, value: f32) -> PathBuf {
+        let mut picture = Picture::new(Window::of_size(16, 16), Window::of_size(16, 16));
+        picture.set_layer("", "RGB", &[[value; 3]; 256]);
+        exr::write(path, &picture).expect("written");
+        path.to_owned()
+    }
+
+    fn arguments(image: PathBuf, reference: PathBuf, fail: &[&str]) -> DiffArgs {
+        let fail = fail.iter().map(|it| it.parse().expect("a limit")).collect();
+        DiffArgs { image, reference, heatmap: None, fail, ldr: false, json: false }
+    }
+
+    #[test]
+    fn limits_decide_the_exit_status() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let a = written(&folder.path().join("a.exr"), 0.5);
+        let b = written(&folder.path().join("b.exr"), 0.6);
+        let status = |fail: &[&str]| {
+            run(&arguments(a.clone(), b.clone(), fail)).map(|code| format!("{code:?}"))
+        };
+        let (good, bad) = (format!("{:?}", ExitCode::from(0)), format!("{:?}", ExitCode::from(1)));
+        assert_eq!(status(&[]).expect("compared"), good);
+        assert_eq!(status(&["rmse=0.11", "max=0.11"]).expect("compared"), good);
+        assert_eq!(status(&["rmse=0.11", "max=0.09"]).expect("compared"), bad);
+        assert_eq!(status(&["bias=0.1"]).expect("compared"), bad);
+        assert_eq!(status(&["bad-tiles=1"]).expect("no variances"), bad);
+    }
+
+    #[test]
+    fn a_nan_on_one_side_exceeds_every_limit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let b = written(&folder.path().join("b.exr"), 0.5);
+        let mut picture = exr::read(&b).expect("read");
+        let mut red = vec![0.5; 256];
+        red[0] = f32::NAN;
+        picture.set_channel("R", red);
+        let path = folder.path().join("a.exr");
+        exr::write(&path, &picture).expect("written");
+        let code = run(&arguments(path, b, &["rmse=9"])).expect("compared");
+        assert_eq!(format!("{code:?}"), format!("{:?}", ExitCode::from(1)));
+    }
+
+    #[test]
+    fn the_heat_map_is_a_png_of_the_same_size() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let a = written(&folder.path().join("a.exr"), 0.5);
+        let b = written(&folder.path().join("b.exr"), 5.0);
+        let mut args = arguments(a, b, &[]);
+        args.heatmap = Some(folder.path().join("map.png"));
+        run(&args).expect("compared");
+        let map = image::open(folder.path().join("map.png")).expect("a picture");
+        assert_eq!((map.width(), map.height()), (16, 16));
+    }
+
+    #[test]
+    fn words_that_are_no_limits_say_what_would_be() {
+        let error = |word: &str| word.parse::<Limit>().expect_err("no limit");
+        assert!(error("relmsw=1").contains("did you mean `relmse`"), "{}", error("relmsw=1"));
+        assert!(error("q=1").contains("there are rmse, relmse"), "{}", error("q=1"));
+        assert!(error("rmse").contains("METRIC=VALUE"));
+        assert!(error("rmse=-1").contains("0 or more"));
+        assert!(error("rmse=nan").contains("0 or more"));
+    }
+}

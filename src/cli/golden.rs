@@ -1,0 +1,250 @@
+//! `dapple golden`: a folder of pictures that renders are held against.
+
+use crate::cli::table;
+use crate::film::FilmError;
+use crate::film::golden::{self, GoldenScene, Outcome, RenderFn, Verdict};
+use clap::{Args, Subcommand};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const MANIFEST_HELP: &str = r#"golden.toml:
+  render = ["--resolution", "128x128", "--spp", "64"]
+
+  [[scene]]
+  name = "cornell"
+  file = "../scenes/cornell.gltf"
+  render = ["--max-depth", "6"]
+  limits = { flip = 0.002 }
+
+Limits are pixels-off (0.001) beyond tolerance (1e-4), flip (0.001) and relmse. With rule = "ztest"
+pixels need not be equal but have the same expectation: then bad-tiles (0.01) counts."#;
+
+/// Holds renders against the stored pictures of a folder, or stores them anew.
+///
+/// The folder has a `golden.toml` that lists scenes, how to render them, and how much may differ.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = MANIFEST_HELP)]
+pub struct GoldenArgs {
+    /// What to do
+    #[command(subcommand)]
+    pub command: GoldenCommand,
+}
+
+/// What `dapple golden` can do.
+#[derive(Subcommand, Clone, Debug)]
+pub enum GoldenCommand {
+    /// Render each scene and compare it with its stored picture
+    #[command(after_help = "\
+Examples:
+  dapple golden check golden
+  dapple golden check golden --only cornell -- --accel kd-ropes
+
+Exit status: 0 all the same, 1 some differ, 3 some are missing or cannot be rendered.")]
+    Check(FolderArgs),
+    /// Render each scene and store the picture where it differs, with a table of old against new
+    #[command(after_help = "\
+Examples:
+  dapple golden update golden
+  dapple golden update golden --only cornell
+
+A picture with the same pixels is left alone. Put the table into the commit's message.")]
+    Update(FolderArgs),
+}
+
+/// Which scenes, and how they are told of.
+#[derive(Args, Clone, Debug)]
+pub struct FolderArgs {
+    /// The folder that holds golden.toml
+    pub folder: PathBuf,
+    /// Only the scene of this name; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub only: Vec<String>,
+    /// One JSON array instead of the table
+    #[arg(long)]
+    pub json: bool,
+    /// Arguments of `dapple render` to add to those of the manifest
+    #[arg(last = true, value_name = "RENDER ARGUMENTS")]
+    pub render: Vec<String>,
+}
+
+/// Runs the command; `render` renders a scene of the manifest. The table goes to standard output.
+///
+/// # Errors
+/// A manifest that cannot be read, or a name that is not in it. A scene that cannot be rendered is
+/// no error but a line of the table, and an exit status.
+pub fn run(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmError> {
+    let (folder, updates) = match &args.command {
+        GoldenCommand::Check(folder) => (folder, false),
+        GoldenCommand::Update(folder) => (folder, true),
+    };
+    let mut outcomes = Vec::new();
+    for scene in &chosen(folder)? {
+        // Where it takes long one wants to know; whether anybody reads it is no concern.
+        let _ = writeln!(std::io::stderr(), "{}: rendering {}", scene.name, scene.file.display());
+        let run = if updates { golden::update } else { golden::check };
+        outcomes.push(run(scene, render));
+    }
+    let text = if folder.json { in_json(&outcomes)? } else { in_words(&outcomes, updates) };
+    table::print(&text)?;
+    Ok(ExitCode::from(status(&outcomes, updates)))
+}
+
+/// The scenes of the folder, less those that `--only` leaves out, with the arguments added.
+fn chosen(args: &FolderArgs) -> Result<Vec<GoldenScene>, FilmError> {
+    let mut scenes = golden::load(&args.folder)?;
+    for name in &args.only {
+        if !scenes.iter().any(|scene| scene.name == *name) {
+            let all: Vec<_> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+            return Err(FilmError::Usage(format!(
+                "{}: no scene `{name}`; there are {}",
+                args.folder.join(golden::MANIFEST).display(),
+                all.join(", ")
+            )));
+        }
+    }
+    scenes.retain(|scene| args.only.is_empty() || args.only.contains(&scene.name));
+    for scene in &mut scenes {
+        scene.render.extend_from_slice(&args.render);
+    }
+    Ok(scenes)
+}
+
+/// What could not be done weighs more than what differs.
+fn status(outcomes: &[Outcome], updates: bool) -> u8 {
+    let of = |outcome: &Outcome| match outcome.verdict {
+        Verdict::Failed => outcome.exit_code,
+        Verdict::New if !updates => 3,
+        Verdict::Changed if !updates => 1,
+        _ => 0,
+    };
+    outcomes.iter().map(of).max().unwrap_or(0)
+}
+
+fn in_json(outcomes: &[Outcome]) -> Result<String, FilmError> {
+    let text = serde_json::to_string_pretty(outcomes)
+        .map_err(|error| FilmError::Stdout(std::io::Error::other(error)))?;
+    Ok(text + "\n")
+}
+
+fn in_words(outcomes: &[Outcome], updates: bool) -> String {
+    let word = |verdict| match (verdict, updates) {
+        (Verdict::Same, _) => "same",
+        (Verdict::Changed, false) => "DIFFERS",
+        (Verdict::New, false) => "MISSING",
+        (Verdict::Changed, true) => "changed",
+        (Verdict::New, true) => "new",
+        (Verdict::Failed, _) => "FAILED",
+    };
+    let heading = ["scene", "pixels off", "FLIP", "relMSE", "bad tiles", "result"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    for outcome in outcomes {
+        let figure = |of: fn(&golden::Figures) -> Option<f64>| {
+            outcome.figures.as_ref().and_then(of).map_or("-".to_owned(), table::figure)
+        };
+        rows.push(vec![
+            outcome.name.clone(),
+            figure(|it| Some(it.pixels_off)),
+            figure(|it| Some(it.flip)),
+            figure(|it| Some(it.relmse)),
+            figure(|it| it.bad_tiles),
+            word(outcome.verdict).to_owned(),
+        ]);
+    }
+    let mut text = table::columns(&rows);
+    // In an update, what exceeds the limits is the news and no complaint.
+    for outcome in outcomes.iter().filter(|it| !it.reason.is_empty()) {
+        let _ = writeln!(text, "{}: {}", outcome.name, outcome.reason);
+    }
+    if !updates && outcomes.iter().any(|it| it.verdict == Verdict::New) {
+        text.push_str("missing pictures are made by `dapple golden update`\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{Picture, Window};
+    use clap::Parser;
+    use std::path::Path;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: GoldenArgs,
+    }
+
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        let manifest = "[[scene]]\nname = \"dark\"\nfile = \"d\"\n\
+                        [[scene]]\nname = \"light\"\nfile = \"l\"\nrender = [\"--spp\", \"1\"]\n";
+        std::fs::write(folder.path().join(golden::MANIFEST), manifest).expect("written");
+        folder
+    }
+
+    fn status_of(words: &[&str], folder: &Path, value: f32) -> Result<String, FilmError> {
+        let folder = folder.to_str().expect("a name");
+        let words = words.iter().map(|&word| if word == "DIR" { folder } else { word });
+        let command = Command::parse_from(std::iter::once("golden").chain(words));
+        let picture = move |scene: &GoldenScene| {
+            let mut picture = Picture::new(Window::of_size(8, 8), Window::of_size(8, 8));
+            let value = if scene.name == "light" { value } else { 0.1 };
+            // Arguments after `--` come last.
+            let value = if scene.render.last().is_some_and(|it| it == "2") { 0.7 } else { value };
+            picture.set_layer("", "RGB", &[[value; 3]; 64]);
+            Ok(picture)
+        };
+        run(&command.args, &picture).map(|code| format!("{code:?}"))
+    }
+
+    #[test]
+    fn from_missing_to_made_to_different() {
+        let folder = folder();
+        let status = |words: &[&str], value| status_of(words, folder.path(), value).expect("ran");
+        let code = |code: u8| format!("{:?}", ExitCode::from(code));
+        assert_eq!(status(&["check", "DIR"], 0.5), code(3));
+        assert_eq!(status(&["update", "DIR", "--only", "dark"], 0.5), code(0));
+        assert_eq!(status(&["check", "DIR", "--json"], 0.5), code(3));
+        assert_eq!(status(&["update", "DIR"], 0.5), code(0));
+        assert_eq!(status(&["check", "DIR"], 0.5), code(0));
+        assert_eq!(status(&["check", "DIR"], 0.6), code(1));
+        assert_eq!(status(&["check", "DIR", "--only", "dark"], 0.6), code(0));
+        assert_eq!(status(&["check", "DIR", "--", "--spp", "2"], 0.5), code(1));
+    }
+
+    #[test]
+    fn a_name_that_is_not_there_is_told_with_those_that_are() {
+        let folder = folder();
+        let error = status_of(&["check", "DIR", "--only", "drak"], folder.path(), 0.5);
+        let error = error.expect_err("no such scene");
+        assert!(error.exit_code() == 2 && error.to_string().ends_with("there are dark, light"));
+    }
+
+    #[test]
+    fn the_table_says_what_changed() {
+        let figures =
+            golden::Figures { pixels_off: 0.25, flip: 0.01, relmse: 0.5, bad_tiles: None };
+        let outcome = |name: &str, verdict, figures, reason: &str| Outcome {
+            name: name.to_owned(),
+            verdict,
+            figures,
+            reason: reason.to_owned(),
+            exit_code: 0,
+        };
+        let outcomes = [
+            outcome("cornell", Verdict::Changed, Some(figures), "FLIP 0.01 > 0.001"),
+            outcome("ball", Verdict::New, None, ""),
+        ];
+        let expected = "\
+scene    pixels off  FLIP  relMSE  bad tiles   result
+cornell        0.25  0.01     0.5          -  DIFFERS
+ball              -     -       -          -  MISSING
+cornell: FLIP 0.01 > 0.001
+missing pictures are made by `dapple golden update`
+";
+        assert_eq!(in_words(&outcomes, false), expected);
+        assert!(in_words(&outcomes, true).contains("changed"));
+    }
+}

@@ -1,0 +1,163 @@
+//! From flags to a world, a camera and settings.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::CliError;
+use super::args::{MissingTextureArg, RenderArgs};
+use crate::camera::{Camera, ThinLens};
+use crate::film::Window;
+use crate::integrator::Transport;
+use crate::math::Vec3;
+use crate::render::{Aov, Settings};
+use crate::scene::defaults::{AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds};
+use crate::scene::{self, LoadError, LoadOptions, MissingTexture, Notice, Scene, World};
+
+/// All that a render needs, but for the structure.
+pub struct Job {
+    /// What is to be seen.
+    pub world: World,
+    /// From where.
+    pub camera: Camera,
+    /// How.
+    pub settings: Settings,
+    /// What the scene asks for and is not honoured, and what was decided for the user.
+    pub notices: Vec<Notice>,
+    /// Time to read and prepare the scene.
+    pub elapsed: Duration,
+}
+
+/// Width of a picture whose size no one has said.
+const DEFAULT_WIDTH: u32 = 1280;
+/// Aspect of a picture whose camera has none.
+const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
+
+/// Loads the scene and works out what the flags leave open.
+///
+/// # Errors
+/// What is wrong with the scene or with the flags together.
+pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
+    let start = Instant::now();
+    let options = LoadOptions {
+        strict: args.strict,
+        missing_texture: match args.missing_texture {
+            Some(MissingTextureArg::Magenta) => MissingTexture::Magenta,
+            None => MissingTexture::Error,
+        },
+        scene: args.scene.clone(),
+    };
+    let mut scene = scene::load(&args.scene_file, &options)?;
+    let mut notices = std::mem::take(&mut scene.notices);
+    let file = args.scene_file.display().to_string();
+    if let Some(source) = &args.env {
+        let (environment, remarks) = source.load(args.env_scale, args.env_rotate)?;
+        scene.environment = Some(environment);
+        notices.extend(remarks);
+    }
+    if args.strict && !notices.is_empty() {
+        return Err(LoadError::Strict { notices }.into());
+    }
+    if let Some((sky, notice)) = automatic_sky(&scene, &file) {
+        scene.environment = Some(sky);
+        notices.push(notice);
+    }
+    let (camera, aspect) = camera(&scene, args, &mut notices)?;
+    let settings = settings(args, aspect)?;
+    let world = World::new(Arc::new(scene), args.bsdf).map_err(|count| {
+        CliError::Input(format!("{file}: {count} triangles are too many; 4294967294 at most"))
+    })?;
+    Ok(Job { world, camera, settings, notices, elapsed: start.elapsed() })
+}
+
+/// The camera, and the aspect that it asks for.
+fn camera(
+    scene: &Scene,
+    args: &RenderArgs,
+    notices: &mut Vec<Notice>,
+) -> Result<(Camera, f32), CliError> {
+    let file = args.scene_file.display().to_string();
+    let bounds = bounds(scene);
+    let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
+    let asked = args.resolution.map(|(width, height)| width as f32 / height as f32);
+    let fov = args.fov.map(f32::to_radians);
+    let (mut camera, aspect) = if let Some(eye) = args.look_from {
+        let target = args.look_at.unwrap_or(centre);
+        let up = args.up.unwrap_or(Vec3::Y);
+        (Camera::look_at(eye, target, up, fov.unwrap_or(AUTOMATIC_YFOV.to_radians())), None)
+    } else if let Some(wanted) = &args.camera {
+        let named = chosen(scene, wanted).ok_or_else(|| no_camera(scene, args, wanted))?;
+        (named.camera, named.aspect.or(named.camera.aspect()))
+    } else if let Some(named) = scene.cameras.first() {
+        if scene.cameras.len() > 1 {
+            let count = scene.cameras.len();
+            let message = format!("{count} cameras: looking through the first (--camera)");
+            notices.push(Notice { place: file, message });
+        }
+        (named.camera, named.aspect.or(named.camera.aspect()))
+    } else {
+        let (camera, notice) = automatic_camera(scene, asked.unwrap_or(DEFAULT_ASPECT), &file);
+        notices.push(notice);
+        (camera, None)
+    };
+    if let Some(yfov) = fov {
+        camera = camera.with_yfov(yfov);
+    }
+    if let Some(aperture_radius) = args.aperture {
+        let from = Vec3::from(camera.to_world.translation);
+        let target = args.look_at.unwrap_or(centre);
+        let ahead = camera.to_world.transform_vector3(Vec3::NEG_Z).dot(target - from);
+        let focus_distance = args.focus.unwrap_or(ahead);
+        if focus_distance <= 0.0 {
+            return Err(CliError::Usage("nothing to focus on ahead: give --focus".to_owned()));
+        }
+        camera = camera.with_lens(ThinLens { aperture_radius, focus_distance });
+    }
+    Ok((camera, aspect.unwrap_or(DEFAULT_ASPECT)))
+}
+
+/// A camera by its name, or else by its number.
+fn chosen<'s>(scene: &'s Scene, wanted: &str) -> Option<&'s scene::NamedCamera> {
+    let by_number = || scene.cameras.get(wanted.parse::<usize>().ok()?);
+    scene.cameras.iter().find(|camera| camera.name == wanted).or_else(by_number)
+}
+
+fn no_camera(scene: &Scene, args: &RenderArgs, wanted: &str) -> CliError {
+    let file = args.scene_file.display();
+    let names: Vec<String> = scene
+        .cameras
+        .iter()
+        .enumerate()
+        .map(|(number, camera)| match camera.name.as_str() {
+            "" => number.to_string(),
+            name => format!("{number} ({name:?})"),
+        })
+        .collect();
+    let have = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    CliError::Input(format!("{file}: no camera {wanted:?}; it has {have}"))
+}
+
+fn settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
+    let resolution = args.resolution.unwrap_or_else(|| {
+        let height = (DEFAULT_WIDTH as f32 / aspect).round().clamp(1.0, 16_384.0);
+        (DEFAULT_WIDTH, height as u32)
+    });
+    let frame = Window::of_size(resolution.0 as usize, resolution.1 as usize);
+    let crop = args.crop.unwrap_or(frame);
+    if crop.x0 < 0 || crop.y0 < 0 || crop.x1 > frame.x1 || crop.y1 > frame.y1 {
+        let (width, height) = resolution;
+        return Err(CliError::Usage(format!("--crop {crop} is not inside of {width}x{height}")));
+    }
+    Ok(Settings {
+        resolution,
+        crop,
+        spp: args.spp,
+        seed: args.seed,
+        filter: args.filter,
+        transport: Transport {
+            max_depth: args.max_depth,
+            roulette_depth: args.rr_depth.0,
+            transparent: args.transparent,
+        },
+        aovs: args.aov.clone().unwrap_or_else(|| Aov::ALL.to_vec()),
+    })
+}

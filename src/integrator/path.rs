@@ -1,0 +1,309 @@
+//! Path tracing with next-event estimation.
+//!
+//! At each vertex a light is chosen and asked directly, and the path goes on by the surface's own
+//! scattering; where both find the same light, multiple importance sampling weighs them (Veach and
+//! Guibas 1995). Depth counts the segments of the path from the camera: 1 sees emitters alone, 2
+//! adds direct light.
+//!
+//! Shading normals may disagree with the geometry. Light never passes the geometric side that the
+//! scattering did not mean it to: a reflection that would go below the triangle, or a transmission
+//! that would stay above, is lost, for both strategies alike.
+
+use super::weight::{power_heuristic, survival};
+use crate::accel::ClosestHit;
+use crate::math::{MaterialId, Ray, Vec3};
+use crate::sampling::Sampler;
+use crate::scene::{Surface, World};
+
+/// How light is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transport {
+    /// The most segments of a path, at least 1.
+    pub max_depth: u32,
+    /// The segment after which Russian roulette may end a path first; `None`: it never does.
+    pub roulette_depth: Option<u32>,
+    /// Whether the environment is hidden from the camera (it lights nevertheless).
+    pub transparent: bool,
+}
+
+/// A path under way; its current ray is kept beside it, in a slice for the tracer.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    throughput: Vec3,
+    /// Square of the product of relative indices of refraction that it has passed.
+    eta_squared: f32,
+    /// Density over solid angle with which the current ray's direction was chosen; infinite where
+    /// no light could have been chosen instead.
+    pdf: f32,
+    /// The absorbing solid that it travels in, if any.
+    medium: MaterialId,
+    sampler: Sampler,
+    /// Where its result goes.
+    pub slot: u32,
+    /// A hash of pixel, sample and seed.
+    pub key: u64,
+}
+
+/// What a path has brought back.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PathSample {
+    /// Radiance at the camera.
+    pub radiance: Vec3,
+    /// What the camera ray hit first.
+    pub first: Option<FirstHit>,
+}
+
+/// What the camera sees, apart from its light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstHit {
+    /// The share of light that the surface scatters.
+    pub albedo: Vec3,
+    /// Unit shading normal, world space, towards the camera's side.
+    pub normal: Vec3,
+    /// World space.
+    pub position: Vec3,
+    /// Metres from the camera ray's origin.
+    pub distance: f32,
+}
+
+/// A segment which, if it is free, lets light through to the path.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRay {
+    /// The segment.
+    pub ray: Ray,
+    /// What is added to the path's radiance if nothing is in the way.
+    pub radiance: Vec3,
+}
+
+/// What follows from a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// The light to ask.
+    pub shadow: Option<ShadowRay>,
+    /// The ray to go on with; `None`: the path ends.
+    pub next: Option<Ray>,
+}
+
+impl Step {
+    const END: Self = Self { shadow: None, next: None };
+}
+
+/// Dimensions of the sampler: four for the camera, then two sets of four for each vertex.
+const CAMERA_DIMENSIONS: u32 = 4;
+const VERTEX_DIMENSIONS: u32 = 8;
+
+/// Follows paths through a world.
+#[derive(Clone, Copy, Debug)]
+pub struct PathTracer<'w> {
+    world: &'w World,
+    transport: Transport,
+}
+
+impl Path {
+    /// A path that starts at the camera. `sampler` is that of its sample, whose first four
+    /// dimensions are the camera's.
+    pub fn new(sampler: Sampler, key: u64, slot: u32) -> Self {
+        Self {
+            throughput: Vec3::ONE,
+            eta_squared: 1.0,
+            pdf: f32::INFINITY,
+            medium: MaterialId::NONE,
+            sampler,
+            slot,
+            key,
+        }
+    }
+
+    /// What part of the light at the current ray's end reaches the camera, over the probability
+    /// of having come here.
+    pub fn throughput(&self) -> Vec3 {
+        self.throughput
+    }
+}
+
+impl<'w> PathTracer<'w> {
+    /// An integrator of `world`.
+    pub fn new(world: &'w World, transport: Transport) -> Self {
+        Self { world, transport }
+    }
+
+    /// The world that it looks at.
+    pub fn world(&self) -> &'w World {
+        self.world
+    }
+
+    /// Takes a path across the end of its segment number `depth`, counted from 1: `ray` has met
+    /// `hit`. Emission that it meets is added to `sample`.
+    #[inline]
+    pub fn advance(
+        &self,
+        depth: u32,
+        path: &mut Path,
+        ray: &Ray,
+        hit: &ClosestHit,
+        sample: &mut PathSample,
+    ) -> Step {
+        let world = self.world;
+        if !hit.is_hit() {
+            if !(depth == 1 && self.transport.transparent) {
+                self.escape(path, ray, sample);
+            }
+            return Step::END;
+        }
+        let surface = world.surface(ray, hit);
+        self.absorb(path, &surface, hit.t);
+        if let Some((radiance, pdf)) = world.emitted(&surface, ray.direction(), hit.t) {
+            sample.radiance += path.throughput * radiance * power_heuristic(path.pdf, pdf);
+        }
+        if depth > 1 && depth >= self.transport.max_depth {
+            return Step::END;
+        }
+        let bsdf = world.bsdf(surface.material, &surface.uv);
+        let wo = surface.frame.to_local(-ray.direction());
+        if depth == 1 {
+            let side = if surface.front { 1.0 } else { -1.0 };
+            sample.first = Some(FirstHit {
+                albedo: bsdf.albedo(),
+                normal: surface.frame.normal * side,
+                position: surface.position,
+                distance: hit.t,
+            });
+            if self.transport.max_depth == 1 {
+                return Step::END;
+            }
+        }
+        path.sampler.seek(CAMERA_DIMENSIONS + VERTEX_DIMENSIONS * (depth - 1));
+        let u_direction = path.sampler.next_2d();
+        let u_lobe = path.sampler.next_1d();
+        let u_roulette = path.sampler.next_1d();
+
+        let shadow = if bsdf.is_delta() || world.lights.is_dark() {
+            None
+        } else {
+            self.ask_light(path, &surface, &bsdf, wo)
+        };
+
+        let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
+            let direction = surface.frame.to_world(scattered.wi);
+            let passes = passes(&surface, direction, scattered.wi)?;
+            path.throughput *= scattered.weight;
+            path.eta_squared *= scattered.eta * scattered.eta;
+            path.pdf = if scattered.delta { f32::INFINITY } else { scattered.pdf };
+            path.medium = self.medium_beyond(path.medium, &surface, passes);
+            if !path.throughput.is_finite() {
+                sample.radiance = Vec3::NAN; // to be counted and left out, not hidden
+                return None;
+            }
+            if self.transport.roulette_depth.is_some_and(|from| depth >= from) {
+                let survival = survival(path.throughput, path.eta_squared);
+                if u_roulette >= survival {
+                    return None;
+                }
+                path.throughput /= survival;
+            }
+            if path.throughput == Vec3::ZERO {
+                return None;
+            }
+            let next = surface.ray_towards(direction);
+            if next == Ray::MISS {
+                sample.radiance = Vec3::NAN; // no direction that can be followed
+                return None;
+            }
+            Some(next)
+        });
+        Step { shadow, next }
+    }
+
+    /// The path leaves the scene.
+    fn escape(&self, path: &Path, ray: &Ray, sample: &mut PathSample) {
+        if self.world.scene.environment.is_some() {
+            let (radiance, pdf) = self.world.environment(ray.direction());
+            let weight = power_heuristic(path.pdf, pdf);
+            let reaching = self.world.transmittance(path.medium, f32::INFINITY);
+            sample.radiance += path.throughput * reaching * radiance * weight;
+        }
+    }
+
+    /// Takes away what the inside of a solid absorbs along a segment. A path that meets the back
+    /// of a solid which it never entered has started inside.
+    #[inline]
+    fn absorb(&self, path: &mut Path, surface: &Surface, distance: f32) {
+        if path.medium == MaterialId::NONE {
+            if surface.front || !self.world.absorbs(surface.material) {
+                return;
+            }
+            path.medium = surface.material;
+        }
+        path.throughput *= self.world.transmittance(path.medium, distance);
+    }
+
+    /// The solid that lies beyond a surface on the side of a direction.
+    #[inline]
+    fn medium_beyond(&self, medium: MaterialId, surface: &Surface, passes: Passes) -> MaterialId {
+        if passes == Passes::Reflected || self.world.material(surface.material).volume.is_none() {
+            medium
+        } else if passes == Passes::Into && self.world.absorbs(surface.material) {
+            surface.material
+        } else {
+            MaterialId::NONE
+        }
+    }
+
+    /// Chooses a light, and what of it would reach the camera this way.
+    #[inline]
+    fn ask_light(
+        &self,
+        path: &mut Path,
+        surface: &Surface,
+        bsdf: &crate::material::Bsdf,
+        wo: Vec3,
+    ) -> Option<ShadowRay> {
+        let u = path.sampler.next_2d();
+        let u_light = path.sampler.next_1d();
+        let light = self.world.sample_light(surface, u_light, u)?;
+        let wi = surface.frame.to_local(light.direction);
+        let passes = passes(surface, light.direction, wi)?;
+        let (scattered, pdf) = bsdf.eval(wo, wi);
+        if scattered == Vec3::ZERO {
+            return None;
+        }
+        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, pdf) };
+        let mut radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
+        let medium = self.medium_beyond(path.medium, surface, passes);
+        if medium != MaterialId::NONE {
+            radiance *= self.world.transmittance(medium, length(&light.ray));
+        }
+        (radiance != Vec3::ZERO).then_some(ShadowRay { ray: light.ray, radiance })
+    }
+}
+
+/// On which side of its surface scattered light goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Passes {
+    /// On the side that the viewer is on.
+    Reflected,
+    /// From the front to the back.
+    Into,
+    /// From the back to the front.
+    OutOf,
+}
+
+/// On which side a direction goes on; `None` where shading and geometric normal do not agree about
+/// it. About the viewer's they do, see [`World::surface`].
+#[inline]
+fn passes(surface: &Surface, direction: Vec3, local: Vec3) -> Option<Passes> {
+    let above = surface.normal.dot(direction);
+    if above * local.z <= 0.0 {
+        return None;
+    }
+    Some(match (surface.front, above > 0.0) {
+        (true, true) | (false, false) => Passes::Reflected,
+        (true, false) => Passes::Into,
+        (false, true) => Passes::OutOf,
+    })
+}
+
+/// Metres from a ray's origin to its end.
+fn length(ray: &Ray) -> f32 {
+    if ray.t_max() < f32::INFINITY { ray.direction().length() * ray.t_max() } else { f32::INFINITY }
+}

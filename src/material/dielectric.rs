@@ -1,0 +1,209 @@
+//! Glass: clear boundaries of solids, and thin sheets.
+
+use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, is_above, rough_dielectric, unit};
+use crate::math::{Vec2, Vec3};
+
+/// Up to this roughness a boundary is taken as smooth.
+const SMOOTH: f32 = 0.02;
+
+/// Stands for the infinite index that KHR_materials_ior writes as 0.
+const INFINITE_IOR: f32 = 1e4;
+
+/// A boundary that reflects and transmits by the exact Fresnel equations; light that passes is
+/// tinted once.
+///
+/// KHR_materials_transmission, with KHR_materials_volume a solid. A thin sheet does not bend light;
+/// its reflectance is that of both faces with all reflections between them. In
+/// [`BsdfForm::AppendixB`] it is smooth whatever its roughness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    pub(super) tint: Vec3,
+    /// Of the inside over the outside.
+    pub(super) ior: f32,
+    pub(super) alpha: f32,
+    pub(super) form: BsdfForm,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Smooth,
+    Rough,
+    ThinSmooth,
+    ThinRough,
+}
+
+/// The two things that a boundary does to light, for one direction of view.
+pub(super) struct Split {
+    pub reflectance: f32,
+    /// Probability of drawing the reflection.
+    pub choice: f32,
+}
+
+impl Split {
+    #[inline]
+    pub fn new(reflectance: f32, tint: Vec3) -> Self {
+        let transmitted = (1.0 - reflectance) * tint.max_element().max(0.0);
+        // Black glass seen where it does not reflect: draw the nothing that is transmitted.
+        let all = reflectance + transmitted;
+        Self { reflectance, choice: if all > 0.0 { reflectance / all } else { 0.0 } }
+    }
+
+    /// Tinted share of the light that passes.
+    #[inline]
+    pub fn transmittance(&self, tint: Vec3) -> Vec3 {
+        tint * (1.0 - self.reflectance)
+    }
+}
+
+impl Dielectric {
+    /// The clear part of what `params` describe.
+    pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
+        let usable = params.ior.is_finite() && params.ior > 1e-3;
+        let ior = if usable { params.ior.min(INFINITE_IOR) } else { INFINITE_IOR };
+        let roughness = unit(params.roughness);
+        // Rough or not, what does not bend light lets it pass straight.
+        let rough = roughness > SMOOTH && (ior - 1.0).abs() > 1e-3;
+        let kind = match (params.thin, rough) {
+            (false, false) => Kind::Smooth,
+            (false, true) => Kind::Rough,
+            (true, true) if form == BsdfForm::Conserving => Kind::ThinRough,
+            (true, _) => Kind::ThinSmooth,
+        };
+        Self { tint: params.base_color, ior, alpha: roughness * roughness, form, kind }
+    }
+
+    /// Whether it only reflects and refracts as mirrors and lenses do.
+    #[inline]
+    pub fn is_delta(&self) -> bool {
+        matches!(self.kind, Kind::Smooth | Kind::ThinSmooth)
+    }
+
+    /// See [`super::Bsdf::eval`].
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        match self.kind {
+            Kind::Smooth | Kind::ThinSmooth => (Vec3::ZERO, 0.0),
+            Kind::Rough => rough_dielectric::eval_solid(self, wo, wi),
+            Kind::ThinRough => rough_dielectric::eval_thin(self, wo, wi),
+        }
+    }
+
+    /// See [`super::Bsdf::sample`].
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        if !is_above(wo.z.abs()) {
+            return None;
+        }
+        match self.kind {
+            Kind::Smooth => Some(self.sample_smooth(wo, u_lobe)),
+            Kind::ThinSmooth => Some(self.sample_thin(wo, u_lobe)),
+            Kind::Rough => rough_dielectric::sample_solid(self, wo, u_lobe, u),
+            Kind::ThinRough => rough_dielectric::sample_thin(self, wo, u_lobe, u),
+        }
+    }
+
+    /// Index on the far side over that on the side of `wo`.
+    #[inline]
+    pub(super) fn eta(&self, wo: Vec3) -> f32 {
+        if wo.z < 0.0 { 1.0 / self.ior } else { self.ior }
+    }
+
+    fn sample_smooth(&self, wo: Vec3, u_lobe: f32) -> BsdfSample {
+        let eta = self.eta(wo);
+        let (reflectance, cos_t) = fresnel::dielectric(wo.z.abs(), eta);
+        let split = Split::new(reflectance, self.tint);
+        if u_lobe < split.choice {
+            return mirror(wo, &split);
+        }
+        let inverse = 1.0 / eta;
+        let pdf = 1.0 - split.choice;
+        BsdfSample {
+            wi: Vec3::new(-wo.x * inverse, -wo.y * inverse, -cos_t.copysign(wo.z)),
+            weight: split.transmittance(self.tint) * (inverse * inverse / pdf),
+            pdf,
+            delta: true,
+            eta,
+        }
+    }
+
+    fn sample_thin(&self, wo: Vec3, u_lobe: f32) -> BsdfSample {
+        let (face, _) = fresnel::dielectric(wo.z.abs(), self.ior);
+        let split = Split::new(fresnel::thin_sheet(face), self.tint);
+        if u_lobe < split.choice {
+            return mirror(wo, &split);
+        }
+        let pdf = 1.0 - split.choice;
+        let weight = split.transmittance(self.tint) / pdf;
+        BsdfSample { wi: -wo, weight, pdf, delta: true, eta: 1.0 }
+    }
+
+    /// See [`super::Bsdf::albedo`].
+    pub fn albedo(&self) -> Vec3 {
+        self.tint
+    }
+}
+
+fn mirror(wo: Vec3, split: &Split) -> BsdfSample {
+    BsdfSample {
+        wi: Vec3::new(-wo.x, -wo.y, wo.z),
+        weight: Vec3::splat(split.reflectance / split.choice),
+        pdf: split.choice,
+        delta: true,
+        eta: 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn glass(thin: bool) -> Dielectric {
+        let params = SurfaceParams {
+            base_color: Vec3::new(0.5, 0.25, 1.0),
+            roughness: 0.0,
+            thin,
+            ..SurfaceParams::default()
+        };
+        Dielectric::new(&params, BsdfForm::Conserving)
+    }
+
+    #[test]
+    fn light_enters_and_leaves_along_the_same_way() {
+        let wo = Vec3::new(0.6, 0.0, 0.8);
+        let inside = glass(false).sample(wo, 0.9, Vec2::ZERO).unwrap();
+        assert!(inside.delta && inside.eta == 1.5);
+        assert!((inside.wi - Vec3::new(-0.4, 0.0, -libm::sqrtf(0.84))).length() < 1e-6);
+        let outside = glass(false).sample(inside.wi, 0.9, Vec2::ZERO).unwrap();
+        assert!((outside.wi - wo).length() < 1e-6);
+        assert!((outside.eta * inside.eta - 1.0).abs() < 1e-6);
+        // Radiance is scaled by 1 / eta² on the way in, and back again; the tint counts twice.
+        let (reflectance, _) = fresnel::dielectric(0.8, 1.5);
+        let both = inside.weight * inside.pdf * outside.weight * outside.pdf;
+        let once = glass(false).tint * (1.0 - reflectance);
+        assert!((both - once * once).length() < 1e-5);
+        assert!((inside.weight.z * inside.pdf * 2.25 - (1.0 - reflectance)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_sheet_does_not_bend_light() {
+        for wo in [Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.6, 0.0, -0.8)] {
+            let through = glass(true).sample(wo, 0.99, Vec2::ZERO).unwrap();
+            assert_eq!(through.wi, -wo);
+            assert_eq!(through.eta, 1.0);
+            let back = glass(true).sample(wo, 0.0, Vec2::ZERO).unwrap();
+            assert_eq!(back.wi, Vec3::new(-wo.x, -wo.y, wo.z));
+            // White where the tint is: all light goes one way or the other.
+            let total = through.weight.z * through.pdf + back.weight.z * back.pdf;
+            assert!((total - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn an_infinite_index_is_a_mirror() {
+        let params = SurfaceParams { ior: 0.0, roughness: 0.0, ..SurfaceParams::default() };
+        let mirror = Dielectric::new(&params, BsdfForm::Conserving);
+        let sample = mirror.sample(Vec3::new(0.6, 0.0, 0.8), 0.99, Vec2::ZERO).unwrap();
+        assert_eq!(sample.wi, Vec3::new(-0.6, 0.0, 0.8));
+    }
+}

@@ -1,0 +1,183 @@
+//! glTF's opaque material: metals, and dielectrics over a diffuse base.
+
+use std::f32::consts::FRAC_1_PI;
+
+use super::energy::{Albedo, Albedos, Row};
+use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, ggx, is_above, mean, unit};
+use crate::math::{Vec2, Vec3};
+use crate::sampling::warp;
+
+/// GGX's alpha is the square of the roughness, and at least this.
+pub const LEAST_ALPHA: f32 = 1e-3;
+
+/// The specular lobe is drawn with at least this probability where it has any weight: a coat that
+/// reflects little in all reflects nearly everything at grazing half vectors.
+const LEAST_SPECULAR: f32 = 0.1;
+
+/// A metal and a coated diffuse base, mixed by `metallic`: a specular lobe, and one that follows
+/// the cosine.
+///
+/// Both Fresnel terms are Schlick's and share the half vector, so metal and coat are one lobe of
+/// mixed `f0` and `f90`. In [`BsdfForm::AppendixB`] the diffuse part is `base / π * (1 - F)`, as
+/// glTF 2.0 has it in Appendix B. In [`BsdfForm::Conserving`] it is
+/// `base / π * (1 - S(o)) (1 - S(i)) / (1 - S_avg)`, S the coat's albedo (Kelemen and
+/// Szirmay-Kalos, 2001), and the metal's multiple scattering is
+/// `F / π * (1 - E(o)) (1 - E(i)) / (1 - E_avg)`, E the white lobe's albedo (Kulla and Conty,
+/// "Revisiting Physically Based Shading at Imageworks", 2017). Both are reciprocal and add up to
+/// one where everything is white. The coat's own multiple scattering is part of what S leaves to
+/// the base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetallicRoughness {
+    /// Colour of the diffuse base, times one minus metallic.
+    diffuse: Vec3,
+    /// Of metal and coat together.
+    f0: Vec3,
+    f90: f32,
+    /// Of the coat alone; its brightest channel.
+    coat_f0: f32,
+    coat_f90: f32,
+    alpha: f32,
+    row: Row,
+    /// `1 / (1 - S_avg)`.
+    coat_scale: f32,
+    /// Metallic times the colour of light that bounced more than once.
+    multiple: Vec3,
+    /// `1 / (1 - E_avg)`.
+    multiple_scale: f32,
+    form: BsdfForm,
+}
+
+/// What the direction towards the viewer decides.
+struct View {
+    albedo: Albedo,
+    /// Probability of the specular lobe.
+    specular: f32,
+}
+
+impl MetallicRoughness {
+    /// The opaque part of what `params` describe.
+    pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
+        Self::with_metallic(params, unit(params.metallic), form)
+    }
+
+    pub(super) fn with_metallic(params: &SurfaceParams, metallic: f32, form: BsdfForm) -> Self {
+        let (roughness, specular) = (unit(params.roughness), unit(params.specular));
+        let (base, dielectric) = (params.base_color, 1.0 - metallic);
+        let alpha = (roughness * roughness).max(LEAST_ALPHA);
+        let row = Row::of(alpha);
+
+        let root = (params.ior - 1.0) / (params.ior + 1.0);
+        let coat = (params.specular_color * (root * root)).min(Vec3::ONE) * specular;
+        let (coat_f0, coat_f90) = (coat.max_element(), specular);
+
+        let (mut coat_scale, mut multiple, mut multiple_scale) = (1.0, Vec3::ZERO, 0.0);
+        if form == BsdfForm::Conserving {
+            let average = Albedos::get().average(row);
+            let below = 1.0 - average.of(coat_f0, coat_f90);
+            coat_scale = if below > 1e-4 { 1.0 / below } else { 0.0 };
+            let loss = average.loss();
+            if metallic > 0.0 && loss > 1e-4 {
+                // Fresnel's average over the hemisphere; what bounces on is dimmed again and again.
+                let fresnel = base + (Vec3::ONE - base) * (1.0 / 21.0);
+                let series = (Vec3::ONE - fresnel * loss).max(Vec3::splat(1e-4));
+                multiple = fresnel * fresnel * (1.0 - loss) / series * metallic;
+                multiple_scale = 1.0 / loss;
+            }
+        }
+        Self {
+            diffuse: base * dielectric,
+            f0: coat * dielectric + base * metallic,
+            f90: coat_f90 * dielectric + metallic,
+            coat_f0,
+            coat_f90,
+            alpha,
+            row,
+            coat_scale,
+            multiple,
+            multiple_scale,
+            form,
+        }
+    }
+
+    /// See [`super::Bsdf::eval`].
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        // The other side is the same one turned about a tangent, which no isotropic lobe sees.
+        let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
+        if !(is_above(wo.z) && is_above(wi.z)) {
+            return (Vec3::ZERO, 0.0);
+        }
+        self.evaluate(&self.view(wo.z), wo, wi, (wo + wi).normalize())
+    }
+
+    /// See [`super::Bsdf::sample`].
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
+        let wo = wo * side;
+        if !is_above(wo.z) {
+            return None;
+        }
+        let view = self.view(wo.z);
+        let (wi, h) = if u_lobe < view.specular {
+            let h = ggx::sample_visible_normal(wo, self.alpha, u);
+            (h * (2.0 * wo.dot(h)) - wo, h)
+        } else {
+            let wi = warp::cosine_hemisphere(u);
+            (wi, (wo + wi).normalize())
+        };
+        if !is_above(wi.z) {
+            return None;
+        }
+        let (value, pdf) = self.evaluate(&view, wo, wi, h);
+        // Also where nothing is reflected at all.
+        let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta: 1.0 };
+        (pdf > 0.0).then_some(sample)
+    }
+
+    #[inline]
+    fn view(&self, cos: f32) -> View {
+        let albedo = Albedos::get().at(self.row, cos);
+        let specular = mean(self.f0) * albedo.f0 + self.f90 * albedo.f90;
+        let below = mean(self.diffuse) * (1.0 - albedo.of(self.coat_f0, self.coat_f90));
+        let other = below + mean(self.multiple) * albedo.loss();
+        let specular = if other <= 0.0 {
+            1.0
+        } else if specular <= 0.0 {
+            0.0
+        } else {
+            (specular / (specular + other)).max(LEAST_SPECULAR)
+        };
+        View { albedo, specular }
+    }
+
+    #[inline]
+    fn evaluate(&self, view: &View, wo: Vec3, wi: Vec3, h: Vec3) -> (Vec3, f32) {
+        let weight = fresnel::schlick_weight(wo.dot(h));
+        let lobe = ggx::Lobe::new(h, wo.z, wi.z, self.alpha);
+        let fresnel = self.f0 + (self.f90 - self.f0) * weight;
+        let specular = fresnel * lobe.reflected;
+        let smooth = match self.form {
+            BsdfForm::AppendixB => {
+                let coat = self.coat_f0 + (self.coat_f90 - self.coat_f0) * weight;
+                self.diffuse * (1.0 - coat)
+            }
+            BsdfForm::Conserving => {
+                let towards = Albedos::get().at(self.row, wi.z);
+                let through = |albedo: Albedo| 1.0 - albedo.of(self.coat_f0, self.coat_f90);
+                let below = through(view.albedo) * through(towards) * self.coat_scale;
+                let again = view.albedo.loss() * towards.loss() * self.multiple_scale;
+                self.diffuse * below + self.multiple * again
+            }
+        };
+        let value = (smooth * FRAC_1_PI + specular) * wi.z;
+        let choice = view.specular;
+        let pdf = choice * lobe.visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI;
+        (value, pdf)
+    }
+
+    /// See [`super::Bsdf::albedo`].
+    pub fn albedo(&self) -> Vec3 {
+        self.diffuse * (1.0 - self.coat_f0) + self.f0
+    }
+}

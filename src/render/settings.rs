@@ -1,0 +1,126 @@
+//! What a picture is a function of, beside its scene and camera.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::camera::CameraRays;
+use crate::film::{PixelFilter, Window};
+use crate::integrator::{Path, Transport};
+use crate::math::{Ray, Vec2};
+use crate::sampling::Sampler;
+
+/// A layer of the picture beside its colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// The share of light that the first surface scatters.
+    Albedo,
+    /// Shading normal of the first surface, world space.
+    Normal,
+    /// Where the first surface is, world space.
+    Position,
+    /// How far away it is, metres.
+    Depth,
+    /// Estimated variance of each pixel's mean.
+    Variance,
+    /// The number of samples in each pixel's mean.
+    Samples,
+    /// Nanoseconds a sample. The only layer that differs from run to run.
+    Cost,
+}
+
+impl Aov {
+    /// All, in the order of the help.
+    pub const ALL: [Self; 7] = [
+        Self::Albedo,
+        Self::Normal,
+        Self::Position,
+        Self::Depth,
+        Self::Variance,
+        Self::Samples,
+        Self::Cost,
+    ];
+
+    /// The layer's name.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Position => "position",
+            Self::Depth => "depth",
+            Self::Variance => "variance",
+            Self::Samples => "samples",
+            Self::Cost => "cost",
+        }
+    }
+}
+
+impl fmt::Display for Aov {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
+    }
+}
+
+impl FromStr for Aov {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|aov| aov.id() == text).ok_or_else(|| {
+            format!("unknown layer '{text}', have {}", Self::ALL.map(Self::id).join(", "))
+        })
+    }
+}
+
+/// How to render.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Width and height of the whole frame, pixels, at least 1 each.
+    pub resolution: (u32, u32),
+    /// The part of it to render; inside the frame, not empty.
+    pub crop: Window,
+    /// Samples a pixel, at least 1.
+    pub spp: u64,
+    /// Another number, another noise.
+    pub seed: u64,
+    /// Where in and around its pixel a sample falls.
+    pub filter: PixelFilter,
+    /// How light is followed.
+    pub transport: Transport,
+    /// The layers wanted.
+    pub aovs: Vec<Aov>,
+}
+
+impl Settings {
+    /// Width over height of the whole frame.
+    pub fn aspect(&self) -> f32 {
+        self.resolution.0 as f32 / self.resolution.1 as f32
+    }
+
+    /// Starts the path of one sample of the pixel at column `x`, row `y` of the frame.
+    pub(super) fn start(
+        &self,
+        camera: &CameraRays,
+        x: u32,
+        y: u32,
+        sample: u64,
+        slot: u32,
+    ) -> (Ray, Path) {
+        let pixel = u64::from(y) << 32 | u64::from(x);
+        let mut sampler = Sampler::new(pixel, sample, self.seed);
+        let (width, height) = (self.resolution.0 as f32, self.resolution.1 as f32);
+        let offset = self.filter.sample(sampler.next_2d());
+        let lens = sampler.next_2d();
+        let place = Vec2::new(x as f32, y as f32) + 0.5 + offset;
+        let ray = camera.ray(place / Vec2::new(width, height), lens);
+        (ray, Path::new(sampler, key(pixel, sample, self.seed), slot))
+    }
+}
+
+/// A hash of what makes a path differ from all others.
+fn key(pixel: u64, sample: u64, seed: u64) -> u64 {
+    let mix = |x: u64| {
+        let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        x ^ (x >> 31)
+    };
+    mix(mix(mix(seed.wrapping_add(0x9e37_79b9_7f4a_7c15)) ^ pixel).wrapping_add(sample))
+}

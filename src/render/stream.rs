@@ -1,0 +1,210 @@
+//! Many paths at once.
+//!
+//! The paths of a tile advance together, bounce by bounce. All of their rays of one kind are one
+//! slice for the tracer, in path order, so that it can keep many of them in flight while memory
+//! answers; paths that have ended are taken out after each bounce. The order of additions to a
+//! path's radiance is that of its vertices, whatever the slice: cutting slices otherwise changes no
+//! bit.
+
+use std::time::Instant;
+
+use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
+use crate::integrator::{Path, PathSample, PathTracer};
+use crate::math::{Ray, Vec3};
+use crate::scene::AlphaFilter;
+
+/// How many rays were shot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// Segments of paths.
+    pub closest: u64,
+    /// Segments to lights.
+    pub shadow: u64,
+}
+
+impl RayCounts {
+    /// Both kinds.
+    pub fn total(&self) -> u64 {
+        self.closest + self.shadow
+    }
+}
+
+impl std::ops::AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.closest += other.closest;
+        self.shadow += other.shadow;
+    }
+}
+
+/// One worker's paths, and all the memory that they need.
+pub(super) struct Stream<'w> {
+    integrator: PathTracer<'w>,
+    tracer: Box<dyn Tracer + 'w>,
+    /// Of path `i`: its current ray, what that hit, and its state.
+    rays: Vec<Ray>,
+    hits: Vec<ClosestHit>,
+    paths: Vec<Path>,
+    shadow_rays: Vec<Ray>,
+    shadow_ends: Vec<ShadowEnd>,
+    blocked: Vec<AnyHit>,
+    /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
+    keys: Vec<u64>,
+    /// Results by slot.
+    samples: Vec<PathSample>,
+    /// How many segments each slot's path had.
+    segments: Vec<u32>,
+    /// What a path of so many segments has cost in nanoseconds.
+    shares: Vec<f32>,
+    counts: RayCounts,
+}
+
+/// What becomes of a shadow ray.
+#[derive(Clone, Copy)]
+struct ShadowEnd {
+    slot: u32,
+    /// Added to the slot's radiance if the ray is free.
+    radiance: Vec3,
+}
+
+impl<'w> Stream<'w> {
+    /// A worker's stream.
+    pub fn new(integrator: PathTracer<'w>, accel: &'w dyn Accel) -> Self {
+        Self {
+            integrator,
+            tracer: accel.tracer(),
+            rays: Vec::new(),
+            hits: Vec::new(),
+            paths: Vec::new(),
+            shadow_rays: Vec::new(),
+            shadow_ends: Vec::new(),
+            blocked: Vec::new(),
+            keys: Vec::new(),
+            samples: Vec::new(),
+            segments: Vec::new(),
+            shares: Vec::new(),
+            counts: RayCounts::default(),
+        }
+    }
+
+    /// Follows paths to their ends; the slots of `starts` count from 0.
+    pub fn run(&mut self, starts: impl Iterator<Item = (Ray, Path)>) {
+        self.rays.clear();
+        self.paths.clear();
+        self.samples.clear();
+        for (ray, path) in starts {
+            let mut sample = PathSample::default();
+            if ray == Ray::MISS {
+                sample.radiance = Vec3::NAN; // a camera that cannot see: counted, not hidden
+            } else {
+                self.rays.push(ray);
+                self.paths.push(path);
+            }
+            self.samples.push(sample);
+        }
+        self.segments.clear();
+        self.segments.resize(self.samples.len(), 0);
+        self.shares.clear();
+        self.shares.push(0.0);
+
+        let mut depth = 1;
+        while !self.paths.is_empty() {
+            let (start, alive) = (Instant::now(), self.paths.len());
+            self.bounce(depth);
+            let share = start.elapsed().as_nanos() as f32 / alive as f32;
+            self.shares.push(self.shares[depth as usize - 1] + share);
+            depth += 1;
+        }
+    }
+
+    /// The results of the last [`Stream::run`] by slot.
+    pub fn samples(&self) -> &[PathSample] {
+        &self.samples
+    }
+
+    /// The nanoseconds that a slot took: a bounce's time is shared evenly among its paths.
+    pub fn nanoseconds(&self, slot: usize) -> f32 {
+        self.shares[self.segments[slot] as usize]
+    }
+
+    /// All rays so far.
+    pub fn counts(&self) -> RayCounts {
+        self.counts
+    }
+
+    /// Takes all paths across one segment.
+    fn bounce(&mut self, depth: u32) {
+        self.trace(depth);
+        self.shade(depth);
+        self.ask_lights();
+    }
+
+    /// Finds what all current rays hit.
+    fn trace(&mut self, depth: u32) {
+        let world = self.integrator.world();
+        self.keys.clear();
+        if world.is_see_through() {
+            self.keys.extend(self.paths.iter().map(|path| ray_key(path.key, 2 * depth)));
+        }
+        self.hits.clear();
+        self.hits.resize(self.rays.len(), ClosestHit::MISS);
+        let filter = AlphaFilter::new(world, &self.keys);
+        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
+        let batch = Batch::new(&self.rays).with_filter(filter);
+        self.tracer.closest_hits(&batch, &mut self.hits);
+        self.counts.closest += self.rays.len() as u64;
+    }
+
+    /// Lets every path scatter; those that go on move up to the front, in order.
+    fn shade(&mut self, depth: u32) {
+        let see_through = self.integrator.world().is_see_through();
+        self.shadow_rays.clear();
+        self.shadow_ends.clear();
+        self.keys.clear();
+        let mut kept = 0;
+        for i in 0..self.paths.len() {
+            let (mut path, ray) = (self.paths[i], self.rays[i]);
+            let slot = path.slot as usize;
+            let sample = &mut self.samples[slot];
+            let step = self.integrator.advance(depth, &mut path, &ray, &self.hits[i], sample);
+            if let Some(shadow) = step.shadow {
+                self.shadow_rays.push(shadow.ray);
+                self.shadow_ends.push(ShadowEnd { slot: path.slot, radiance: shadow.radiance });
+                if see_through {
+                    self.keys.push(ray_key(path.key, 2 * depth + 1));
+                }
+            }
+            match step.next {
+                Some(next) => {
+                    self.paths[kept] = path;
+                    self.rays[kept] = next;
+                    kept += 1;
+                }
+                None => self.segments[slot] = depth,
+            }
+        }
+        self.paths.truncate(kept);
+        self.rays.truncate(kept);
+    }
+
+    /// Adds the light whose way is free.
+    fn ask_lights(&mut self) {
+        let world = self.integrator.world();
+        self.blocked.clear();
+        self.blocked.resize(self.shadow_rays.len(), AnyHit(false));
+        let filter = AlphaFilter::new(world, &self.keys);
+        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
+        let batch = Batch::new(&self.shadow_rays).with_filter(filter);
+        self.tracer.any_hits(&batch, &mut self.blocked);
+        self.counts.shadow += self.shadow_rays.len() as u64;
+        for (end, blocked) in self.shadow_ends.iter().zip(&self.blocked) {
+            if !blocked.0 {
+                self.samples[end.slot as usize].radiance += end.radiance;
+            }
+        }
+    }
+}
+
+/// The alpha filter's key of a path's ray number `ray`, so that each ray draws anew.
+pub(super) fn ray_key(path: u64, ray: u32) -> u64 {
+    path.wrapping_add(u64::from(ray).wrapping_mul(0xd1b5_4a32_d192_ed03))
+}

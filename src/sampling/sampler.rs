@@ -1,0 +1,283 @@
+//! The sampler: Owen-scrambled Sobol points, without state.
+//!
+//! A value depends on pixel, sample, dimension and seed alone, so that any sample of any pixel can
+//! be had at any time by any thread. Dimensions come in sets of four, each a shuffled and scrambled
+//! copy of the first four Sobol dimensions under a seed of its own ("padding"): stratified within,
+//! independent between sets. Within a set, lanes 0 and 1 are the best pair, a (0, m, 2)-net in base
+//! two: give the most important two-dimensional decision these.
+//!
+//! Burley, "Practical Hash-based Owen Scrambling", JCGT 2020, with Vegdahl's improved hash (crate
+//! `sobol_burley`). A sequence ends after 65,536 points; a sample beyond them is a point of another
+//! sequence, seeded by `sample >> 16`, so that each run of 65,536 is stratified by itself.
+
+use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_scramble_rev};
+
+use crate::math::Vec2;
+
+/// A stream of uniform numbers in `[0, 1)` for one sample of one pixel.
+///
+/// # Examples
+/// ```
+/// use dapple::sampling::Sampler;
+///
+/// let mut a = Sampler::new(7, 0, 0);
+/// let first = a.next_1d();
+/// let mut b = Sampler::new(7, 0, 0);
+/// assert_eq!(b.next_1d(), first);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampler {
+    /// The current set, valid while `dimension` is not at its start.
+    values: [f32; 4],
+    /// Hash of pixel, seed and the upper bits of the sample.
+    key: u32,
+    /// The lower 16 bits of the sample.
+    index: u32,
+    /// Of the next value.
+    dimension: u32,
+}
+
+impl Sampler {
+    /// The stream of `sample` of the pixel `y << 32 | x`, counted from the corner of the whole
+    /// frame, so that a crop's pixels keep their values.
+    #[inline]
+    pub fn new(pixel: u64, sample: u64, seed: u64) -> Self {
+        let run = sample >> 16;
+        let salt = mix64(mix64(seed ^ 0x9e37_79b9_7f4a_7c15).wrapping_add(run));
+        // One-to-one for frames of up to 65,536 pixels a side: no two pixels share a key.
+        let place = (pixel as u32) ^ ((pixel >> 32) as u32).rotate_left(16);
+        let key = mix32(mix32(place.wrapping_add(salt as u32)) ^ (salt >> 32) as u32);
+        Self { values: [0.0; 4], key, index: (sample & 0xffff) as u32, dimension: 0 }
+    }
+
+    /// Makes `dimension` the next value's. Multiples of four are free.
+    #[inline]
+    pub fn seek(&mut self, dimension: u32) {
+        self.dimension = dimension;
+        if dimension & 3 != 0 {
+            self.fill();
+        }
+    }
+
+    /// The next dimension.
+    #[inline]
+    pub fn next_1d(&mut self) -> f32 {
+        let lane = self.dimension & 3;
+        if lane == 0 {
+            self.fill();
+        }
+        self.dimension = self.dimension.wrapping_add(1);
+        self.values[lane as usize]
+    }
+
+    /// The next two dimensions; skips one where they would straddle two sets, because a pair from
+    /// two sets is not stratified.
+    #[inline]
+    pub fn next_2d(&mut self) -> Vec2 {
+        if self.dimension & 3 == 3 {
+            self.dimension = self.dimension.wrapping_add(1);
+        }
+        let x = self.next_1d();
+        Vec2::new(x, self.next_1d())
+    }
+
+    #[inline]
+    fn fill(&mut self) {
+        let set = self.dimension >> 2;
+        let seed = mix32(self.key ^ mix32(set.wrapping_mul(0x9e37_79b9).wrapping_add(0x85eb_ca6b)));
+        self.values = sobol(self.index, seed);
+    }
+}
+
+/// The first four dimensions of point `index`, below 65,536, under `seed`: the bits of
+/// `sobol_burley::sample_4d(index, 0, seed)` in some half of its time, by tables of four index bits
+/// each where that walks the index bit by bit.
+#[inline]
+fn sobol(index: u32, seed: u32) -> [f32; 4] {
+    let shuffled = owen_scramble_rev(index.reverse_bits(), hash(seed ^ 0x79c6_8e4a));
+    let row = |table: usize| Int4::from(SOBOL[table][(shuffled >> (28 - 4 * table)) as usize & 15]);
+    let point = (row(0) ^ row(1)) ^ (row(2) ^ row(3));
+    let lanes = Int4::from([0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8]);
+    let scramble = Int4::from([seed.wrapping_mul(0x9c8f_2d3b); 4]) ^ lanes;
+    owen_scramble_int4_rev(point, hash_int4(scramble)).reverse_bits().to_f32_norm()
+}
+
+/// For each four bits of a bit-reversed index, from the top: the point, bit-reversed.
+static SOBOL: [[[u32; 4]; 16]; 4] = {
+    let directions = [
+        directions(0, 0, [0; 3]),
+        directions(1, 0, [1, 0, 0]),
+        directions(2, 1, [1, 3, 0]),
+        directions(3, 1, [1, 3, 1]),
+    ];
+    let mut tables = [[[0; 4]; 16]; 4];
+    let mut i = 0;
+    while i < 4 * 16 * 4 * 4 {
+        let (table, value, bit, lane) = (i >> 8, (i >> 4) & 15, (i >> 2) & 3, i & 3);
+        if value >> (3 - bit) & 1 == 1 {
+            tables[table][value][lane] ^= directions[lane][4 * table + bit].reverse_bits();
+        }
+        i += 1;
+    }
+    tables
+};
+
+/// Direction numbers of the primitive polynomial of that degree and those inner coefficients,
+/// grown from `initial`; of van der Corput's sequence for degree 0.
+///
+/// Joe and Kuo, "Constructing Sobol sequences with better two-dimensional projections", 2008.
+const fn directions(degree: usize, coefficients: u32, initial: [u32; 3]) -> [u32; 16] {
+    let mut v = [0; 16];
+    let mut i = 0;
+    while i < 16 {
+        if degree == 0 {
+            v[i] = 1 << (31 - i);
+        } else if i < degree {
+            v[i] = initial[i] << (31 - i);
+        } else {
+            v[i] = v[i - degree] ^ (v[i - degree] >> degree);
+            let mut k = 1;
+            while k < degree {
+                if coefficients >> (degree - 1 - k) & 1 == 1 {
+                    v[i] ^= v[i - k];
+                }
+                k += 1;
+            }
+        }
+        i += 1;
+    }
+    v
+}
+
+/// A one-to-one hash of 32 bits (Wellons, "lowbias32").
+#[inline]
+const fn mix32(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// A one-to-one hash of 64 bits (the finaliser of `SplitMix64`).
+#[inline]
+const fn mix64(mut x: u64) -> u64 {
+    x ^= x >> 30;
+    x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x ^= x >> 27;
+    x = x.wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::chi_squared::assert_fits;
+
+    fn pixel(x: u64, y: u64) -> u64 {
+        y << 32 | x
+    }
+
+    #[test]
+    fn points_are_those_of_the_crate() {
+        for i in 0..20_000_u32 {
+            let (index, seed) = (mix32(i) >> 16, mix32(i ^ 0xabcd_ef01));
+            assert_eq!(sobol(index, seed), sobol_burley::sample_4d(index, 0, seed));
+        }
+    }
+
+    #[test]
+    fn it_is_small_and_pure() {
+        assert!(size_of::<Sampler>() <= 28);
+        let mut in_order = Sampler::new(pixel(3, 5), 9, 1);
+        let values: Vec<f32> = (0..16).map(|_| in_order.next_1d()).collect();
+        for dimension in [7_u32, 0, 15, 4, 8, 2] {
+            let mut sampler = Sampler::new(pixel(3, 5), 9, 1);
+            sampler.seek(dimension);
+            assert_eq!(sampler.next_1d(), values[dimension as usize]);
+        }
+        assert!(values.iter().all(|v| (0.0..1.0).contains(v)));
+    }
+
+    #[test]
+    fn a_pair_never_straddles_two_sets() {
+        let mut sampler = Sampler::new(0, 0, 0);
+        for _ in 0..3 {
+            sampler.next_1d();
+        }
+        let pair = sampler.next_2d();
+        let mut second_set = Sampler::new(0, 0, 0);
+        second_set.seek(4);
+        assert_eq!(pair, second_set.next_2d());
+    }
+
+    /// Every power-of-two prefix of the first pair of any set puts one point into each elementary
+    /// interval: the definition of a (0, m, 2)-net in base two.
+    #[test]
+    fn prefixes_are_nets() {
+        for (place, set) in [(pixel(0, 0), 0), (pixel(17, 4), 3), (pixel(1919, 1079), 41)] {
+            for run in [0_u64, 1, 5] {
+                for log2_count in 0..9_u32 {
+                    let count = 1_u64 << log2_count;
+                    for log2_columns in 0..=log2_count {
+                        let (columns, rows) = (1 << log2_columns, 1 << (log2_count - log2_columns));
+                        let mut seen = vec![false; count as usize];
+                        for sample in 0..count {
+                            let mut sampler = Sampler::new(place, (run << 16) + sample, 7);
+                            sampler.seek(set * 4);
+                            let point = sampler.next_2d();
+                            let column = (point.x * columns as f32) as usize;
+                            let row = (point.y * rows as f32) as usize;
+                            let cell = &mut seen[row * columns as usize + column];
+                            assert!(!*cell, "two of {count} in cell {column}, {row} of {columns}");
+                            *cell = true;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Every lane alone is stratified too, also over the last points before a sequence ends.
+    #[test]
+    fn each_dimension_is_stratified() {
+        for dimension in 0..8 {
+            let mut seen = [false; 256];
+            for sample in 65_536 - 256..65_536 {
+                let mut sampler = Sampler::new(pixel(2, 2), sample, 3);
+                sampler.seek(dimension);
+                let cell = &mut seen[(sampler.next_1d() * 256.0) as usize];
+                assert!(!std::mem::replace(cell, true));
+            }
+        }
+    }
+
+    /// The same sample index of neighbouring pixels, of other sets, seeds and runs is independent.
+    #[test]
+    fn pixels_sets_seeds_and_runs_are_independent() {
+        const SIDE: usize = 16;
+        type Pair<'a> = &'a dyn Fn(u64) -> (Sampler, Sampler);
+        let pairs: [(&str, Pair); 4] = [
+            ("pixels", &|i| (Sampler::new(pixel(i, 0), 0, 0), Sampler::new(pixel(i + 1, 0), 0, 0))),
+            ("seeds", &|i| (Sampler::new(pixel(i, 9), 1, 0), Sampler::new(pixel(i, 9), 1, 1))),
+            ("runs", &|i| (Sampler::new(pixel(0, i), 2, 0), Sampler::new(pixel(0, i), 65_538, 0))),
+            ("sets", &|i| {
+                let mut other = Sampler::new(pixel(i, i), 0, 0);
+                other.seek(8);
+                (Sampler::new(pixel(i, i), 0, 0), other)
+            }),
+        ];
+        for (name, pair) in pairs {
+            let mut counts = vec![0_u64; SIDE * SIDE];
+            let total = 40_000;
+            for i in 0..total {
+                let (mut a, mut b) = pair(i);
+                let x = (a.next_1d() * SIDE as f32) as usize;
+                let y = (b.next_1d() * SIDE as f32) as usize;
+                counts[y * SIDE + x] += 1;
+            }
+            let expected = vec![total as f64 / counts.len() as f64; counts.len()];
+            assert_fits(&counts, &expected, 4, name);
+        }
+    }
+}

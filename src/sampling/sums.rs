@@ -1,0 +1,262 @@
+//! Sums of samples that do not depend on how the samples were split up.
+//!
+//! Floating-point addition is not associative: a mean of means, or a sum in another order, has
+//! other bits. So the order is fixed once: sixteen consecutive samples are one block, summed in
+//! their order; block k is leaf k of a binary tree whose inner nodes add their left and right
+//! child. A run of blocks is kept as the few largest whole subtrees that fill it, and two adjacent
+//! runs are joined by adding siblings only. Whatever the cuts, the same nodes come out.
+
+use thiserror::Error;
+
+/// Samples in a block. A run of samples can be cut at multiples of it.
+pub const BLOCK: u64 = 16;
+
+/// Two runs that do not follow one another.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("samples from {found} on do not follow those up to {expected}")]
+pub struct NotAdjacent {
+    /// The sample at which the earlier run ends.
+    pub expected: u64,
+    /// The sample at which the later run starts.
+    pub found: u64,
+}
+
+/// Sum, sum of squares and number of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Moments<const C: usize> {
+    sum: [f64; C],
+    squares: [f64; C],
+    count: u64,
+}
+
+impl<const C: usize> Moments<C> {
+    const ZERO: Self = Self { sum: [0.0; C], squares: [0.0; C], count: 0 };
+
+    fn add(&self, other: &Self) -> Self {
+        Self {
+            sum: std::array::from_fn(|c| self.sum[c] + other.sum[c]),
+            squares: std::array::from_fn(|c| self.squares[c] + other.squares[c]),
+            count: self.count + other.count,
+        }
+    }
+}
+
+/// A whole subtree: the blocks `index << level .. (index + 1) << level`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node<const C: usize> {
+    level: u32,
+    index: u64,
+    moments: Moments<C>,
+}
+
+/// The sums of one pixel over a run of samples, in `C` channels.
+///
+/// Memory is two nodes per doubling of the run's length at most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockSums<const C: usize> {
+    first: u64,
+    next: u64,
+    nodes: Vec<Node<C>>,
+    /// The block that is being filled.
+    open: Moments<C>,
+}
+
+impl<const C: usize> Default for BlockSums<C> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const C: usize> BlockSums<C> {
+    /// No samples yet; the first to come is sample 0.
+    pub const fn new() -> Self {
+        Self::starting_at_block(0)
+    }
+
+    /// No samples yet; the first to come is sample `block * 16`.
+    pub const fn starting_at_block(block: u64) -> Self {
+        let first = block * BLOCK;
+        Self { first, next: first, nodes: Vec::new(), open: Moments::ZERO }
+    }
+
+    /// Takes the next sample, which must be finite.
+    #[inline]
+    pub fn add(&mut self, sample: [f32; C]) {
+        for (channel, value) in sample.into_iter().enumerate() {
+            let value = f64::from(value);
+            self.open.sum[channel] += value;
+            self.open.squares[channel] += value * value;
+        }
+        self.open.count += 1;
+        self.advance();
+    }
+
+    /// Passes over the next sample: it keeps its place but is no part of the mean.
+    #[inline]
+    pub fn skip(&mut self) {
+        self.advance();
+    }
+
+    #[inline]
+    fn advance(&mut self) {
+        self.next += 1;
+        if self.next.is_multiple_of(BLOCK) {
+            let moments = std::mem::replace(&mut self.open, Moments::ZERO);
+            self.push(Node { level: 0, index: self.next / BLOCK - 1, moments });
+        }
+    }
+
+    /// Appends a node, adding siblings as carries ripple through a binary counter.
+    fn push(&mut self, mut node: Node<C>) {
+        while node.index % 2 == 1
+            && let Some(left) = self.nodes.pop_if(|left| left.level == node.level)
+        {
+            node = Node {
+                level: node.level + 1,
+                index: node.index / 2,
+                moments: left.moments.add(&node.moments),
+            };
+        }
+        self.nodes.push(node);
+    }
+
+    /// Joins the run that follows this one.
+    ///
+    /// # Errors
+    /// If `later` does not start where this run ends, or this run ends within a block.
+    pub fn append(&mut self, later: &Self) -> Result<(), NotAdjacent> {
+        if later.first != self.next || !self.next.is_multiple_of(BLOCK) {
+            return Err(NotAdjacent { expected: self.next, found: later.first });
+        }
+        // In order, so that a right sibling always meets its left one, or none.
+        later.nodes.iter().for_each(|&node| self.push(node));
+        self.open = later.open;
+        self.next = later.next;
+        Ok(())
+    }
+
+    /// Forgets all samples and starts again at sample 0; keeps its memory.
+    pub fn clear(&mut self) {
+        (self.first, self.next, self.open) = (0, 0, Moments::ZERO);
+        self.nodes.clear();
+    }
+
+    /// The samples taken or passed over: the first, and the one that comes next.
+    pub fn range(&self) -> std::ops::Range<u64> {
+        self.first..self.next
+    }
+
+    /// How many samples were taken.
+    pub fn count(&self) -> u64 {
+        self.total().count
+    }
+
+    /// The mean of the samples taken; zero if there are none.
+    pub fn mean(&self) -> [f64; C] {
+        let total = self.total();
+        let count = total.count.max(1) as f64;
+        total.sum.map(|sum| sum / count)
+    }
+
+    /// The estimated variance of the mean, as if samples were independent: stratified ones have
+    /// less. Zero for fewer than two samples.
+    pub fn variance_of_mean(&self) -> [f64; C] {
+        let total = self.total();
+        if total.count < 2 {
+            return [0.0; C];
+        }
+        let n = total.count as f64;
+        std::array::from_fn(|c| {
+            let spread = total.squares[c] - total.sum[c] * total.sum[c] / n;
+            spread.max(0.0) / (n * (n - 1.0))
+        })
+    }
+
+    /// All nodes, added from the right: small ones first.
+    fn total(&self) -> Moments<C> {
+        self.nodes.iter().rfold(self.open, |sum, node| node.moments.add(&sum))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn sample(index: u64) -> [f32; 2] {
+        let x = crate::sampling::Sampler::new(index, 0, 0).next_2d();
+        [x.x * 1e3, x.y / (x.x + 1e-3)]
+    }
+
+    fn run(range: std::ops::Range<u64>) -> BlockSums<2> {
+        let mut sums = BlockSums::starting_at_block(range.start / BLOCK);
+        for index in range {
+            if index % 37 == 5 { sums.skip() } else { sums.add(sample(index)) }
+        }
+        sums
+    }
+
+    #[test]
+    fn mean_and_variance_by_hand() {
+        let mut sums = BlockSums::new();
+        for x in [1.0, 2.0, 3.0, 6.0] {
+            sums.add([x]);
+        }
+        sums.skip();
+        assert_eq!((sums.count(), sums.range()), (4, 0..5));
+        assert_eq!(sums.mean(), [3.0]);
+        // Squared deviations 4, 1, 0, 9 over 3, and over 4 for the mean.
+        assert!((sums.variance_of_mean()[0] - 14.0 / 12.0).abs() < 1e-12);
+        assert_eq!(BlockSums::<1>::new().mean(), [0.0]);
+        assert_eq!(BlockSums::<1>::new().variance_of_mean(), [0.0]);
+    }
+
+    #[test]
+    fn memory_is_logarithmic() {
+        assert_eq!(run(0..16 * 64).nodes.len(), 1);
+        assert_eq!(run(0..16 * 63).nodes.len(), 6);
+        assert!(run(16 * 3..16 * 61).nodes.len() <= 12);
+    }
+
+    #[test]
+    fn gaps_and_open_blocks_do_not_join() {
+        assert!(run(0..32).append(&run(48..64)).is_err());
+        assert!(run(0..30).append(&run(32..64)).is_err());
+        assert_eq!(
+            run(0..32).append(&run(16..64)).unwrap_err().to_string(),
+            "samples from 16 on do not follow those up to 32"
+        );
+    }
+
+    proptest! {
+        /// However a run is cut at blocks, and in whichever order its parts are joined, the same
+        /// bits come out.
+        #[test]
+        fn cuts_do_not_show(
+            mut cuts in prop::collection::vec(0_u64..40, 0..6),
+            start in 0_u64..9,
+            rest in 0_u64..20,
+            picks in prop::collection::vec(0_usize..8, 8),
+        ) {
+            let end = (start + 40) * BLOCK + rest;
+            cuts.sort_unstable();
+            let mut edges = vec![start * BLOCK];
+            edges.extend(cuts.into_iter().map(|cut| (start + cut) * BLOCK));
+            edges.push(end);
+            let mut parts: Vec<_> = edges.windows(2).map(|edge| run(edge[0]..edge[1])).collect();
+            for pick in picks.into_iter().cycle() {
+                if parts.len() == 1 {
+                    break;
+                }
+                let at = pick % (parts.len() - 1);
+                let later = parts.remove(at + 1);
+                prop_assert!(parts[at].append(&later).is_ok());
+            }
+            let whole = run(start * BLOCK..end);
+            prop_assert_eq!(&parts[0], &whole);
+            prop_assert_eq!(parts[0].mean(), whole.mean());
+            prop_assert_eq!(parts[0].variance_of_mean(), whole.variance_of_mean());
+        }
+    }
+}

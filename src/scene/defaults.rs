@@ -1,0 +1,106 @@
+//! What a picture needs and a scene may lack: a camera and light.
+
+use super::{Notice, Scene};
+use crate::camera::Camera;
+use crate::light::Environment;
+use crate::math::{Aabb, Vec3};
+
+/// Vertical field of view of the automatic camera, degrees.
+pub const AUTOMATIC_YFOV: f32 = 40.0;
+
+/// Radiance of the automatic sky: white paper under it comes out light, and is not cut off.
+pub const AUTOMATIC_SKY: Vec3 = Vec3::splat(0.8);
+
+/// The box of all triangles in the world; empty if there are none.
+pub fn bounds(scene: &Scene) -> Aabb {
+    let boxes = scene.instances.iter().map(|instance| {
+        let mesh = &scene.meshes[instance.mesh.index()];
+        let corners = mesh.indices.iter().flatten();
+        let points = corners.map(|&i| instance.transform.point(mesh.positions[i as usize]));
+        Aabb::of_points(points)
+    });
+    boxes.fold(Aabb::EMPTY, Aabb::union)
+}
+
+/// A camera that sees all of the scene, from the front, a little to the right and above, in a
+/// picture of `aspect`, and how to say so. `file` is for the message.
+pub fn automatic_camera(scene: &Scene, aspect: f32, file: &str) -> (Camera, Notice) {
+    let bounds = bounds(scene);
+    let camera = Camera::framing(&bounds, AUTOMATIC_YFOV.to_radians(), aspect);
+    let eye = camera.to_world.translation;
+    let message = format!(
+        "no camera: looking at all of it from {:.3}, {:.3}, {:.3} (--look-from, --look-at)",
+        eye.x, eye.y, eye.z
+    );
+    (camera, Notice { place: file.to_owned(), message })
+}
+
+/// A neutral sky for a scene without any light, and how to say so; none if something shines.
+pub fn automatic_sky(scene: &Scene, file: &str) -> Option<(Environment, Notice)> {
+    let emits = scene.instances.iter().any(|instance| {
+        scene.materials[instance.material.index()].is_emissive()
+            && !scene.meshes[instance.mesh.index()].indices.is_empty()
+    });
+    if emits || !scene.lights.is_empty() || scene.environment.is_some() {
+        return None;
+    }
+    let sky = AUTOMATIC_SKY;
+    let message = format!("no light: under a neutral sky of radiance {} (--env)", sky.x);
+    Some((Environment::constant(sky), Notice { place: file.to_owned(), message }))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geom::Mesh;
+    use crate::math::{Affine3A, MaterialId, MeshId};
+    use crate::scene::{Instance, Material, Transform};
+
+    /// A triangle of side `size` at `at`, beside a vertex far away that nothing uses.
+    fn scene(size: f32, at: Vec3) -> Scene {
+        let positions = vec![Vec3::ZERO, Vec3::X * size, Vec3::Y * size, Vec3::splat(1e9)];
+        let mesh = Mesh { positions, indices: vec![[0, 1, 2]], ..Mesh::default() };
+        let transform = Transform::new(Affine3A::from_translation(at));
+        let (mesh_id, material) = (MeshId::from_index(0), MaterialId::from_index(0));
+        Scene {
+            meshes: vec![Arc::new(mesh)],
+            instances: vec![Instance { mesh: mesh_id, material, transform }],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn the_automatic_camera_sees_all_of_the_scene() {
+        for (size, at) in [(1.0, Vec3::ZERO), (1e-3, Vec3::X), (1e5, Vec3::new(3e6, 0.0, -1e6))] {
+            for aspect in [0.5, 1.0, 2.0] {
+                let scene = scene(size, at);
+                let box_of_it = bounds(&scene);
+                assert_eq!(box_of_it.min, at);
+                let (camera, _) = automatic_camera(&scene, aspect, "a.obj");
+                let half_y = libm::tanf(0.5 * AUTOMATIC_YFOV.to_radians());
+                let to_camera = camera.to_world.inverse();
+                for corner in [at, at + Vec3::X * size, at + Vec3::Y * size] {
+                    let p = to_camera.transform_point3(corner);
+                    let (x, y) = (p.x / -p.z / (half_y * aspect), p.y / -p.z / half_y);
+                    assert!(p.z < 0.0 && x.abs() < 1.0 && y.abs() < 1.0, "{x} {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_automatic_sky_shines_where_nothing_else_does() {
+        let mut scene = scene(1.0, Vec3::ZERO);
+        let (sky, notice) = automatic_sky(&scene, "a.obj").expect("nothing shines");
+        assert_eq!(sky.radiance(Vec3::Y), AUTOMATIC_SKY);
+        assert_eq!(notice.message, "no light: under a neutral sky of radiance 0.8 (--env)");
+        scene.materials[0].emissive = Vec3::X;
+        assert!(automatic_sky(&scene, "a.obj").is_none());
+        scene.materials[0].emissive = Vec3::ZERO;
+        scene.environment = Some(Environment::constant(Vec3::ONE));
+        assert!(automatic_sky(&scene, "a.obj").is_none());
+    }
+}

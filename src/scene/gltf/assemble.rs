@@ -1,0 +1,302 @@
+//! From a checked document to a scene: only what the chosen scene shows is brought into memory.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+
+use super::accessor::{Accessor, View};
+use super::camera::CameraDeclaration;
+use super::document::Document;
+use super::json::Fault;
+use super::light::LightDeclaration;
+use super::mesh::{Geometry, MeshDeclaration, Primitive};
+use super::nodes::{self, Node, Placed};
+use super::notices::Notices;
+use super::primitive;
+use super::read::Storage;
+use super::resources;
+use super::texture::ImageSource;
+use crate::math::{Aabb, MaterialId, MeshId};
+use crate::scene::{Instance, LoadError, LoadOptions, Material, Scene, Transform};
+
+/// The most placed meshes: each takes some 150 bytes, and meshes of many parts placed by many
+/// nodes multiply.
+const MAX_INSTANCES: usize = 1 << 22;
+
+/// Builds the scene that `options` choose; `binary` is the container's second chunk.
+pub fn assemble(
+    document: Document,
+    binary: Option<&[u8]>,
+    path: &Path,
+    options: &LoadOptions,
+    notices: &mut Notices,
+) -> Result<Scene, LoadError> {
+    let Some(roots) = document.scene_roots(options.scene.as_deref()) else {
+        return Err(no_such_scene(&document, path, options));
+    };
+    let placed = nodes::place(&document.nodes, roots);
+    let mut drawn: Vec<usize> =
+        placed.iter().filter_map(|at| document.nodes[at.node].mesh).collect();
+    drawn.sort_unstable();
+    drawn.dedup();
+    let primitives = || drawn.iter().flat_map(|&mesh| &document.meshes[mesh].primitives);
+
+    let mut palette = Palette::new(document.materials, primitives());
+    let slots = document.slots.retain(&mut palette.materials);
+    let used_images = slots.iter().filter_map(|&(texture, _)| document.textures[texture].image);
+    let views = used_images.filter_map(|image| match document.images[image].source {
+        ImageSource::View(view) => Some(view),
+        ImageSource::Uri(_) => None,
+    });
+    let views = views.chain(primitives().flat_map(|primitive| {
+        primitive.geometry.accessors().flat_map(|index| views_of(&document.accessors[index]))
+    }));
+    let needed = needed_buffers(&document.views, document.buffers.len(), views);
+
+    // All that is missing is found before any of it is reported.
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut broken = Vec::new();
+    let buffers = resources::load_buffers(&document.buffers, &needed, binary, folder, &mut broken);
+    let storage = Storage::new(buffers, document.views, document.accessors);
+    let textures = resources::load_textures(
+        &slots,
+        &document.textures,
+        &document.images,
+        &storage,
+        folder,
+        options.missing_texture,
+        &mut broken,
+        notices,
+    );
+    if !broken.is_empty() {
+        return Err(LoadError::References { file: path.display().to_string(), broken });
+    }
+
+    let mut builder =
+        Builder { storage, palette, meshes: BTreeMap::new(), scene: Scene::default() };
+    for at in &placed {
+        let Some(mesh) = document.nodes[at.node].mesh else { continue };
+        builder
+            .place(&document.meshes[mesh], at, notices)
+            .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
+    }
+    let mut scene = builder.scene;
+    let (cameras, lights) = (&document.cameras, &document.lights);
+    place_cameras_and_lights(&document.nodes, cameras, lights, &placed, &mut scene, notices);
+    scene.materials = builder.palette.materials;
+    scene.textures = textures;
+    Ok(scene)
+}
+
+/// Cameras in the order of their declarations, lights in that of their nodes.
+fn place_cameras_and_lights(
+    nodes: &[Node],
+    cameras: &[CameraDeclaration],
+    lights: &[LightDeclaration],
+    placed: &[Placed],
+    scene: &mut Scene,
+    notices: &mut Notices,
+) {
+    let mut found = Vec::new();
+    for at in placed {
+        let node = &nodes[at.node];
+        let place = || format!("/nodes/{}", at.node);
+        if let Some(camera) = node.camera {
+            match cameras[camera].place(&at.to_world, &node.name) {
+                Some(placed) => found.push((camera, placed)),
+                None => notices.add(place(), "its camera looks nowhere and is left out"),
+            }
+        }
+        if let Some(light) = node.light {
+            match lights[light].place(&at.to_world) {
+                Some(placed) => scene.lights.push(placed),
+                None => notices.add(place(), "its light shines nowhere and is left out"),
+            }
+        }
+    }
+    found.sort_by_key(|&(camera, _)| camera);
+    scene.cameras = found.into_iter().map(|(_, camera)| camera).collect();
+}
+
+fn no_such_scene(document: &Document, path: &Path, options: &LoadOptions) -> LoadError {
+    let scenes = document.scenes.iter().enumerate();
+    let present = scenes.map(|(i, scene)| match scene.name.as_str() {
+        "" => i.to_string(),
+        name => format!("{i} ({name:?})"),
+    });
+    LoadError::NoSuchScene {
+        file: path.display().to_string(),
+        wanted: options.scene.clone().unwrap_or_default(),
+        present: present.collect(),
+    }
+}
+
+/// The buffer views that an accessor reads.
+fn views_of(accessor: &Accessor) -> impl Iterator<Item = usize> {
+    let sparse = accessor.sparse.iter().flat_map(|sparse| [sparse.indices.0, sparse.values.0]);
+    accessor.base.map(|(view, _)| view).into_iter().chain(sparse)
+}
+
+fn needed_buffers(views: &[View], buffers: usize, used: impl Iterator<Item = usize>) -> Vec<bool> {
+    let mut needed = vec![false; buffers];
+    for view in used {
+        needed[views[view].buffer] = true;
+    }
+    needed
+}
+
+/// The materials that primitives use, in the file's order, the default one last.
+struct Palette {
+    materials: Vec<Material>,
+    /// Of each of the file's materials its new number.
+    ids: Vec<Option<MaterialId>>,
+    default: Option<MaterialId>,
+    /// Of each material which sets of coordinates its textures need.
+    sets: Vec<[bool; 2]>,
+}
+
+impl Palette {
+    fn new<'a>(declared: Vec<Material>, users: impl Iterator<Item = &'a Primitive>) -> Self {
+        let mut used = vec![false; declared.len()];
+        let mut needs_default = false;
+        for primitive in users {
+            match primitive.material {
+                Some(material) => used[material] = true,
+                None => needs_default = true,
+            }
+        }
+        let mut palette = Self {
+            materials: Vec::new(),
+            ids: vec![None; declared.len()],
+            default: None,
+            sets: Vec::new(),
+        };
+        for (i, material) in declared.into_iter().enumerate().filter(|&(i, _)| used[i]) {
+            palette.ids[i] = Some(palette.add(material));
+        }
+        if needs_default {
+            palette.default = Some(palette.add(Material::default()));
+        }
+        palette
+    }
+
+    fn add(&mut self, mut material: Material) -> MaterialId {
+        let mut sets = [false; 2];
+        for texture in material.textures_mut() {
+            sets[usize::from(texture.uv_set)] = true;
+        }
+        self.sets.push(sets);
+        self.materials.push(material);
+        MaterialId::from_index(self.materials.len() - 1)
+    }
+
+    fn id(&self, primitive: &Primitive) -> MaterialId {
+        let id = match primitive.material {
+            Some(material) => self.ids[material],
+            None => self.default,
+        };
+        id.expect("all primitives that are drawn have been asked for their materials")
+    }
+}
+
+struct Builder<'a> {
+    storage: Storage<'a>,
+    palette: Palette,
+    /// What is built already, and its box.
+    meshes: BTreeMap<Geometry, (MeshId, Aabb)>,
+    scene: Scene,
+}
+
+impl Builder<'_> {
+    /// Places all primitives of a mesh.
+    fn place(
+        &mut self,
+        mesh: &MeshDeclaration,
+        at: &Placed,
+        notices: &mut Notices,
+    ) -> Result<(), Fault> {
+        let node = || format!("/nodes/{}", at.node);
+        if self.scene.instances.len() + mesh.primitives.len() > MAX_INSTANCES {
+            let message = format!("there are more than {MAX_INSTANCES} placed meshes");
+            return Err(Fault::new(node(), message));
+        }
+        for primitive in &mesh.primitives {
+            let (id, bounds) = self.mesh(primitive, &mesh.name, notices)?;
+            if bounds.is_empty() {
+                continue; // has no triangles
+            }
+            if !stays_finite(&at.to_world, bounds) {
+                let message = "places its mesh beyond the range of 32-bit floats";
+                return Err(Fault::new(node(), message));
+            }
+            let material = self.palette.id(primitive);
+            self.note_missing_sets(primitive, id, material, notices);
+            let transform = Transform::new(nodes::narrowed(&at.to_world));
+            self.scene.instances.push(Instance { mesh: id, material, transform });
+        }
+        Ok(())
+    }
+
+    /// The mesh of a primitive: what is made of the same accessors is stored once.
+    fn mesh(
+        &mut self,
+        primitive: &Primitive,
+        name: &str,
+        notices: &mut Notices,
+    ) -> Result<(MeshId, Aabb), Fault> {
+        if let Some(&known) = self.meshes.get(&primitive.geometry) {
+            return Ok(known);
+        }
+        let mesh = primitive::build(primitive, name, &self.storage, notices)?;
+        let built = (MeshId::from_index(self.scene.meshes.len()), mesh.bounds());
+        self.scene.meshes.push(Arc::new(mesh));
+        self.meshes.insert(primitive.geometry.clone(), built);
+        Ok(built)
+    }
+
+    fn note_missing_sets(
+        &self,
+        primitive: &Primitive,
+        mesh: MeshId,
+        material: MaterialId,
+        notices: &mut Notices,
+    ) {
+        let uvs = &self.scene.meshes[mesh.index()].uvs;
+        let needed = self.palette.sets[material.index()];
+        if needed.iter().zip(uvs).any(|(&needed, uvs)| needed && uvs.is_empty()) {
+            let message = "has no such texture coordinates as its material's textures need";
+            notices.add(primitive.place.clone(), message);
+        }
+    }
+}
+
+/// Whether all of a box can be placed without overflow, with room for what follows.
+fn stays_finite(to_world: &DAffine3, bounds: Aabb) -> bool {
+    let reach = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+    let DAffine3 { matrix3, translation } = *to_world;
+    let farthest = matrix3.x_axis.abs() * reach.x
+        + matrix3.y_axis.abs() * reach.y
+        + matrix3.z_axis.abs() * reach.z
+        + translation.abs();
+    let entries = matrix3.x_axis.abs().max(matrix3.y_axis.abs()).max(matrix3.z_axis.abs());
+    let limit = DVec3::splat(f64::from(f32::MAX) / 4.0);
+    farthest.cmple(limit).all() && entries.cmple(limit).all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    #[test]
+    fn what_would_overflow_is_found_before_it_does() {
+        let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(2.0) };
+        let scaled = |scale| stays_finite(&DAffine3::from_scale(DVec3::splat(scale)), bounds);
+        assert!(scaled(1e37));
+        assert!(!scaled(1e38));
+        assert!(!scaled(f64::INFINITY));
+        assert!(!scaled(f64::NAN));
+    }
+}

@@ -1,0 +1,114 @@
+//! Lights of KHR_lights_punctual.
+
+use glam::DAffine3;
+
+use super::json::{Fault, Object};
+use super::nodes;
+use super::notices::Notices;
+use crate::light::{Punctual, PunctualKind};
+use crate::math::Vec3;
+
+/// A light without its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightDeclaration {
+    /// Which way it shines.
+    pub kind: PunctualKind,
+    /// Linear colour times intensity: candela, or lux for a directional light.
+    pub intensity: Vec3,
+    /// Metres beyond which it does not shine; none: no end.
+    pub range: Option<f32>,
+}
+
+impl LightDeclaration {
+    /// The light at a node; its strength is not scaled with it. None if the node's transform has
+    /// no directions.
+    pub fn place(&self, to_world: &DAffine3) -> Option<Punctual> {
+        let Self { kind, intensity, range } = *self;
+        let to_world = nodes::rigid(to_world)?;
+        let position = to_world.translation.as_vec3();
+        let direction = -to_world.matrix3.z_axis.as_vec3();
+        Some(Punctual { kind, position, direction, intensity, range })
+    }
+}
+
+/// Reads all lights.
+pub fn read(root: &Object, notices: &mut Notices) -> Result<Vec<LightDeclaration>, Fault> {
+    let Some(extension) = root.extension("KHR_lights_punctual")? else { return Ok(Vec::new()) };
+    extension.objects("lights")?.iter().map(|object| light(object, notices)).collect()
+}
+
+fn light(object: &Object, notices: &mut Notices) -> Result<LightDeclaration, Fault> {
+    let kind = match object.text("type")?.ok_or_else(|| object.absent("type"))? {
+        "point" => PunctualKind::Point,
+        "directional" => PunctualKind::Directional,
+        "spot" => spot(object)?,
+        other => {
+            let message = format!("{other:?} is none of point, spot and directional");
+            return Err(object.fault_at("type", message));
+        }
+    };
+    let color = object.numbers::<3>("color")?.unwrap_or([1.0; 3]);
+    let color = Vec3::from_array(color.map(|x| x as f32));
+    let intensity = object.number("intensity")?.unwrap_or(1.0);
+    if intensity < 0.0 || color.min_element() < 0.0 {
+        notices.add(object.place(), "takes light away, which is not supported: it is off");
+    }
+    let range = object.number("range")?;
+    if range.is_some_and(|range| range <= 0.0) {
+        return Err(object.fault_at("range", "must be above 0"));
+    }
+    let intensity = (color.max(Vec3::ZERO) * intensity.max(0.0)).min(Vec3::MAX);
+    Ok(LightDeclaration { kind, intensity, range })
+}
+
+fn spot(object: &Object) -> Result<PunctualKind, Fault> {
+    let spot = object.object("spot")?.ok_or_else(|| object.absent("spot"))?;
+    let inner = spot.number("innerConeAngle")?.unwrap_or(0.0);
+    let outer = spot.number("outerConeAngle")?.unwrap_or(std::f32::consts::FRAC_PI_4);
+    if !(inner >= 0.0 && inner < outer && outer <= std::f32::consts::FRAC_PI_2 + 1e-6) {
+        let message =
+            format!("cone angles {inner} and {outer} are not in order between 0 and pi/2");
+        return Err(spot.fault(message));
+    }
+    Ok(PunctualKind::Spot { inner, outer })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::json;
+    use super::*;
+
+    fn light_of(text: &str) -> Result<LightDeclaration, Fault> {
+        let text =
+            format!("{{\"extensions\": {{\"KHR_lights_punctual\": {{\"lights\": [{text}]}}}}}}");
+        let value = json::parse(text.as_bytes()).expect("valid JSON");
+        let root = Object::new(&value, String::new()).expect("an object");
+        read(&root, &mut Notices::default()).map(|mut all| all.remove(0))
+    }
+
+    #[test]
+    fn colours_scale_the_intensity() {
+        let light = light_of(r#"{"type": "point", "color": [1, 0.5, 0], "intensity": 10}"#);
+        let intensity = Vec3::new(10.0, 5.0, 0.0);
+        let expected = LightDeclaration { kind: PunctualKind::Point, intensity, range: None };
+        assert_eq!(light, Ok(expected));
+    }
+
+    #[test]
+    fn lights_shine_along_minus_z_of_their_node() {
+        let light = light_of(r#"{"type": "directional"}"#).expect("valid");
+        let turned = DAffine3::from_rotation_y(std::f64::consts::FRAC_PI_2);
+        let placed = light.place(&turned).expect("has directions");
+        assert!(placed.direction.distance(-Vec3::X) < 1e-6);
+    }
+
+    #[test]
+    fn cones_must_be_in_order() {
+        let light = light_of(r#"{"type": "spot", "spot": {}}"#).expect("valid");
+        let outer = std::f32::consts::FRAC_PI_4;
+        assert_eq!(light.kind, PunctualKind::Spot { inner: 0.0, outer });
+        assert!(light_of(r#"{"type": "spot", "spot": {"innerConeAngle": 1}}"#).is_err());
+        assert!(light_of(r#"{"type": "spot"}"#).is_err());
+        assert!(light_of(r#"{"type": "area"}"#).is_err());
+    }
+}

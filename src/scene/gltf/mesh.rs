@@ -1,0 +1,224 @@
+//! Meshes as the document declares them: primitives and their attributes (glTF 2.0, 3.7).
+
+use super::json::{Fault, Object};
+use super::notices::Notices;
+
+/// A mesh: several primitives, each with a material of its own.
+#[derive(Clone, Debug)]
+pub struct MeshDeclaration {
+    /// What the file calls it.
+    pub name: String,
+    /// Those that can be drawn.
+    pub primitives: Vec<Primitive>,
+}
+
+/// How vertices make triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mode {
+    /// Three each.
+    Triangles,
+    /// One more each, with the two before it.
+    Strip,
+    /// One more each, with the one before it and the first.
+    Fan,
+}
+
+/// A morph target: the bits of its weight, and the accessors of the displacements of positions,
+/// normals and tangents.
+pub type Target = (u32, [Option<usize>; 3]);
+
+/// The accessors that a primitive's geometry is made of. Equal ones make equal meshes.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Geometry {
+    /// How vertices make triangles.
+    pub mode: Mode,
+    /// POSITION.
+    pub positions: usize,
+    /// NORMAL.
+    pub normals: Option<usize>,
+    /// TANGENT.
+    pub tangents: Option<usize>,
+    /// TEXCOORD_0 and TEXCOORD_1.
+    pub uvs: [Option<usize>; 2],
+    /// Which vertices, in which order; none: all, as they stand.
+    pub indices: Option<usize>,
+    /// Morph targets with a weight other than zero.
+    pub targets: Vec<Target>,
+}
+
+impl Geometry {
+    /// All accessors that it reads.
+    pub fn accessors(&self) -> impl Iterator<Item = usize> {
+        let optional = [self.normals, self.tangents, self.uvs[0], self.uvs[1], self.indices];
+        let targets = self.targets.iter().flat_map(|(_, accessors)| *accessors);
+        [self.positions].into_iter().chain(optional.into_iter().chain(targets).flatten())
+    }
+}
+
+/// A part of a mesh.
+#[derive(Clone, Debug)]
+pub struct Primitive {
+    /// The pointer to it.
+    pub place: String,
+    /// What it is made of.
+    pub geometry: Geometry,
+    /// Which material; none: the default one.
+    pub material: Option<usize>,
+}
+
+/// Reads all meshes; `accessors` and `materials` are how many there are.
+pub fn read(
+    root: &Object,
+    accessors: usize,
+    materials: usize,
+    notices: &mut Notices,
+) -> Result<Vec<MeshDeclaration>, Fault> {
+    let meshes = root.objects("meshes")?;
+    meshes.iter().map(|object| mesh(object, accessors, materials, notices)).collect()
+}
+
+fn mesh(
+    object: &Object,
+    accessors: usize,
+    materials: usize,
+    notices: &mut Notices,
+) -> Result<MeshDeclaration, Fault> {
+    if !object.has("primitives") {
+        return Err(object.absent("primitives"));
+    }
+    let weights = weights(object)?;
+    let mut primitives = Vec::new();
+    for primitive in object.objects("primitives")? {
+        primitives.extend(self::primitive(&primitive, &weights, accessors, materials, notices)?);
+    }
+    Ok(MeshDeclaration { name: object.name()?, primitives })
+}
+
+/// The weights of the morph targets.
+fn weights(object: &Object) -> Result<Vec<f32>, Fault> {
+    let elements = object.array("weights")?.iter().enumerate();
+    let weight = |(i, value): (usize, &serde_json::Value)| {
+        let weight = value.as_f64().map(|weight| weight as f32);
+        let place = || format!("{}/{i}", object.at("weights"));
+        weight.filter(|weight| weight.is_finite()).ok_or_else(|| {
+            Fault::new(place(), "must be a number within the range of 32-bit floats")
+        })
+    };
+    elements.map(weight).collect()
+}
+
+/// A primitive, if it has triangles.
+fn primitive(
+    object: &Object,
+    weights: &[f32],
+    accessors: usize,
+    materials: usize,
+    notices: &mut Notices,
+) -> Result<Option<Primitive>, Fault> {
+    let attributes = object.object("attributes")?.ok_or_else(|| object.absent("attributes"))?;
+    for (name, _) in attributes.members() {
+        attributes.reference(name, "accessor", accessors)?;
+        note_attribute(&attributes, name, notices);
+    }
+    let attribute = |name| attributes.reference(name, "accessor", accessors);
+    let indices = object.reference("indices", "accessor", accessors)?;
+    let material = object.reference("material", "material", materials)?;
+    let targets = targets(object, weights, accessors)?;
+    let mode = match object.whole("mode")?.unwrap_or(4) {
+        0..=3 => {
+            notices.add(object.place(), "points and lines have no area and are left out");
+            return Ok(None);
+        }
+        4 => Mode::Triangles,
+        5 => Mode::Strip,
+        6 => Mode::Fan,
+        other => {
+            return Err(object.fault_at("mode", format!("{other} is no mode (0 to 6)")));
+        }
+    };
+    let Some(positions) = attribute("POSITION")? else {
+        notices.add(attributes.place(), "a primitive without POSITION is left out");
+        return Ok(None);
+    };
+    let normals = attribute("NORMAL")?;
+    let geometry = Geometry {
+        mode,
+        positions,
+        normals,
+        // Without normals tangents are to be ignored (3.7.2.1).
+        tangents: if normals.is_some() { attribute("TANGENT")? } else { None },
+        uvs: [attribute("TEXCOORD_0")?, attribute("TEXCOORD_1")?],
+        indices,
+        targets,
+    };
+    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material }))
+}
+
+/// Says which attributes are not looked at. Those of applications, with an underscore, are theirs.
+fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
+    let message = match name.split_once('_') {
+        Some(("COLOR", _)) => "colours of vertices are not supported and left out",
+        Some(("TEXCOORD", set)) if set != "0" && set != "1" => {
+            "only two sets of texture coordinates are supported"
+        }
+        _ => return,
+    };
+    notices.add(attributes.at(name), message);
+}
+
+fn targets(object: &Object, weights: &[f32], accessors: usize) -> Result<Vec<Target>, Fault> {
+    let mut targets = Vec::new();
+    for (i, target) in object.objects("targets")?.iter().enumerate() {
+        let attribute = |name| target.reference(name, "accessor", accessors);
+        let parts = [attribute("POSITION")?, attribute("NORMAL")?, attribute("TANGENT")?];
+        match weights.get(i) {
+            Some(&weight) if weight != 0.0 => targets.push((weight.to_bits(), parts)),
+            _ => {}
+        }
+    }
+    Ok(targets)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::json;
+    use super::*;
+
+    fn meshes(text: &str) -> Result<Vec<MeshDeclaration>, Fault> {
+        let value = json::parse(format!("{{\"meshes\": {text}}}").as_bytes()).expect("valid JSON");
+        let root = Object::new(&value, String::new()).expect("an object");
+        read(&root, 4, 1, &mut Notices::default())
+    }
+
+    #[test]
+    fn attributes_are_references() {
+        let read = meshes(r#"[{"primitives": [{"attributes": {"POSITION": 3}, "mode": 5}]}]"#);
+        let primitive = &read.expect("valid")[0].primitives[0];
+        assert_eq!((primitive.geometry.positions, primitive.geometry.mode), (3, Mode::Strip));
+
+        let fault = meshes(r#"[{"primitives": [{"attributes": {"POSITION": 4}}]}]"#);
+        assert_eq!(
+            fault.expect_err("only 4 accessors"),
+            Fault::new("/meshes/0/primitives/0/attributes/POSITION", "refers to accessor 4 of 4")
+        );
+    }
+
+    #[test]
+    fn points_are_left_out_and_unknown_modes_refused() {
+        let read = meshes(r#"[{"primitives": [{"attributes": {"POSITION": 0}, "mode": 0}]}]"#);
+        assert!(read.expect("valid")[0].primitives.is_empty());
+        assert!(
+            meshes(r#"[{"primitives": [{"attributes": {"POSITION": 0}, "mode": 7}]}]"#).is_err()
+        );
+    }
+
+    #[test]
+    fn only_morph_targets_of_some_weight_count() {
+        let read = meshes(
+            r#"[{"weights": [0, 0.5], "primitives": [{"attributes": {"POSITION": 0},
+                "targets": [{"POSITION": 1}, {"POSITION": 2}]}]}]"#,
+        );
+        let targets = &read.expect("valid")[0].primitives[0].geometry.targets;
+        assert_eq!(*targets, [(0.5_f32.to_bits(), [Some(2), None, None])]);
+    }
+}

@@ -1,0 +1,270 @@
+//! From a primitive's accessors to a mesh (glTF 2.0, 3.7.2).
+
+use super::json::Fault;
+use super::mesh::{Geometry, Mode, Primitive};
+use super::notices::Notices;
+use super::read::Storage;
+use crate::geom::Mesh;
+use crate::math::{Vec2, Vec3, Vec4};
+
+/// Builds the mesh of a primitive.
+///
+/// # Errors
+/// Positions that are infinite or not numbers, attributes of different lengths, indices beyond the
+/// vertices.
+pub fn build(
+    primitive: &Primitive,
+    name: &str,
+    storage: &Storage,
+    notices: &mut Notices,
+) -> Result<Mesh, Fault> {
+    let Primitive { place, geometry, .. } = primitive;
+    let vertices = storage.accessor(geometry.positions).count;
+    let reader = Reader { place, storage, vertices };
+
+    let mut positions = reader.attribute(Some(geometry.positions), "POSITION", Vec3::from_array)?;
+    let mut normals = reader.attribute(geometry.normals, "NORMAL", Vec3::from_array)?;
+    let mut tangents = reader.attribute(geometry.tangents, "TANGENT", Vec4::from_array)?;
+    let uvs = [
+        reader.attribute(geometry.uvs[0], "TEXCOORD_0", Vec2::from_array)?,
+        reader.attribute(geometry.uvs[1], "TEXCOORD_1", Vec2::from_array)?,
+    ];
+    reader.morph(geometry, &mut positions, &mut normals, &mut tangents)?;
+    if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
+        let accessor = &storage.accessor(geometry.positions).place;
+        let message = format!("position {at} is infinite or not a number");
+        return Err(Fault::new(accessor.clone(), message));
+    }
+    let indices = reader.triangles(geometry, notices)?;
+
+    let mut mesh = Mesh { name: name.to_owned(), positions, normals, tangents, uvs, indices };
+    repair(&mut mesh, place, notices);
+    Ok(mesh)
+}
+
+struct Reader<'a> {
+    place: &'a str,
+    storage: &'a Storage<'a>,
+    vertices: u64,
+}
+
+impl Reader<'_> {
+    /// An attribute of all vertices; absent: empty.
+    fn attribute<const N: usize, T>(
+        &self,
+        accessor: Option<usize>,
+        name: &str,
+        convert: fn([f32; N]) -> T,
+    ) -> Result<Vec<T>, Fault> {
+        let Some(accessor) = accessor else { return Ok(Vec::new()) };
+        let count = self.storage.accessor(accessor).count;
+        if count != self.vertices {
+            let place = format!("{}/attributes/{name}", self.place);
+            let message = format!("has {count} elements for {} positions", self.vertices);
+            return Err(Fault::new(place, message));
+        }
+        let vectors = self.storage.vectors::<N>(accessor)?;
+        Ok(vectors.into_iter().map(convert).collect())
+    }
+
+    /// Adds the displacements of the morph targets in their resting pose.
+    fn morph(
+        &self,
+        geometry: &Geometry,
+        positions: &mut [Vec3],
+        normals: &mut [Vec3],
+        tangents: &mut [Vec4],
+    ) -> Result<(), Fault> {
+        for &(weight, [position, normal, tangent]) in &geometry.targets {
+            let weight = f32::from_bits(weight);
+            let moves = |accessor, name| {
+                let all = self.attribute(accessor, name, Vec3::from_array)?;
+                Ok::<_, Fault>(all.into_iter().map(move |displacement| displacement * weight))
+            };
+            for (position, by) in positions.iter_mut().zip(moves(position, "POSITION")?) {
+                *position += by;
+            }
+            for (normal, by) in normals.iter_mut().zip(moves(normal, "NORMAL")?) {
+                *normal += by;
+            }
+            for (tangent, by) in tangents.iter_mut().zip(moves(tangent, "TANGENT")?) {
+                *tangent += by.extend(0.0);
+            }
+        }
+        Ok(())
+    }
+
+    fn triangles(
+        &self,
+        geometry: &Geometry,
+        notices: &mut Notices,
+    ) -> Result<Vec<[u32; 3]>, Fault> {
+        let Some(accessor) = geometry.indices else {
+            let count = u32::try_from(self.vertices)
+                .map_err(|_| Fault::new(self.place, "has 2^32 vertices or more"))?;
+            self.reserve_triangles(geometry.mode, self.vertices)?;
+            return Ok(self.assemble(geometry.mode, count as usize, |i| i as u32, notices));
+        };
+        let indices = self.storage.indices(accessor)?;
+        if let Some(at) = indices.iter().position(|&index| u64::from(index) >= self.vertices) {
+            let accessor = &self.storage.accessor(accessor).place;
+            let message =
+                format!("index {at} refers to vertex {} of {}", indices[at], self.vertices);
+            return Err(Fault::new(accessor.clone(), message));
+        }
+        self.reserve_triangles(geometry.mode, indices.len() as u64)?;
+        Ok(self.assemble(geometry.mode, indices.len(), |i| indices[i], notices))
+    }
+
+    fn reserve_triangles(&self, mode: Mode, corners: u64) -> Result<(), Fault> {
+        let triangles = if mode == Mode::Triangles { corners / 3 } else { corners };
+        self.storage.reserve(self.place, triangles.saturating_mul(12))
+    }
+
+    /// Triangles of `count` corners, each wound as the first (3.7.2.1).
+    fn assemble(
+        &self,
+        mode: Mode,
+        count: usize,
+        vertex: impl Fn(usize) -> u32,
+        notices: &mut Notices,
+    ) -> Vec<[u32; 3]> {
+        let corners = |a, b, c| [vertex(a), vertex(b), vertex(c)];
+        let complete = if mode == Mode::Triangles { count.is_multiple_of(3) } else { count > 2 };
+        if !complete {
+            notices.add(self.place, "its last triangle is not complete and is left out");
+        }
+        match mode {
+            Mode::Triangles => {
+                (0..count / 3).map(|i| corners(3 * i, 3 * i + 1, 3 * i + 2)).collect()
+            }
+            Mode::Strip => (0..count.saturating_sub(2))
+                .map(|i| corners(i, i + 1 + i % 2, i + 2 - i % 2))
+                .collect(),
+            Mode::Fan => (0..count.saturating_sub(2)).map(|i| corners(i + 1, i + 2, 0)).collect(),
+        }
+    }
+}
+
+/// Makes normals and tangents unit vectors, replaces those that cannot be, and coordinates of
+/// textures that are not numbers.
+fn repair(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
+    let mut broken = Vec::new();
+    for (i, normal) in mesh.normals.iter_mut().enumerate() {
+        match unit(*normal) {
+            Some(unit) => *normal = unit,
+            None => broken.push(i),
+        }
+    }
+    if !broken.is_empty() {
+        notices.add(
+            format!("{place}/attributes/NORMAL"),
+            "some normals have no direction; those of the faces take their place",
+        );
+        replace_normals(mesh, &broken);
+    }
+
+    let mut whole = true;
+    for tangent in &mut mesh.tangents {
+        let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
+        match unit(tangent.truncate()) {
+            Some(unit) => *tangent = unit.extend(sign),
+            None => whole = false,
+        }
+    }
+    if !whole {
+        let message = "some tangents have no direction; all are made from texture coordinates";
+        notices.add(format!("{place}/attributes/TANGENT"), message);
+        mesh.tangents = Vec::new();
+    }
+
+    for (set, uvs) in mesh.uvs.iter_mut().enumerate() {
+        let mut all = true;
+        for uv in uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+            *uv = Vec2::ZERO;
+            all = false;
+        }
+        if !all {
+            let place = format!("{place}/attributes/TEXCOORD_{set}");
+            notices.add(place, "some texture coordinates are no numbers; 0 takes their place");
+        }
+    }
+}
+
+/// The unit vector along `v`, unless `v` is zero or not finite. Scaled first, so that neither a
+/// tiny nor a huge vector is lost when squared.
+fn unit(v: Vec3) -> Option<Vec3> {
+    let longest = v.abs().max_element();
+    if longest > 0.0 && v.is_finite() { (v / longest).try_normalize() } else { None }
+}
+
+/// Gives the vertices in `broken`, which are in order, the sum of their triangles' normals by area;
+/// up where that is none either.
+fn replace_normals(mesh: &mut Mesh, broken: &[usize]) {
+    let mut sums = vec![Vec3::ZERO; broken.len()];
+    for &triangle in &mesh.indices {
+        let slots = triangle.map(|vertex| broken.binary_search(&(vertex as usize)).ok());
+        if slots == [None; 3] {
+            continue;
+        }
+        let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        let double_area = (b - a).cross(c - a);
+        for slot in slots.into_iter().flatten() {
+            sums[slot] += double_area;
+        }
+    }
+    for (&vertex, &sum) in broken.iter().zip(&sums) {
+        mesh.normals[vertex] = unit(sum).unwrap_or(Vec3::Y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assemble(mode: Mode, count: usize) -> (Vec<[u32; 3]>, usize) {
+        let storage = Storage::new(Vec::new(), Vec::new(), Vec::new());
+        let reader = Reader { place: "/p", storage: &storage, vertices: 100 };
+        let mut notices = Notices::default();
+        let triangles = reader.assemble(mode, count, |i| i as u32, &mut notices);
+        (triangles, notices.finish(std::path::Path::new("a")).len())
+    }
+
+    #[test]
+    fn strips_and_fans_wind_like_their_first_triangle() {
+        assert_eq!(assemble(Mode::Strip, 5), (vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]], 0));
+        assert_eq!(assemble(Mode::Fan, 5), (vec![[1, 2, 0], [2, 3, 0], [3, 4, 0]], 0));
+        assert_eq!(assemble(Mode::Triangles, 6), (vec![[0, 1, 2], [3, 4, 5]], 0));
+    }
+
+    #[test]
+    fn incomplete_triangles_are_left_out_and_told() {
+        assert_eq!(assemble(Mode::Triangles, 5), (vec![[0, 1, 2]], 1));
+        assert_eq!(assemble(Mode::Strip, 2), (Vec::new(), 1));
+        assert_eq!(assemble(Mode::Fan, 0), (Vec::new(), 1));
+    }
+
+    #[test]
+    fn normals_without_a_direction_take_that_of_their_faces() {
+        let mut mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
+            normals: vec![Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 1.0), Vec3::X * 1e-30, Vec3::ZERO],
+            indices: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        repair(&mut mesh, "/p", &mut Notices::default());
+        assert_eq!(mesh.normals, [Vec3::Z, Vec3::Z, Vec3::X, Vec3::Y]);
+    }
+
+    #[test]
+    fn a_tangent_without_a_direction_takes_all_with_it() {
+        let mut mesh = Mesh {
+            tangents: vec![Vec4::new(2.0, 0.0, 0.0, -3.0), Vec4::ZERO],
+            uvs: [vec![Vec2::NAN, Vec2::ONE], Vec::new()],
+            ..Mesh::default()
+        };
+        repair(&mut mesh, "/p", &mut Notices::default());
+        assert!(mesh.tangents.is_empty());
+        assert_eq!(mesh.uvs[0], [Vec2::ZERO, Vec2::ONE]);
+    }
+}

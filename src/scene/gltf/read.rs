@@ -1,0 +1,265 @@
+//! Reading numbers out of buffers, by way of checked accessors.
+
+use std::borrow::Cow;
+use std::cell::Cell;
+
+use super::accessor::{Accessor, Component, Shape, View};
+use super::json::Fault;
+
+/// Memory that decoded arrays may always take.
+const FREE_BYTES: u64 = 1 << 30;
+
+/// Memory that they may take beyond, as a multiple of the buffers' length: bytes can become floats,
+/// and accessors can overlap, but a small file must not ask for gigabytes.
+const EXPANSION: u64 = 32;
+
+/// The most elements of an accessor that has no buffer view: nothing pays for its zeros.
+const MAX_ZEROS: u64 = 1 << 22;
+
+/// The buffers and everything that leads into them.
+#[derive(Debug)]
+pub struct Storage<'a> {
+    buffers: Vec<Option<Cow<'a, [u8]>>>,
+    views: Vec<View>,
+    accessors: Vec<Accessor>,
+    /// Bytes that may still be decoded.
+    budget: Cell<u64>,
+}
+
+impl<'a> Storage<'a> {
+    /// Buffers that are not needed may be absent; the others are as long as the document says.
+    pub fn new(
+        buffers: Vec<Option<Cow<'a, [u8]>>>,
+        views: Vec<View>,
+        accessors: Vec<Accessor>,
+    ) -> Self {
+        let total: u64 = buffers.iter().flatten().map(|bytes| bytes.len() as u64).sum();
+        let budget = Cell::new(FREE_BYTES + total.saturating_mul(EXPANSION));
+        Self { buffers, views, accessors, budget }
+    }
+
+    /// An accessor that the document has.
+    pub fn accessor(&self, index: usize) -> &Accessor {
+        &self.accessors[index]
+    }
+
+    /// The bytes of a buffer view.
+    pub fn view(&self, index: usize) -> Result<&[u8], Fault> {
+        let View { buffer, offset, length, .. } = self.views[index];
+        let bytes = self.buffers[buffer].as_deref().ok_or_else(|| {
+            Fault::new(format!("/buffers/{buffer}"), "has no data that dapple can read")
+        })?;
+        let range = offset as usize..(offset + length) as usize;
+        bytes.get(range).ok_or_else(|| {
+            Fault::new(format!("/bufferViews/{index}"), "is past the end of its buffer")
+        })
+    }
+
+    /// Sets memory for decoded numbers aside.
+    pub fn reserve(&self, place: &str, bytes: u64) -> Result<(), Fault> {
+        match self.budget.get().checked_sub(bytes) {
+            Some(left) => {
+                self.budget.set(left);
+                Ok(())
+            }
+            None => Err(Fault::new(
+                place,
+                "the geometry takes far more memory than the buffers' length can justify",
+            )),
+        }
+    }
+
+    /// Vectors of `N` numbers, or scalars where `N` is 1.
+    pub fn vectors<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>, Fault> {
+        let accessor = &self.accessors[index];
+        Self::expect(accessor, N, "numbers")?;
+        self.reserve(&accessor.place, accessor.count.saturating_mul(4 * N as u64))?;
+        let decode = decoder(accessor.component, accessor.normalized);
+        let size = accessor.component.size() as usize;
+        self.elements(accessor, [0.0; N], |bytes| {
+            let mut vector = [0.0; N];
+            for (slot, number) in vector.iter_mut().zip(bytes.chunks_exact(size)) {
+                *slot = decode(number);
+            }
+            vector
+        })
+    }
+
+    /// Unsigned integers.
+    pub fn indices(&self, index: usize) -> Result<Vec<u32>, Fault> {
+        let accessor = &self.accessors[index];
+        Self::expect(accessor, 1, "indices")?;
+        let decode = index_decoder(accessor.component).ok_or_else(|| {
+            Fault::new(accessor.place.clone(), "indices must be unsigned integers")
+        })?;
+        self.reserve(&accessor.place, accessor.count.saturating_mul(4))?;
+        self.elements(accessor, 0, decode)
+    }
+
+    fn expect(accessor: &Accessor, count: usize, what: &str) -> Result<(), Fault> {
+        let found = match accessor.shape {
+            Shape::Scalar => 1,
+            Shape::Vector(found) => found as usize,
+            Shape::Matrix(_) => 0,
+        };
+        if found == count {
+            return Ok(());
+        }
+        let wanted = if count == 1 { "SCALAR".to_owned() } else { format!("VEC{count}") };
+        let message = format!("must be of type {wanted} to be used for {what}");
+        Err(Fault::new(accessor.place.clone(), message))
+    }
+
+    /// All elements, the sparse ones put in.
+    fn elements<T: Copy>(
+        &self,
+        accessor: &Accessor,
+        zero: T,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, Fault> {
+        if accessor.base.is_none() && accessor.count > MAX_ZEROS {
+            let message = format!("more than {MAX_ZEROS} elements without a buffer view");
+            return Err(Fault::new(format!("{}/count", accessor.place), message));
+        }
+        let size = accessor.element_size() as usize;
+        let mut elements: Vec<T> = match accessor.base {
+            None => vec![zero; accessor.count as usize],
+            Some((view, offset)) => {
+                let bytes = &self.view(view)?[offset as usize..];
+                let chunks = bytes.chunks(accessor.stride as usize).take(accessor.count as usize);
+                chunks.map(|chunk| decode(&chunk[..size])).collect()
+            }
+        };
+        let Some(sparse) = &accessor.sparse else { return Ok(elements) };
+
+        let (view, offset, kind) = sparse.indices;
+        let decode_index = index_decoder(kind).expect("sparse indices are unsigned");
+        let indices = self.view(view)?[offset as usize..].chunks_exact(kind.size() as usize);
+        let (view, offset) = sparse.values;
+        let values = self.view(view)?[offset as usize..].chunks_exact(size);
+        for (i, (index, value)) in indices.zip(values).take(sparse.count as usize).enumerate() {
+            let index = decode_index(index);
+            let Some(slot) = elements.get_mut(index as usize) else {
+                let message =
+                    format!("sparse index {i} is {index}, beyond the {} elements", accessor.count);
+                return Err(Fault::new(format!("{}/sparse/indices", accessor.place), message));
+            };
+            *slot = decode(value);
+        }
+        Ok(elements)
+    }
+}
+
+type Decode<T> = fn(&[u8]) -> T;
+
+/// Of one number's bytes, its value (glTF 2.0, 3.6.2.2 for the normalised ones).
+fn decoder(component: Component, normalized: bool) -> Decode<f32> {
+    match (component, normalized) {
+        (Component::I8, false) => |b| f32::from(b[0] as i8),
+        (Component::I8, true) => |b| (f32::from(b[0] as i8) / 127.0).max(-1.0),
+        (Component::U8, false) => |b| f32::from(b[0]),
+        (Component::U8, true) => |b| f32::from(b[0]) / 255.0,
+        (Component::I16, false) => |b| f32::from(i16::from_le_bytes([b[0], b[1]])),
+        (Component::I16, true) => {
+            |b| (f32::from(i16::from_le_bytes([b[0], b[1]])) / 32767.0).max(-1.0)
+        }
+        (Component::U16, false) => |b| f32::from(u16::from_le_bytes([b[0], b[1]])),
+        (Component::U16, true) => |b| f32::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0,
+        (Component::U32, _) => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
+        (Component::F32, _) => |b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+    }
+}
+
+fn index_decoder(component: Component) -> Option<Decode<u32>> {
+    match component {
+        Component::U8 => Some(|b| u32::from(b[0])),
+        Component::U16 => Some(|b| u32::from(u16::from_le_bytes([b[0], b[1]]))),
+        Component::U32 => Some(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+        Component::I8 | Component::I16 | Component::F32 => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::accessor::Sparse;
+    use super::*;
+
+    fn storage(bytes: &[u8], stride: Option<u64>, accessor: Accessor) -> Storage<'_> {
+        let view = |offset, length, stride| View { buffer: 0, offset, length, stride };
+        let all = bytes.len() as u64;
+        // View 0 is everything, view 1 the last six bytes.
+        let views = vec![view(0, all, stride), view(all - 6, 6, None)];
+        Storage::new(vec![Some(Cow::Borrowed(bytes))], views, vec![accessor])
+    }
+
+    fn plain(component: Component, shape: Shape, count: u64) -> Accessor {
+        Accessor {
+            place: "/accessors/0".to_owned(),
+            base: Some((0, 0)),
+            component,
+            shape,
+            normalized: false,
+            count,
+            stride: shape_size(component, shape),
+            sparse: None,
+        }
+    }
+
+    fn shape_size(component: Component, shape: Shape) -> u64 {
+        match shape {
+            Shape::Vector(n) => n * component.size(),
+            _ => component.size(),
+        }
+    }
+
+    #[test]
+    fn normalised_integers_reach_both_ends() {
+        let bytes = [0x80, 0x81, 0x7f, 0x00, 0, 0];
+        let mut accessor = plain(Component::I8, Shape::Vector(2), 2);
+        accessor.normalized = true;
+        let read = storage(&bytes, None, accessor).vectors::<2>(0).expect("reads");
+        assert_eq!(read, [[-1.0, -1.0], [1.0, 0.0]]);
+    }
+
+    #[test]
+    fn strides_skip_what_lies_between() {
+        let bytes = [1, 2, 99, 99, 3, 4, 99, 99, 5, 6];
+        let mut accessor = plain(Component::U8, Shape::Vector(2), 3);
+        accessor.stride = 4;
+        let read = storage(&bytes, Some(4), accessor).vectors::<2>(0).expect("reads");
+        assert_eq!(read, [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]);
+    }
+
+    #[test]
+    fn sparse_values_replace_zeros() {
+        // Indices 1 and 3, then their values 7 and 9, as u8; two bytes are left over.
+        let bytes = [1, 3, 7, 9, 0, 0];
+        let mut accessor = plain(Component::U8, Shape::Scalar, 4);
+        accessor.base = None;
+        accessor.sparse = Some(Sparse { count: 2, indices: (1, 0, Component::U8), values: (1, 2) });
+        let read = storage(&bytes, None, accessor.clone()).vectors::<1>(0).expect("reads");
+        assert_eq!(read, [[0.0], [7.0], [0.0], [9.0]]);
+
+        accessor.count = 3;
+        let fault = storage(&bytes, None, accessor).vectors::<1>(0).expect_err("3 of 3");
+        assert_eq!(fault.place, "/accessors/0/sparse/indices");
+    }
+
+    #[test]
+    fn a_small_file_cannot_ask_for_gigabytes() {
+        let mut accessor = plain(Component::F32, Shape::Vector(3), u64::MAX);
+        accessor.base = None;
+        assert!(storage(&[0; 6], None, accessor.clone()).vectors::<3>(0).is_err());
+        accessor.count = MAX_ZEROS + 1;
+        assert!(storage(&[0; 6], None, accessor).vectors::<3>(0).is_err());
+    }
+
+    #[test]
+    fn indices_are_unsigned() {
+        let bytes = [1, 0, 2, 0, 0, 0];
+        let accessor = plain(Component::U16, Shape::Scalar, 3);
+        assert_eq!(storage(&bytes, None, accessor).indices(0), Ok(vec![1, 2, 0]));
+        let accessor = plain(Component::I16, Shape::Scalar, 3);
+        assert!(storage(&bytes, None, accessor).indices(0).is_err());
+    }
+}

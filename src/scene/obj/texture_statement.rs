@@ -1,0 +1,248 @@
+//! What follows `map_Kd` and its like: options, and the name of a file that may hold spaces.
+
+use super::lines;
+use crate::math::Vec2;
+
+/// A texture as an MTL file asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Map {
+    /// The file's name as it is spelt.
+    pub name: String,
+    /// Where it stands.
+    pub line: usize,
+    /// `-s`.
+    pub scale: Vec2,
+    /// `-o`, in OBJ's coordinates, where v counts upwards.
+    pub offset: Vec2,
+    /// `-clamp on`.
+    pub clamp: bool,
+    /// `-bm`, what bump heights or normals are multiplied by.
+    pub bump: f32,
+    /// `-imfchan`.
+    pub channel: Option<Channel>,
+}
+
+/// What of a picture makes a scalar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Channel {
+    /// Red, green, blue or alpha, by number.
+    Component(usize),
+    /// Luminance.
+    Luminance,
+}
+
+/// Options that take as many words as stated and change nothing here that can be seen, or that are
+/// not honoured; the second kind is remarked on.
+const OTHERS: [(&str, usize, bool); 8] = [
+    ("-blendu", 1, false),
+    ("-blendv", 1, false),
+    ("-texres", 1, false),
+    ("-colorspace", 1, false),
+    ("-boost", 1, true),
+    ("-cc", 1, true),
+    ("-mm", 2, true),
+    ("-type", 1, true),
+];
+
+/// Reads what follows the keyword; options may also follow the name. `remark` hears of options that
+/// are not honoured.
+///
+/// # Errors
+/// What is malformed.
+pub(super) fn parse(
+    rest: &[u8],
+    line: usize,
+    mut remark: impl FnMut(String),
+) -> Result<Map, String> {
+    let text = String::from_utf8_lossy(rest);
+    let mut rest = Rest(text.trim());
+    let mut map = Map {
+        name: String::new(),
+        line,
+        scale: Vec2::ONE,
+        offset: Vec2::ZERO,
+        clamp: false,
+        bump: 1.0,
+        channel: None,
+    };
+    while let Some(word) = rest.peek() {
+        if !is_option(word) {
+            if !map.name.is_empty() {
+                return Err(format!("{} after the texture's name", lines::quoted(word.as_bytes())));
+            }
+            rest.name().clone_into(&mut map.name);
+            continue;
+        }
+        rest.next();
+        match word {
+            "-s" => map.scale = rest.vector(map.scale)?,
+            "-o" => map.offset = rest.vector(map.offset)?,
+            "-t" => {
+                rest.vector(Vec2::ZERO)?;
+                remark("texture option -t (turbulence) is not honoured".to_owned());
+            }
+            "-bm" => map.bump = rest.number()?,
+            "-clamp" => map.clamp = rest.word()? == "on",
+            "-imfchan" => map.channel = Some(channel(rest.word()?)?),
+            other => {
+                let (_, count, matters) =
+                    OTHERS.iter().find(|o| o.0 == other).unwrap_or(&OTHERS[0]);
+                let mut neutral = other == "-mm";
+                for expected in ["0", "1"].iter().take(*count) {
+                    neutral &= rest.word()?.parse::<f32>() == expected.parse::<f32>();
+                }
+                if *matters && !neutral {
+                    remark(format!("texture option {other} is not honoured"));
+                }
+            }
+        }
+    }
+    if map.name.is_empty() {
+        return Err("the name of the texture is missing".to_owned());
+    }
+    Ok(map)
+}
+
+fn is_option(word: &str) -> bool {
+    matches!(word, "-s" | "-o" | "-t" | "-bm" | "-clamp" | "-imfchan")
+        || OTHERS.iter().any(|other| other.0 == word)
+}
+
+fn channel(word: &str) -> Result<Channel, String> {
+    match word {
+        "r" => Ok(Channel::Component(0)),
+        "g" => Ok(Channel::Component(1)),
+        "b" => Ok(Channel::Component(2)),
+        "m" => Ok(Channel::Component(3)),
+        "l" => Ok(Channel::Luminance),
+        _ => Err(format!("-imfchan {word} is none of r, g, b, m and l")),
+    }
+}
+
+/// What is not read yet.
+struct Rest<'a>(&'a str);
+
+impl<'a> Rest<'a> {
+    fn peek(&self) -> Option<&'a str> {
+        self.0.split_whitespace().next()
+    }
+
+    fn next(&mut self) -> Option<&'a str> {
+        let text = self.0.trim_start();
+        let end = text.find(char::is_whitespace).unwrap_or(text.len());
+        let (word, rest) = text.split_at(end);
+        self.0 = rest;
+        (!word.is_empty()).then_some(word)
+    }
+
+    fn word(&mut self) -> Result<&'a str, String> {
+        self.next().ok_or_else(|| "a texture option lacks its value".to_owned())
+    }
+
+    fn number(&mut self) -> Result<f32, String> {
+        lines::number(self.word()?.as_bytes())
+    }
+
+    /// One to three numbers, of which the third, for solid textures, is dropped; `default` for what
+    /// is left out. The last word is the texture's name even if it is a number.
+    fn vector(&mut self, default: Vec2) -> Result<Vec2, String> {
+        let mut vector = default;
+        vector.x = self.number()?;
+        for k in 1..3 {
+            let is_last = self.0.split_whitespace().nth(1).is_none();
+            let number = self.peek().and_then(|word| lines::number(word.as_bytes()).ok());
+            let Some(number) = number.filter(|_| !is_last) else { break };
+            self.next();
+            if k == 1 {
+                vector.y = number;
+            }
+        }
+        Ok(vector)
+    }
+
+    /// In quotes, or up to the next option.
+    fn name(&mut self) -> &'a str {
+        let text = self.0.trim_start();
+        if let Some((inside, rest)) = text.strip_prefix('"').and_then(|text| text.split_once('"')) {
+            self.0 = rest;
+            return inside;
+        }
+        let mut ahead = Rest(text);
+        let mut end = text.len();
+        while let Some(word) = ahead.next() {
+            if is_option(word) {
+                end = text.len() - ahead.0.len() - word.len();
+                break;
+            }
+        }
+        self.0 = &text[end..];
+        text[..end].trim_end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn map(text: &str) -> Result<(Map, Vec<String>), String> {
+        let mut remarks = Vec::new();
+        let map = parse(text.as_bytes(), 1, |remark| remarks.push(remark))?;
+        Ok((map, remarks))
+    }
+
+    fn name(text: &str) -> String {
+        map(text).expect("it is well-formed").0.name
+    }
+
+    #[test]
+    fn names_hold_spaces_and_options_stand_on_both_sides() {
+        assert_eq!(name("texture 01.png"), "texture 01.png");
+        assert_eq!(name("-bm 2 bump 01.png"), "bump 01.png");
+        assert_eq!(name("\"a -s b.png\" -clamp on"), "a -s b.png");
+        assert_eq!(name("  -blendu on -texres 512 .\\maps\\a.png "), ".\\maps\\a.png");
+        let (map, _) = map("-imfchan r bump map2.jpg -bm 1.5").unwrap();
+        assert_eq!(
+            (&*map.name, map.bump, map.channel),
+            ("bump map2.jpg", 1.5, Some(Channel::Component(0)))
+        );
+    }
+
+    #[test]
+    fn vectors_have_one_to_three_numbers() {
+        let scale = |text| map(text).expect("it is well-formed").0.scale;
+        assert_eq!(scale("-s 2 a.png"), Vec2::new(2.0, 1.0));
+        assert_eq!(scale("-s 2 3 a.png"), Vec2::new(2.0, 3.0));
+        assert_eq!(scale("-s 2 3 4 a.png"), Vec2::new(2.0, 3.0));
+        assert_eq!(name("-s 2 3 4"), "4");
+        let (map, _) = map("-o 0.1 -s 2 2 2 -clamp on a.png").unwrap();
+        assert_eq!((map.offset, map.clamp), (Vec2::new(0.1, 0.0), true));
+    }
+
+    #[test]
+    fn options_without_effect_are_remarked_on() {
+        let remarks = |text| map(text).expect("it is well-formed").1;
+        assert_eq!(remarks("-type sphere a.png"), ["texture option -type is not honoured"]);
+        assert_eq!(remarks("-mm 0.1 0.3 a.png"), ["texture option -mm is not honoured"]);
+        assert!(remarks("-mm 0 1 -blendv off a.png").is_empty());
+    }
+
+    #[test]
+    fn what_is_missing_is_said() {
+        assert_eq!(map("-s"), Err("a texture option lacks its value".to_owned()));
+        assert_eq!(map("-bm x a.png"), Err("'x' is not a number".to_owned()));
+        assert_eq!(map("-clamp on"), Err("the name of the texture is missing".to_owned()));
+        assert_eq!(map("\"a\" b"), Err("'b' after the texture's name".to_owned()));
+        assert_eq!(map("-imfchan q a"), Err("-imfchan q is none of r, g, b, m and l".to_owned()));
+    }
+
+    proptest! {
+        #[test]
+        fn no_words_make_it_panic_or_hang(
+            words in proptest::collection::vec("(-s|-o|-mm|-bm|-clamp|-type|1|on|\"|a b|é)", 0..12)
+        ) {
+            let _ = map(&words.join(" "));
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! From a hit to the surface there: position with its error, normals, texture coordinates.
+
+use super::World;
+use super::shading_normal::Shaped;
+use crate::accel::ClosestHit;
+use crate::geom::{Mesh, Triangle};
+use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, TriangleId, Vec2, Vec3, Vec4};
+
+/// Bounds the relative error of seven roundings in a row: `n u / (1 - n u)` with n = 7 and
+/// u = 2^-24 (Higham).
+const GAMMA_7: f32 = 7.0 * HALF_ULP / (1.0 - 7.0 * HALF_ULP);
+const HALF_ULP: f32 = 0.5 * f32::EPSILON;
+
+/// The least cosine, at the shading normal, of a viewer who sees the surface edge-on.
+const GRAZING: f32 = 1e-3;
+
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Where it is, world space.
+    pub position: Vec3,
+    /// Componentwise bound of the position's error: the point of the true plane that is meant
+    /// lies within.
+    pub position_error: Vec3,
+    /// Unit geometric normal; the triangle is counter-clockwise seen from where it points.
+    pub normal: Vec3,
+    /// The shading frame; its normal is on the side of the geometric one.
+    pub frame: Frame,
+    /// Both sets of texture coordinates; zero where the mesh has none or no texture asks.
+    pub uv: [Vec2; 2],
+    /// The placed mesh that it belongs to.
+    pub instance: InstanceId,
+    /// The triangle's number in the mesh.
+    pub triangle: usize,
+    /// The triangle's area, square metres.
+    pub area: f32,
+    /// What it is made of.
+    pub material: MaterialId,
+    /// Whether the ray arrived at the side that the geometric normal points to.
+    pub front: bool,
+}
+
+impl Surface {
+    /// The ray from here in a unit `direction`, as far as it goes; does not meet this surface.
+    #[inline]
+    pub fn ray_towards(&self, direction: Vec3) -> Ray {
+        let origin = offset_origin(self.position, self.position_error, self.normal, direction);
+        Ray::new(origin, direction, 0.0, f32::INFINITY)
+    }
+}
+
+/// Corners and weights of a point in a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interpolation {
+    pub corners: [usize; 3],
+    weights: [f32; 3],
+}
+
+impl Interpolation {
+    /// The point of a hit. `u` and `v` belong to the triangle as the world sees it, which has its
+    /// last two corners exchanged where the instance is mirrored.
+    pub fn new(mesh: &Mesh, triangle: usize, mirrored: bool, u: f32, v: f32) -> Self {
+        let [a, b, c] = mesh.indices[triangle].map(|i| i as usize);
+        let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+        Self { corners, weights: [1.0 - u - v, u, v] }
+    }
+
+    /// The attribute of the point.
+    pub fn vec2(&self, values: &[Vec2]) -> Vec2 {
+        let [a, b, c] = self.corners.map(|i| values[i]);
+        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
+    }
+
+    /// The attribute of the point.
+    pub fn vec3(&self, values: &[Vec3]) -> Vec3 {
+        let [a, b, c] = self.corners.map(|i| values[i]);
+        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
+    }
+
+    /// The attribute of the point.
+    pub fn vec4(&self, values: &[Vec4]) -> Vec4 {
+        let [a, b, c] = self.corners.map(|i| values[i]);
+        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
+    }
+
+    /// Texture coordinates of both sets, zero where there are none.
+    pub fn uv(&self, mesh: &Mesh) -> [Vec2; 2] {
+        [0, 1].map(
+            |set: usize| {
+                if mesh.uvs[set].is_empty() { Vec2::ZERO } else { self.vec2(&mesh.uvs[set]) }
+            },
+        )
+    }
+}
+
+impl World {
+    /// The surface that `ray` has hit.
+    pub fn surface(&self, ray: &Ray, hit: &ClosestHit) -> Surface {
+        let (id, index) = self.triangles.locate(hit.triangle);
+        let instance = &self.scene.instances[id.index()];
+        let mesh = &*self.scene.meshes[instance.mesh.index()];
+        let transform = &instance.transform;
+        let point = Interpolation::new(mesh, index, transform.mirrored, hit.u, hit.v);
+
+        let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
+        let triangle = Triangle { a, b, c };
+        let (position, position_error) = triangle_point(&triangle, hit.u, hit.v);
+        let (normal, area) = normal_and_area(&triangle);
+
+        let resolved = &self.materials[instance.material.index()];
+        let uv = if resolved.textured { point.uv(mesh) } else { [Vec2::ZERO; 2] };
+        let shading = self.shading_normal(&Shaped {
+            material: self.material(instance.material),
+            mesh,
+            transform,
+            triangle: &triangle,
+            point: &point,
+            normal,
+            uv: &uv,
+        });
+        let towards_viewer = -ray.direction();
+        let front = normal.dot(towards_viewer) > 0.0;
+        let shading = visible(shading, towards_viewer, front);
+        Surface {
+            position,
+            position_error,
+            normal,
+            frame: Frame::from_normal(shading),
+            uv,
+            instance: id,
+            triangle: index,
+            area,
+            material: instance.material,
+            front,
+        }
+    }
+
+    /// Texture coordinates and material of a point of a triangle.
+    pub(super) fn texture_point(&self, id: TriangleId, u: f32, v: f32) -> (MaterialId, [Vec2; 2]) {
+        let (instance, index) = self.triangles.locate(id);
+        let instance = &self.scene.instances[instance.index()];
+        if !self.materials[instance.material.index()].textured {
+            return (instance.material, [Vec2::ZERO; 2]);
+        }
+        let mesh = &*self.scene.meshes[instance.mesh.index()];
+        let point = Interpolation::new(mesh, index, instance.transform.mirrored, u, v);
+        (instance.material, point.uv(mesh))
+    }
+}
+
+/// A point of a triangle in world space and the bound of its error (pbrt-v4, section 6.8).
+///
+/// The corners are taken as exact: structures intersect the very same rounded triangle, so that
+/// what an instance's transform has rounded away is no error of the point against it.
+#[inline]
+pub(super) fn triangle_point(triangle: &Triangle, u: f32, v: f32) -> (Vec3, Vec3) {
+    let (a, b, c) = (triangle.a * (1.0 - u - v), triangle.b * u, triangle.c * v);
+    (a + b + c, (a.abs() + b.abs() + c.abs()) * GAMMA_7)
+}
+
+/// `point` moved off its surface to the side that `towards` points to, just so far that it lies
+/// on that side of the true surface whatever the error within `error` is (pbrt-v4, 6.8.5).
+#[inline]
+pub(super) fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, towards: Vec3) -> Vec3 {
+    let distance = normal.abs().dot(error);
+    let side = if towards.dot(normal) < 0.0 { -normal } else { normal };
+    let moved = point + side * distance;
+    // The sum's own rounding goes outwards too.
+    let outward = |value: f32, way: f32| {
+        if way > 0.0 {
+            value.next_up()
+        } else if way < 0.0 {
+            value.next_down()
+        } else {
+            value
+        }
+    };
+    Vec3::new(outward(moved.x, side.x), outward(moved.y, side.y), outward(moved.z, side.z))
+}
+
+/// The unit normal of a triangle's front, and its area.
+#[inline]
+fn normal_and_area(triangle: &Triangle) -> (Vec3, f32) {
+    let double_area = triangle.double_area();
+    let length2 = double_area.length_squared();
+    if length2 > 1e-30 && length2 < 1e30 {
+        let length = length2.sqrt();
+        return (double_area / length, 0.5 * length);
+    }
+    // Tiny or huge: the squares need a wider range.
+    let (a, b, c) = (triangle.a.as_dvec3(), triangle.b.as_dvec3(), triangle.c.as_dvec3());
+    let double_area = (b - a).cross(c - a);
+    let normal = double_area.normalize_or(DVec3::Z).as_vec3();
+    (normal, (0.5 * double_area.length()) as f32)
+}
+
+/// A shading normal under which the viewer is on the side of the surface that he is on by the
+/// geometric normal: one that turns away from him is bent just into his sight.
+#[inline]
+fn visible(shading: Vec3, towards_viewer: Vec3, front: bool) -> Vec3 {
+    let seen = if front { towards_viewer } else { -towards_viewer };
+    let cosine = shading.dot(seen);
+    if cosine >= GRAZING {
+        return shading;
+    }
+    let across = (shading - seen * (cosine / seen.length_squared())).normalize_or(shading);
+    (across + seen * GRAZING).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offset_origins_lie_beyond_the_error() {
+        let point = Vec3::new(1000.0, -3.0, 1e-3);
+        let error = point.abs() * GAMMA_7;
+        for normal in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(1.0, 2.0, -2.0) / 3.0] {
+            for way in [normal, -normal] {
+                let moved = offset_origin(point, error, normal, way);
+                let beyond = (moved - point).as_dvec3().dot(way.as_dvec3());
+                assert!(beyond >= f64::from(normal.abs().dot(error)), "{normal} {beyond}");
+            }
+        }
+    }
+
+    #[test]
+    fn normals_of_triangles_of_any_size() {
+        for scale in [1e-18, 1e-4, 1.0, 1e4, 1e15] {
+            let corners = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p * scale);
+            let [a, b, c] = corners;
+            let (normal, area) = normal_and_area(&Triangle { a, b, c });
+            assert_eq!(normal, Vec3::Z);
+            assert!((area / (0.5 * scale * scale) - 1.0).abs() < 1e-5 || scale == 1e-18, "{area}");
+        }
+    }
+
+    #[test]
+    fn a_shading_normal_is_bent_into_sight() {
+        let viewer = Vec3::new(0.8, 0.0, 0.6);
+        let away = Vec3::new(-0.8, 0.0, 0.6);
+        for front in [true, false] {
+            let side = if front { 1.0 } else { -1.0 };
+            let bent = visible(away, viewer * side, front);
+            assert!((bent.length() - 1.0).abs() < 1e-5);
+            let cosine = bent.dot(viewer);
+            assert!(cosine > 0.0 && cosine < 2.0 * GRAZING, "{cosine}");
+        }
+        assert_eq!(visible(Vec3::Z, viewer, true), Vec3::Z);
+    }
+}

@@ -1,0 +1,158 @@
+//! A scene made ready to be rendered.
+
+use std::sync::Arc;
+
+use super::{Lights, Material, Scene, TextureRef, Triangles, Volume};
+use crate::material::{Bsdf, BsdfForm, SurfaceParams};
+use crate::math::{MaterialId, Vec2, Vec3, Vec4};
+
+/// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
+/// they are the same everywhere.
+#[derive(Debug)]
+pub struct World {
+    /// What it was made from.
+    pub scene: Arc<Scene>,
+    /// Its triangles, for an acceleration structure.
+    pub triangles: Arc<Triangles>,
+    /// What shines in it.
+    pub lights: Lights,
+    pub(super) materials: Vec<Resolved>,
+    form: BsdfForm,
+    see_through: bool,
+}
+
+/// What is known of a material before any point of it is seen.
+#[derive(Clone, Debug)]
+pub(super) struct Resolved {
+    /// The scattering, if no texture changes it from point to point.
+    bsdf: Option<Bsdf>,
+    /// Whether any texture is looked up at all.
+    pub textured: bool,
+    /// See [`Material::is_opaque`].
+    pub opaque: bool,
+    /// The inside, if it takes away light.
+    absorption: Option<Volume>,
+}
+
+impl World {
+    /// Prepares `scene`, whose surfaces will scatter by `form`.
+    ///
+    /// # Errors
+    /// The number of triangles, if it is 2^32 - 1 or more.
+    pub fn new(scene: Arc<Scene>, form: BsdfForm) -> Result<Self, u64> {
+        let triangles = Arc::new(Triangles::new(&scene)?);
+        let materials: Vec<Resolved> =
+            scene.materials.iter().map(|material| Resolved::new(material, form)).collect();
+        let lights = Lights::new(&scene, &triangles);
+        let used = |instance: &super::Instance| !materials[instance.material.index()].opaque;
+        let see_through = scene.instances.iter().any(used);
+        Ok(Self { scene, triangles, lights, materials, form, see_through })
+    }
+
+    /// Whether hits must be judged by their alpha; see [`super::AlphaFilter`].
+    pub fn is_see_through(&self) -> bool {
+        self.see_through
+    }
+
+    /// A material by its id.
+    #[inline]
+    pub fn material(&self, id: MaterialId) -> &Material {
+        &self.scene.materials[id.index()]
+    }
+
+    /// What a material scatters at texture coordinates `uv`.
+    #[inline]
+    pub fn bsdf(&self, id: MaterialId, uv: &[Vec2; 2]) -> Bsdf {
+        match self.materials[id.index()].bsdf {
+            Some(bsdf) => bsdf,
+            None => Bsdf::new(&surface_params(&self.scene, self.material(id), uv), self.form),
+        }
+    }
+
+    /// What a material emits at texture coordinates `uv`, on the side that shines.
+    #[inline]
+    pub fn emission(&self, id: MaterialId, uv: &[Vec2; 2]) -> Vec3 {
+        emission(&self.scene, self.material(id), uv)
+    }
+
+    /// Whether the inside of a material takes away light.
+    #[inline]
+    pub fn absorbs(&self, id: MaterialId) -> bool {
+        self.materials[id.index()].absorption.is_some()
+    }
+
+    /// What is left of white light after `distance` metres inside of a material; one where it
+    /// absorbs nothing, and for [`MaterialId::NONE`].
+    pub fn transmittance(&self, id: MaterialId, distance: f32) -> Vec3 {
+        let absorption = self.materials.get(id.index()).and_then(|material| material.absorption);
+        let Some(volume) = absorption else { return Vec3::ONE };
+        let thickness = distance / volume.attenuation_distance;
+        let [r, g, b] = volume.attenuation_color.to_array();
+        Vec3::new(libm::powf(r, thickness), libm::powf(g, thickness), libm::powf(b, thickness))
+    }
+}
+
+impl Resolved {
+    fn new(material: &Material, form: BsdfForm) -> Self {
+        let looked_up = [
+            material.base_color_texture,
+            material.metallic_roughness_texture,
+            material.specular_texture,
+            material.specular_color_texture,
+            material.transmission_texture,
+        ];
+        let elsewhere = [
+            material.normal_texture,
+            material.bump_texture,
+            material.emissive_texture,
+            material.alpha_texture,
+        ];
+        let constant = looked_up.iter().all(Option::is_none);
+        let plain =
+            || Bsdf::new(&surface_params(&Scene::default(), material, &[Vec2::ZERO; 2]), form);
+        Self {
+            bsdf: constant.then(plain),
+            textured: !constant || elsewhere.iter().any(Option::is_some),
+            opaque: material.is_opaque(),
+            absorption: material.volume.filter(|volume| {
+                volume.attenuation_distance.is_finite()
+                    && volume.attenuation_distance > 0.0
+                    && volume.attenuation_color != Vec3::ONE
+            }),
+        }
+    }
+}
+
+/// Looks a texture up where a material asks for it.
+pub(super) fn look_up(scene: &Scene, texture: &TextureRef, uv: &[Vec2; 2]) -> Vec4 {
+    let uv = texture.transform(uv[usize::from(texture.uv_set.min(1))]);
+    scene.textures[texture.texture.index()].sample(uv)
+}
+
+/// What a material emits at texture coordinates `uv`.
+pub(super) fn emission(scene: &Scene, material: &Material, uv: &[Vec2; 2]) -> Vec3 {
+    match &material.emissive_texture {
+        Some(texture) => material.emissive * look_up(scene, texture, uv).truncate(),
+        None => material.emissive,
+    }
+}
+
+/// Factors times textures.
+fn surface_params(scene: &Scene, material: &Material, uv: &[Vec2; 2]) -> SurfaceParams {
+    let texel = |texture: &Option<TextureRef>| match texture {
+        Some(texture) => look_up(scene, texture, uv),
+        None => Vec4::ONE,
+    };
+    let metallic_roughness = texel(&material.metallic_roughness_texture);
+    SurfaceParams {
+        base_color: (material.base_color * texel(&material.base_color_texture)).truncate(),
+        metallic: material.metallic * metallic_roughness.z,
+        roughness: material.roughness * metallic_roughness.y,
+        ior: material.ior,
+        specular: material.specular * texel(&material.specular_texture).w,
+        specular_color: material.specular_color
+            * texel(&material.specular_color_texture).truncate(),
+        transmission: material.transmission * texel(&material.transmission_texture).x,
+        thin: material.volume.is_none(),
+    }
+}

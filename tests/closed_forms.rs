@@ -1,0 +1,346 @@
+//! Renders whose result is known on paper.
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use dapple::accel::{self, AccelSpec};
+use dapple::camera::{Camera, Projection};
+use dapple::film::{Picture, PixelFilter, Window};
+use dapple::geom::Mesh;
+use dapple::integrator::Transport;
+use dapple::light::{Environment, Punctual, PunctualKind};
+use dapple::material::BsdfForm;
+use dapple::math::{Affine3A, MaterialId, MeshId, Vec3, Vec4};
+use dapple::render::{Aov, Control, Rendered, Settings, render};
+use dapple::scene::{Instance, Material, Scene, Transform, Volume, World};
+use dapple::simd::Isa;
+
+/// A diffuse material.
+fn lambert(reflectance: f32) -> Material {
+    Material {
+        base_color: Vec4::new(reflectance, reflectance, reflectance, 1.0),
+        metallic: 0.0,
+        specular: 0.0,
+        ..Material::default()
+    }
+}
+
+fn scene(parts: impl IntoIterator<Item = (Mesh, Material)>) -> Scene {
+    let mut scene = Scene::default();
+    for (i, (mesh, material)) in parts.into_iter().enumerate() {
+        scene.meshes.push(Arc::new(mesh));
+        scene.materials.push(material);
+        scene.instances.push(Instance {
+            mesh: MeshId::from_index(i),
+            material: MaterialId::from_index(i),
+            transform: Transform::new(Affine3A::IDENTITY),
+        });
+    }
+    scene
+}
+
+/// A rectangle about `centre`, spanned by two half edges; its front is along their cross product.
+fn rectangle(centre: Vec3, right: Vec3, up: Vec3) -> Mesh {
+    let positions =
+        vec![centre - right - up, centre + right - up, centre + right + up, centre - right + up];
+    Mesh { positions, indices: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+}
+
+/// An octahedron, its faces split in four `levels` times, vertices moved to the unit sphere.
+fn sphere(levels: u32) -> Mesh {
+    let mut faces: Vec<[Vec3; 3]> = Vec::new();
+    for x in [Vec3::X, Vec3::NEG_X] {
+        for y in [Vec3::Y, Vec3::NEG_Y] {
+            for z in [Vec3::Z, Vec3::NEG_Z] {
+                let outwards = x.x * y.y * z.z > 0.0;
+                faces.push(if outwards { [x, y, z] } else { [x, z, y] });
+            }
+        }
+    }
+    for _ in 0..levels {
+        faces = faces
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let [ab, bc, ca] = [(a + b), (b + c), (c + a)].map(Vec3::normalize);
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    let positions: Vec<Vec3> = faces.iter().flatten().copied().collect();
+    let indices = (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    Mesh { positions, indices, ..Mesh::default() }
+}
+
+/// A camera that sees a square of side `2 * half` about `target`, flat, from `eye`.
+fn flat_camera(eye: Vec3, target: Vec3, half: f32) -> Camera {
+    let projection = Projection::Orthographic { xmag: half, ymag: half };
+    Camera { projection, ..Camera::look_at(eye, target, Vec3::Z, 1.0) }
+}
+
+fn settings(side: u32, spp: u64, max_depth: u32) -> Settings {
+    Settings {
+        resolution: (side, side),
+        crop: Window::of_size(side as usize, side as usize),
+        spp,
+        seed: 0,
+        filter: PixelFilter::Box,
+        transport: Transport { max_depth, roulette_depth: None, transparent: false },
+        aovs: vec![Aov::Variance, Aov::Albedo, Aov::Depth, Aov::Normal, Aov::Position],
+    }
+}
+
+fn run(scene: Scene, camera: &Camera, settings: &Settings) -> Rendered {
+    let world = World::new(Arc::new(scene), BsdfForm::Conserving).expect("few triangles");
+    let spec: AccelSpec = "bvh2".parse().expect("a row of the table");
+    let accel = accel::build(&spec, world.triangles.clone(), Isa::Auto).expect("within limits");
+    let cancel = AtomicBool::new(false);
+    let control = Control { cancel: &cancel, progress: &|_| {} };
+    let rendered = render(&world, camera, &*accel, settings, &control);
+    assert_eq!(rendered.lost_count, 0, "{:?}", rendered.lost);
+    rendered
+}
+
+/// Mean of a channel, and its standard error by the picture's own estimate.
+fn mean(picture: &Picture) -> (f32, f32) {
+    let green = picture.channel("G").expect("a colour");
+    let variance = picture.channel("variance.G").expect("asked for");
+    let count = green.len() as f64;
+    let mean = green.iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+    let error = variance.iter().map(|&v| f64::from(v)).sum::<f64>().sqrt() / count;
+    (mean as f32, error as f32)
+}
+
+/// The mean is `expected`, within three standard errors and 0.2%.
+fn assert_mean(rendered: &Rendered, expected: f32) {
+    let (mean, error) = mean(&rendered.picture);
+    let off = (mean - expected).abs();
+    // What is known without noise is only rounded.
+    assert!(off <= 3.0 * error + 1e-5 * expected, "{mean} +- {error}, not {expected}");
+    assert!(off <= 0.002 * expected, "{mean}, not {expected}");
+}
+
+#[test]
+fn a_white_sphere_in_a_white_world_is_invisible() {
+    let mut scene = scene([(sphere(3), lambert(1.0))]);
+    scene.environment = Some(Environment::constant(Vec3::ONE));
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, Vec3::Y, 0.6);
+    assert_mean(&run(scene, &camera, &settings(64, 64, 20)), 1.0);
+}
+
+#[test]
+fn a_glass_sphere_in_a_white_world_is_invisible() {
+    let glass = Material {
+        metallic: 0.0,
+        roughness: 0.0,
+        transmission: 1.0,
+        volume: Some(Volume { attenuation_color: Vec3::ONE, attenuation_distance: f32::INFINITY }),
+        ..Material::default()
+    };
+    let mut scene = scene([(sphere(3), glass)]);
+    scene.environment = Some(Environment::constant(Vec3::ONE));
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, Vec3::Y, 0.6);
+    assert_mean(&run(scene, &camera, &settings(64, 16, 200)), 1.0);
+}
+
+#[test]
+fn a_glass_slab_absorbs_by_its_thickness() {
+    let glass = |transmission: f32| Material {
+        metallic: 0.0,
+        roughness: 0.0,
+        ior: 1.0, // nothing is reflected or refracted
+        transmission,
+        volume: Some(Volume { attenuation_color: Vec3::splat(0.5), attenuation_distance: 0.5 }),
+        ..Material::default()
+    };
+    let top = rectangle(Vec3::Y * 0.75, Vec3::Z, Vec3::X);
+    let bottom = rectangle(Vec3::ZERO, Vec3::X, Vec3::Z);
+    let mut scene = scene([(top, glass(1.0)), (bottom, glass(1.0))]);
+    scene.environment = Some(Environment::constant(Vec3::ONE));
+    let camera = flat_camera(Vec3::Y * 3.0, Vec3::ZERO, 0.1);
+    // 0.75 m of what halves light in 0.5 m.
+    assert_mean(&run(scene, &camera, &settings(4, 4, 10)), 0.5_f32.powf(1.5));
+}
+
+/// An inward cube of emitters that also reflect: after d segments, radiance is the geometric sum.
+#[test]
+fn an_enclosure_of_glowing_walls_gains_by_depth() {
+    let (emission, reflectance) = (0.25, 0.75);
+    for depth in [1, 2, 3, 8] {
+        let axes =
+            [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)];
+        let walls = axes.into_iter().flat_map(|(right, up, normal)| {
+            [rectangle(-normal, right, up), rectangle(normal, up, right)]
+        });
+        let glowing = Material { emissive: Vec3::splat(emission), ..lambert(reflectance) };
+        let scene = scene(walls.map(|wall| (wall, glowing.clone())));
+        let camera = Camera::look_at(Vec3::new(0.1, 0.2, 0.3), Vec3::ONE, Vec3::Y, 1.5);
+        let expected: f32 = (0..depth).map(|k| emission * reflectance.powi(k)).sum();
+        assert_mean(&run(scene, &camera, &settings(32, 256, depth as u32)), expected);
+    }
+}
+
+#[test]
+fn roulette_does_not_change_the_mean() {
+    let walls = [rectangle(Vec3::ZERO, Vec3::Z * 9.0, Vec3::X * 9.0), sphere(2)];
+    let mut scene = scene(walls.map(|wall| (wall, lambert(0.5))));
+    scene.environment = Some(Environment::constant(Vec3::ONE));
+    let scene = || Scene {
+        meshes: scene.meshes.clone(),
+        instances: scene.instances.clone(),
+        materials: scene.materials.clone(),
+        environment: Some(Environment::constant(Vec3::ONE)),
+        ..Scene::default()
+    };
+    let camera = Camera::look_at(Vec3::new(1.5, 1.5, 1.5), Vec3::ZERO, Vec3::Y, 1.0);
+    let mut roulette = settings(64, 256, 20);
+    roulette.transport.roulette_depth = Some(1);
+    let (with, error) = mean(&run(scene(), &camera, &roulette).picture);
+    let (without, other_error) = mean(&run(scene(), &camera, &settings(64, 256, 20)).picture);
+    assert!((with - without).abs() < 3.0 * (error + other_error), "{with} {without}");
+    assert!((with / without - 1.0).abs() < 0.005);
+}
+
+#[test]
+fn punctual_lights_give_the_irradiance_of_the_books() {
+    let ground = || rectangle(Vec3::ZERO, Vec3::Z * 5.0, Vec3::X * 5.0);
+    let camera = flat_camera(Vec3::Y, Vec3::ZERO, 1e-3);
+    let light = Punctual {
+        kind: PunctualKind::Point,
+        position: Vec3::new(3.0, 4.0, 0.0),
+        direction: Vec3::new(-0.6, -0.8, 0.0),
+        intensity: Vec3::splat(50.0),
+        range: None,
+    };
+    // 5 m away, cosine 0.8.
+    for (kind, irradiance) in [
+        (PunctualKind::Point, 50.0 / 25.0 * 0.8),
+        (PunctualKind::Spot { inner: 0.2, outer: 0.3 }, 50.0 / 25.0 * 0.8),
+        (PunctualKind::Directional, 50.0 * 0.8),
+    ] {
+        let mut scene = scene([(ground(), lambert(0.6))]);
+        scene.lights.push(Punctual { kind, ..light });
+        let rendered = run(scene, &camera, &settings(2, 4, 5));
+        let (found, _) = mean(&rendered.picture);
+        let expected = 0.6 / PI * irradiance;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{kind:?}: {found}, not {expected}");
+    }
+}
+
+#[test]
+fn a_square_light_gives_its_form_factor() {
+    // From a point to a parallel square right above, half as high as wide: four times the factor
+    // of a quarter, a / h = b / h = 1 (any text book on radiative heat transfer).
+    let root = 2.0_f32.sqrt();
+    let quarter = 1.0 / (2.0 * PI) * 2.0 * (1.0 / root) * libm::atanf(1.0 / root);
+    let ground = rectangle(Vec3::ZERO, Vec3::Z * 5.0, Vec3::X * 5.0);
+    let lamp = rectangle(Vec3::Y, Vec3::X, Vec3::Z); // shines down
+    let shining = Material { emissive: Vec3::splat(3.0), ..lambert(0.0) };
+    let scene = scene([(ground, lambert(0.5)), (lamp, shining)]);
+    // From beside the lamp; the spot is small.
+    let camera = Camera::look_at(Vec3::new(3.0, 0.5, 0.0), Vec3::ZERO, Vec3::Y, 1e-3);
+    assert_mean(&run(scene, &camera, &settings(32, 256, 2)), 0.5 * 3.0 * 4.0 * quarter);
+}
+
+#[test]
+fn emitters_shine_from_their_front_unless_double_sided() {
+    for (double_sided, expected) in [(false, 0.0), (true, 2.0)] {
+        let lamp = rectangle(Vec3::ZERO, Vec3::X, Vec3::Z); // front down
+        let material = Material { emissive: Vec3::splat(2.0), double_sided, ..lambert(0.0) };
+        let camera = flat_camera(Vec3::Y, Vec3::ZERO, 0.1);
+        let rendered = run(scene([(lamp, material)]), &camera, &settings(2, 4, 3));
+        assert_eq!(mean(&rendered.picture).0, expected);
+    }
+}
+
+#[test]
+fn an_environment_lights_a_plane_as_its_integral_says() {
+    let (width, height) = (64, 32);
+    let mut pixels = vec![[0.2, 0.3, 0.4]; width * height];
+    pixels[5 * width + 40] = [900.0, 800.0, 700.0]; // a sun
+    pixels[20 * width + 3] = [900.0, 800.0, 700.0]; // and one below the horizon
+    let environment = || Environment::image(width, height, pixels.clone(), 1.5, 30.0);
+    // The irradiance on a plane that looks up: a sum over directions, evenly.
+    let (rows, columns) = (1024, 2048);
+    let sky = environment();
+    let mut irradiance = 0.0_f64;
+    for row in 0..rows / 2 {
+        let theta = PI * (row as f32 + 0.5) / rows as f32;
+        let (sin, cos) = libm::sincosf(theta);
+        for column in 0..columns {
+            let phi = 2.0 * PI * (column as f32 + 0.5) / columns as f32;
+            let direction = Vec3::new(sin * libm::cosf(phi), cos, sin * libm::sinf(phi));
+            irradiance += f64::from(sky.radiance(direction).y * cos * sin);
+        }
+    }
+    irradiance *= f64::from(PI / rows as f32) * f64::from(2.0 * PI / columns as f32);
+
+    let ground = rectangle(Vec3::ZERO, Vec3::Z * 5.0, Vec3::X * 5.0);
+    let mut scene = scene([(ground, lambert(0.5))]);
+    scene.environment = Some(environment());
+    let camera = flat_camera(Vec3::Y, Vec3::ZERO, 0.1);
+    let rendered = run(scene, &camera, &settings(32, 256, 2));
+    assert_mean(&rendered, (0.5 / f64::from(PI) * irradiance) as f32);
+}
+
+/// Some of everything, small.
+fn mixed_scene() -> Scene {
+    let shining = Material { emissive: Vec3::splat(3.0), ..lambert(0.0) };
+    let metal = Material { roughness: 0.3, ..Material::default() };
+    let mut scene = scene([
+        (rectangle(Vec3::NEG_Y, Vec3::Z * 3.0, Vec3::X * 3.0), lambert(0.5)),
+        (rectangle(Vec3::Y * 2.0, Vec3::X, Vec3::Z), shining),
+        (sphere(2), metal),
+    ]);
+    scene.materials[0].alpha_mode = dapple::scene::AlphaMode::Blend;
+    scene.materials[0].base_color.w = 0.7;
+    scene.environment = Some(Environment::constant(Vec3::new(0.2, 0.3, 0.4)));
+    scene
+}
+
+#[test]
+fn threads_and_crops_change_no_bit() {
+    let camera = Camera::look_at(Vec3::new(2.0, 1.0, 4.0), Vec3::ZERO, Vec3::Y, 0.9);
+    let render_on = |threads: usize, settings: &Settings| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| run(mixed_scene(), &camera, settings).picture)
+    };
+    let whole_frame = Settings {
+        transport: Transport { max_depth: 8, roulette_depth: Some(3), transparent: true },
+        ..settings(40, 37, 8)
+    };
+    let one = render_on(1, &whole_frame);
+    for threads in [2, 7] {
+        assert!(render_on(threads, &whole_frame) == one, "{threads} threads");
+    }
+    // Two crops side by side are the whole.
+    for (x0, x1) in [(0, 13), (13, 40)] {
+        let crop = Window { x0, y0: 0, x1, y1: 40 };
+        let part = render_on(2, &Settings { crop, ..whole_frame.clone() });
+        for channel in part.channels() {
+            let of_whole = one.channel(&channel.name).expect("the same channels");
+            for (i, &value) in channel.samples.iter().enumerate() {
+                let (x, y) = (i % crop.width() + x0 as usize, i / crop.width());
+                assert_eq!(value.to_bits(), of_whole[y * 40 + x].to_bits(), "{}", channel.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scene_of_any_scale_is_the_same_picture() {
+    let render_at = |scale: f32| {
+        let mut scene = mixed_scene();
+        for instance in &mut scene.instances {
+            instance.transform = Transform::new(Affine3A::from_scale(Vec3::splat(scale)));
+        }
+        let eye = Vec3::new(2.0, 1.0, 4.0) * scale;
+        let camera = Camera::look_at(eye, Vec3::ZERO, Vec3::Y, 0.9);
+        mean(&run(scene, &camera, &settings(32, 64, 6)).picture).0
+    };
+    let plain = render_at(1.0);
+    for scale in [1e-4, 1e4] {
+        let scaled = render_at(scale);
+        assert!((scaled / plain - 1.0).abs() < 2e-3, "{scale}: {scaled}, not {plain}");
+    }
+}
