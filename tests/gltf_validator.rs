@@ -84,7 +84,8 @@ fn edited(edits: &[(&str, &str)]) -> Vec<u8> {
     if !own_uri {
         let bytes = positions.iter().flat_map(|x| x.to_le_bytes());
         let bytes = bytes.chain(indices.iter().flat_map(|i| i.to_le_bytes()));
-        let escaped: String = bytes.map(|byte| format!("%{byte:02x}")).collect();
+        let escaped: Vec<String> = bytes.map(|byte| format!("%{byte:02x}")).collect();
+        let escaped = escaped.concat();
         let uri = format!("data:application/octet-stream,{escaped}");
         set(&mut document, "/buffers/0/uri", uri.into());
     }
