@@ -209,12 +209,25 @@ fn a_folder_of_reports_agrees_with_the_table() {
         }
         let result = parse(&fs::read(&file).expect("the file is read"), &file);
         files += 1;
-        if verdict(&result) != most {
+        let agrees = verdict(&result) == most || most == Ignored && is_no_flaw(&result);
+        if !agrees {
             wrong.push(format!("{}: not {most:?}: {}", file.display(), account(&result)));
         }
     }
     assert!(files > 0, "the folder has reports");
     assert!(wrong.is_empty(), "{} of {files}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Whether the file is sound and only lacks, or asks for, what it may: buffers without any data,
+/// and features that dapple does not have yet.
+fn is_no_flaw(result: &Result<Scene, LoadError>) -> bool {
+    match result {
+        Ok(scene) => scene.notices.iter().all(|notice| notice.message.contains("supported")),
+        Err(LoadError::References { broken, .. }) => {
+            broken.iter().all(|broken| broken.reason.contains("neither a URI nor"))
+        }
+        Err(_) => false,
+    }
 }
 
 fn reports(folder: &Path) -> Vec<PathBuf> {
