@@ -35,7 +35,9 @@ pub struct BuildInput<'a> {
 }
 
 /// All structures; the only place where they are registered. The order is that of all listings.
-pub const VARIANTS: &[Variant] = &[
+///
+/// A static, so that who uses it does not compile every structure anew.
+pub static VARIANTS: &[Variant] = &[
     brute::VARIANT,
     bvh::binary::VARIANT,
     kd::SEQUENTIAL,

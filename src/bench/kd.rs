@@ -274,33 +274,30 @@ fn row(
 
 /// The rows as a table in Markdown.
 pub fn markdown(title: &str, rows: &[Row]) -> String {
-    let mut text = format!("## {title}\n\n| structure | build s | SAH cost | MB |");
+    const PER_SET: [&str; 5] = ["nodes", "leaves", "tests", "restarts", "Mrays/s"];
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let mut heading: Vec<String> =
+        ["structure", "build s", "SAH cost", "MB"].map(str::to_owned).into();
     for set in SETS {
-        let name = set.name();
-        text += &format!(" {name}: nodes | leaves | tests | restarts | Mrays/s |");
+        heading.extend(PER_SET.map(|name| format!("{} {name}", set.name())));
     }
-    text += &format!("\n|---|{}\n", "---:|".repeat(3 + 5 * SETS.len()));
-    for row in rows {
-        text += &format!(
-            "| {} | {:.3} | {:.2} | {:.1} |",
-            row.spec,
-            row.build_seconds,
-            row.sah_cost,
-            row.bytes as f64 * 1e-6
-        );
+    let rule = format!("|---|{}\n", "---:|".repeat(heading.len() - 1));
+    let row = |row: &Row| {
+        let mut cells = vec![
+            row.spec.clone(),
+            format!("{:.3}", row.build_seconds),
+            format!("{:.2}", row.sah_cost),
+            format!("{:.1}", row.bytes as f64 * 1e-6),
+        ];
         for set in &row.sets {
-            text += &format!(
-                " {:.2} | {:.2} | {:.2} | {:.2} | {:.3} |",
-                set.per_ray(Event::InnerNode),
-                set.per_ray(Event::Leaf),
-                set.per_ray(Event::TriangleTest),
-                set.per_ray(Event::Restart),
-                set.rate()
-            );
+            let events = [Event::InnerNode, Event::Leaf, Event::TriangleTest, Event::Restart];
+            cells.extend(events.map(|event| format!("{:.2}", set.per_ray(event))));
+            cells.push(format!("{:.3}", set.rate()));
         }
-        text.push('\n');
-    }
-    text
+        line(cells)
+    };
+    let body: String = rows.iter().map(row).collect();
+    format!("## {title}\n\n{}{rule}{body}", line(heading))
 }
 
 #[cfg(test)]

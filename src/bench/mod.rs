@@ -1,3 +1,5 @@
 //! Ray sets to measure and compare structures with.
 
+pub mod bars;
+pub mod kd;
 pub mod ray_sets;

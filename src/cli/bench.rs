@@ -66,11 +66,8 @@ fn run_kd(args: &KdArgs) -> Result<ExitCode, CliError> {
         format!("Kd-tree walks, {name}, {count} triangles"),
         format!("Builds and layouts, kd-stack-direction, {name}"),
     ];
-    let text = format!(
-        "{}\n{}",
-        kd::markdown(&titles[0], &walks),
-        kd::markdown(&titles[1], &builds)
-    );
+    let text =
+        format!("{}\n{}", kd::markdown(&titles[0], &walks), kd::markdown(&titles[1], &builds));
     table::print(&text)?;
     if let Some(folder) = &args.report {
         let object = |rows: &[Row]| rows.iter().map(Row::json).collect::<Vec<_>>();

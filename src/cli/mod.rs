@@ -4,6 +4,7 @@
 
 mod accels;
 mod args;
+mod bench;
 mod diff;
 mod error;
 mod golden;
@@ -41,6 +42,7 @@ enum Command {
     Accels(accels::AccelsArgs),
     Trace(trace::TraceArgs),
     Validate(validate::ValidateArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// Runs the command that the process was started with.
@@ -65,6 +67,7 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
         Command::Accels(args) => Ok(accels::run(&args)),
         Command::Trace(args) => trace::run(&args),
         Command::Validate(args) => validate::run(&args),
+        Command::Bench(args) => bench::run(&args),
     }
 }
 

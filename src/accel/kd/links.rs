@@ -160,7 +160,7 @@ impl Face {
 
 /// The places of all leaves, in their order.
 fn places(tree: &KdTree) -> Vec<Place> {
-    let mut places = Vec::with_capacity(tree.base.leaves.len());
+    let mut places = Vec::with_capacity(tree.base.leaves.count());
     let root = Place { cell: KdTree::SPACE, links: [[NodeId::NONE; 2]; 3] };
     let mut todo = vec![(NodeId(0), root)];
     while let Some((at, mut place)) = todo.pop() {

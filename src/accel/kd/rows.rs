@@ -54,8 +54,8 @@ fn build(input: &BuildInput<'_>, over: OverTree) -> Built {
     over(&KdTree::build(&input.source, input.options)?, input.options, input.level)
 }
 
-fn walked<W: Walk + 'static>(tree: &KdTree, level: Level, walk: W) -> Built {
-    Ok(Box::new(Walked::new(tree, walk, level)))
+fn walked<W: Walk + 'static>(tree: &KdTree, level: Level, walk: W) -> Box<dyn Accel> {
+    Box::new(Walked::new(tree, walk, level))
 }
 
 /// Calls a function that is generic over layouts with the one that was chosen.
@@ -72,19 +72,19 @@ macro_rules! in_layout {
 }
 
 fn stack<L: Layout + 'static, K: Classify + 'static>(tree: &KdTree, level: Level) -> Built {
-    walked(tree, level, FrontToBack::<L, K, Full>::new(tree, 0)?)
+    Ok(walked(tree, level, FrontToBack::<L, K, Full>::new(tree, 0)?))
 }
 
 fn plane_points<L: Layout + 'static>(tree: &KdTree, level: Level) -> Built {
-    walked(tree, level, PlanePoints::<L>::new(tree)?)
+    Ok(walked(tree, level, PlanePoints::<L>::new(tree)?))
 }
 
 fn branchless<L: Layout + 'static>(tree: &KdTree, level: Level) -> Built {
-    walked(tree, level, Branchless::<L>::new(tree)?)
+    Ok(walked(tree, level, Branchless::<L>::new(tree)?))
 }
 
 fn keeping<T: Todo + 'static>(tree: &KdTree, level: Level, entries: usize) -> Built {
-    walked(tree, level, FrontToBack::<Compact, ByDirection, T>::new(tree, entries)?)
+    Ok(walked(tree, level, FrontToBack::<Compact, ByDirection, T>::new(tree, entries)?))
 }
 
 fn entries(options: &Options) -> usize {
@@ -117,7 +117,7 @@ rows! {
     /// nodes of all: the measure of what the others save. Ours moves on by distances, not by an
     /// epsilon, so it can't loop.
     SEQUENTIAL: "kd-sequential", &OPTIONS,
-        |tree, _, level| walked(tree, level, LeafByLeaf::<FromRoot>::new(tree)),
+        |tree, _, level| Ok(walked(tree, level, LeafByLeaf::<FromRoot>::new(tree))),
         "kd-tree, every leaf found anew from the root; no stack",
         "Kaplan 1985; review by Hapala and Havran 2011, 3.1";
     /// A stack of far children; the near child is the one with the ray's origin. Ours is correct
@@ -146,13 +146,13 @@ rows! {
         "Hapala 2009; review, 5.5";
     /// Links from leaf to leaf: the fewest nodes, no stack, some 50 bytes more a leaf.
     ROPES: "kd-ropes", &OPTIONS,
-        |tree, _, level| walked(tree, level, LeafByLeaf::<Ropes>::new(tree)),
+        |tree, _, level| Ok(walked(tree, level, LeafByLeaf::<Ropes>::new(tree))),
         "kd-tree, links between neighbouring leaves instead of a stack",
         "MacDonald and Booth 1990; Popov et al. 2007; review, 3.3";
     /// Links lead to small trees of just the leaves at a face: fewer nodes again than ropes, for
     /// much more memory and a longer build.
     ROPE_TREES: "kd-rope-trees", &OPTIONS,
-        |tree, _, level| walked(tree, level, LeafByLeaf::<RopeTrees>::new(tree)),
+        |tree, _, level| Ok(walked(tree, level, LeafByLeaf::<RopeTrees>::new(tree))),
         "kd-tree, links to trees of the leaves that touch a face",
         "Havran, Bittner and Zara 1998; review, 3.3";
     /// Begins at the root after every leaf: constant memory and nothing derived, twice the nodes.
@@ -163,14 +163,14 @@ rows! {
     /// Goes up by parents until a box goes on, then down: fewer nodes than restart, 32 bytes more
     /// for every node.
     BACKTRACK: "kd-backtrack", &OPTIONS,
-        |tree, _, level| walked(tree, level, Backtrack::<EveryNode>::new(tree, 1)),
+        |tree, _, level| Ok(walked(tree, level, Backtrack::<EveryNode>::new(tree, 1))),
         "kd-tree, back up by parents and boxes in every node",
         "Foley and Sugerman 2005; review, 5.1.1";
     /// The same with boxes on every Nth level: most of the gain for a fraction of the memory.
     SPARSE_BOXES: "kd-sparse-boxes", &WITH_EVERY,
         |tree, options, level| {
             let every = options.integer("every") as usize;
-            walked(tree, level, Backtrack::<EveryNth>::new(tree, every))
+            Ok(walked(tree, level, Backtrack::<EveryNth>::new(tree, every)))
         },
         "kd-tree, back up by parents and boxes on some levels",
         "Havran and Bittner 2007; review, 5.1.2";

@@ -11,8 +11,9 @@ pub struct Slack {
     centre: Vec3,
     /// Largest distance of an origin from the centre, along an axis, of a tame ray.
     reach: f32,
-    /// Largest component of a direction of a tame ray.
+    /// Bounds of the largest component of a direction of a tame ray.
     stride: f32,
+    creep: f32,
 }
 
 impl Slack {
@@ -35,12 +36,15 @@ impl Slack {
         let reach = longest * Self::REACH;
         // A distance of delta must still be a normal number: 2^-110 leaves sixteen bits of room.
         let stride = (delta * 1.298074e33).min(f32::MAX);
-        let slack = Self { delta, centre: bounds.centre(), reach, stride };
+        // And the distance of all that matters must be finite.
+        let creep = reach * 1.880791e-37; // 2^-122
+        let slack = Self { delta, centre: bounds.centre(), reach, stride, creep };
         (reach * Self::FAR).is_finite().then_some(slack)
     }
 
     /// The slack of a scene that can't be divided: no ray is tame.
-    pub const NONE: Self = Self { delta: 0.0, centre: Vec3::ZERO, reach: -1.0, stride: 0.0 };
+    pub const NONE: Self =
+        Self { delta: 0.0, centre: Vec3::ZERO, reach: -1.0, stride: 0.0, creep: 0.0 };
 
     /// A box with slack.
     pub fn grow(&self, bounds: &Aabb) -> Aabb {
@@ -52,7 +56,7 @@ impl Slack {
     pub fn is_tame(&self, ray: &Ray) -> bool {
         let far = (ray.origin() - self.centre).abs().max_element();
         let fast = ray.direction().abs().max_element();
-        (far <= self.reach) & (fast <= self.stride)
+        far <= self.reach && fast <= self.stride && fast >= self.creep
     }
 
     /// Whether the hit points of this ray are close enough to their triangles for a tree that

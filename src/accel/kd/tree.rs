@@ -104,7 +104,7 @@ impl Leaves {
     }
 
     /// How many leaves there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.starts.len() - 1
     }
 

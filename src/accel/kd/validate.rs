@@ -14,7 +14,7 @@ impl KdTree {
     /// Says what is wrong.
     pub fn validate(&self) -> Result<(), String> {
         self.validate_cells()?;
-        let lists: Vec<HashSet<TriangleId>> = (0..self.base.leaves.len())
+        let lists: Vec<HashSet<TriangleId>> = (0..self.base.leaves.count())
             .map(|leaf| self.base.leaves.triangles(LeafId(leaf as u32)).collect())
             .collect();
         for i in 0..self.base.source.len() {
@@ -50,7 +50,7 @@ impl KdTree {
                 }
             }
         }
-        if next != self.nodes.len() || leaves != self.base.leaves.len() {
+        if next != self.nodes.len() || leaves != self.base.leaves.count() {
             return Err(format!("{next} nodes and {leaves} leaves are reached"));
         }
         Ok(())

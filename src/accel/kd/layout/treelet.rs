@@ -89,7 +89,7 @@ impl<const FILLED: bool> Nodes for Lines<FILLED> {
         }
         let line = &self.lines[(at.0 >> 3) as usize];
         let place = (at.0 & 7) as usize;
-        let axis = line.splits[AXES] >> (2 * place) & 3;
+        let axis = (line.splits[AXES] >> (2 * place)) & 3;
         if axis == LEAF {
             return View::Leaf(LeafId(line.splits[place]));
         }
@@ -97,7 +97,7 @@ impl<const FILLED: bool> Nodes for Lines<FILLED> {
             let lower = (at.0 & !7) + 2 * place as u32 + 1;
             [lower, lower + 1]
         } else {
-            let exit = 2 * (place - 3) & 7;
+            let exit = (2 * (place - 3)) & 7;
             [line.exits[exit], line.exits[exit + 1]]
         };
         View::Inner {

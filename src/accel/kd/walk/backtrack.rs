@@ -68,7 +68,7 @@ impl Recorded for EveryNth {
         let mut before = 0;
         let word = |depths: &[u8]| {
             let bits = depths.iter().enumerate().fold(0_u64, |bits, (i, &depth)| {
-                bits | u64::from(depth as usize % every == 0) << i
+                bits | (u64::from((depth as usize).is_multiple_of(every)) << i)
             });
             let word = (bits, before);
             before += bits.count_ones();

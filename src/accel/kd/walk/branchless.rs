@@ -65,12 +65,12 @@ impl<L: Layout> Walk for Branchless<L> {
                     let t_split = visit.ray.t_split(axis, split);
                     let near = visit.ray.near(axis);
                     let skip_near = t_split <= enter;
-                    let cross_far = skip_near | (t_split < exit);
+                    let cross_far = u8::from(skip_near) | u8::from(t_split < exit);
                     stack[top & MASK] = (children[1 - near], exit);
                     top += usize::from(cross_far);
                     stack[top & MASK] = (children[near], t_split.min(exit));
                     top -= usize::from(skip_near);
-                    visit.counters.add(Event::Push, u64::from(cross_far & !skip_near));
+                    visit.counters.add(Event::Push, u64::from(cross_far & u8::from(!skip_near)));
                 }
                 View::Leaf(leaf) => {
                     if visit.leaf_ends(leaf, exit) || top == 0 {

@@ -122,7 +122,7 @@ impl Next for FromRoot {
     const EVENT: Option<Event> = Some(Event::Restart);
 
     fn new(tree: &KdTree) -> Self {
-        let mut cells = Vec::with_capacity(tree.base.leaves.len());
+        let mut cells = Vec::with_capacity(tree.base.leaves.count());
         tree.for_each_cell(KdTree::SPACE, |at, cell, _| {
             if let super::super::tree::Node::Leaf(_) = tree.nodes[at.index()] {
                 cells.push(*cell);
