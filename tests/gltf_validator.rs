@@ -8,6 +8,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use dapple::scene::{LoadError, LoadOptions, Scene, gltf};
 use serde_json::{Value, json};
 
@@ -84,8 +85,8 @@ fn edited(edits: &[(&str, &str)]) -> Vec<u8> {
     if !own_uri {
         let bytes = positions.iter().flat_map(|x| x.to_le_bytes());
         let bytes = bytes.chain(indices.iter().flat_map(|i| i.to_le_bytes()));
-        let escaped: String = bytes.map(|byte| format!("%{byte:02x}")).collect();
-        let uri = format!("data:application/octet-stream,{escaped}");
+        let text = BASE64_STANDARD.encode(bytes.collect::<Vec<u8>>());
+        let uri = format!("data:application/octet-stream;base64,{text}");
         set(&mut document, "/buffers/0/uri", uri.into());
     }
     serde_json::to_vec(&document).expect("serialises")
