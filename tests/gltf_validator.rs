@@ -8,6 +8,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use dapple::scene::{LoadError, LoadOptions, Scene, gltf};
 use serde_json::{Value, json};
 
@@ -84,9 +85,8 @@ fn edited(edits: &[(&str, &str)]) -> Vec<u8> {
     if !own_uri {
         let bytes = positions.iter().flat_map(|x| x.to_le_bytes());
         let bytes = bytes.chain(indices.iter().flat_map(|i| i.to_le_bytes()));
-        let escaped: Vec<String> = bytes.map(|byte| format!("%{byte:02x}")).collect();
-        let escaped = escaped.concat();
-        let uri = format!("data:application/octet-stream,{escaped}");
+        let text = BASE64_STANDARD.encode(bytes.collect::<Vec<u8>>());
+        let uri = format!("data:application/octet-stream;base64,{text}");
         set(&mut document, "/buffers/0/uri", uri.into());
     }
     serde_json::to_vec(&document).expect("serialises")
@@ -210,12 +210,25 @@ fn a_folder_of_reports_agrees_with_the_table() {
         }
         let result = parse(&fs::read(&file).expect("the file is read"), &file);
         files += 1;
-        if verdict(&result) != most {
+        let agrees = verdict(&result) == most || most == Ignored && is_no_flaw(&result);
+        if !agrees {
             wrong.push(format!("{}: not {most:?}: {}", file.display(), account(&result)));
         }
     }
     assert!(files > 0, "the folder has reports");
     assert!(wrong.is_empty(), "{} of {files}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Whether the file is sound and only lacks, or asks for, what it may: buffers without any data,
+/// and features that dapple does not have yet.
+fn is_no_flaw(result: &Result<Scene, LoadError>) -> bool {
+    match result {
+        Ok(scene) => scene.notices.iter().all(|notice| notice.message.contains("supported")),
+        Err(LoadError::References { broken, .. }) => {
+            broken.iter().all(|broken| broken.reason.contains("neither a URI nor"))
+        }
+        Err(_) => false,
+    }
 }
 
 fn reports(folder: &Path) -> Vec<PathBuf> {

@@ -25,7 +25,8 @@ pub const FLAWS: &[Flaw] = &[
     flaw("ACCESSOR_MAX_MISMATCH", "", Ignored, &[("/accessors/0/max", "[9, 9, 9]")]),
     flaw("ACCESSOR_MIN_MISMATCH", "", Ignored, &[("/accessors/0/min", "[-9, -9, -9]")]),
     flaw("ACCESSOR_NORMALIZED_INVALID", "", Warned, &[("/accessors/0/normalized", "true")]),
-    flaw("ACCESSOR_OFFSET_ALIGNMENT", "", Warned, &[("/accessors/1/byteOffset", "1")]),
+    flaw("ACCESSOR_OFFSET_ALIGNMENT", "", Warned, &[("/accessors/2", r#"{"bufferView": 1,
+        "byteOffset": 1, "componentType": 5123, "type": "SCALAR", "count": 1}"#)]),
     flaw("ACCESSOR_SMALL_BYTESTRIDE", "", Refused, &[("/bufferViews/0/byteStride", "8")]),
     flaw("ACCESSOR_SPARSE_COUNT_OUT_OF_RANGE", "", Refused, &[("/accessors/0/sparse",
         r#"{"count": 4, "indices": {"bufferView": 1, "componentType": 5123},
@@ -34,7 +35,9 @@ pub const FLAWS: &[Flaw] = &[
         r#"{"count": 1, "indices": {"bufferView": 1, "componentType": 5123},
         "values": {"bufferView": 0}}"#)]),
     flaw("ACCESSOR_TOO_LONG", "", Refused, &[("/accessors/0/count", "4")]),
-    flaw("ACCESSOR_TOTAL_OFFSET_ALIGNMENT", "", Warned, &[("/bufferViews/1/byteOffset", "35")]),
+    flaw("ACCESSOR_TOTAL_OFFSET_ALIGNMENT", "", Warned, &[("/accessors/2", r#"{"bufferView": 2,
+        "componentType": 5123, "type": "SCALAR", "count": 1}"#),
+        ("/bufferViews/2", r#"{"buffer": 0, "byteOffset": 1, "byteLength": 2}"#)]),
     // Normalised; the lengths say nothing.
     flaw("ACCESSOR_VECTOR3_NON_UNIT", "", Warned, &[
         ("/meshes/0/primitives/0/attributes/NORMAL", "0")]),
@@ -110,7 +113,7 @@ pub const FLAWS: &[Flaw] = &[
     flaw("VALUE_MULTIPLE_OF", "", Warned, &[("/bufferViews/1/byteStride", "5"),
         ("/accessors/1/count", "1"), ("/meshes/0/primitives/0/indices", "null")]),
     flaw("VALUE_NOT_IN_LIST", "", Refused, &[("/accessors/0/type", r#""VEC5""#)]),
-    flaw("VALUE_NOT_IN_RANGE", "znear", Ignored, &[("/cameras/0/perspective/znear", "0")]),
+    flaw("VALUE_NOT_IN_RANGE", "cameras", Refused, &[("/cameras/0/perspective/znear", "0")]),
     flaw("VALUE_NOT_IN_RANGE", "materials", Warned, &[
         ("/materials/0/pbrMetallicRoughness/roughnessFactor", "1.2")]),
     flaw("VALUE_NOT_IN_RANGE", "", Refused, &[("/bufferViews/0/byteLength", "0")]),

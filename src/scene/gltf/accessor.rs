@@ -84,12 +84,23 @@ impl Shape {
         })
     }
 
-    /// Bytes per element, without those between elements.
+    /// Bytes per element, without those after it.
     fn size(self, component: Component) -> u64 {
         match self {
             Self::Scalar => component.size(),
             Self::Vector(count) => count * component.size(),
-            Self::Matrix(columns) => columns * (columns * component.size()).next_multiple_of(4),
+            Self::Matrix(columns) => {
+                let column = columns * component.size();
+                (columns - 1) * column.next_multiple_of(4) + column
+            }
+        }
+    }
+
+    /// Bytes from one element to the next where they are packed tightly.
+    fn packed_stride(self, component: Component) -> u64 {
+        match self {
+            Self::Scalar | Self::Vector(_) => self.size(component),
+            Self::Matrix(_) => self.size(component).next_multiple_of(4),
         }
     }
 }
@@ -198,7 +209,7 @@ fn accessor(object: &Object, views: &[View], notices: &mut Notices) -> Result<Ac
     let offset = object.whole("byteOffset")?.unwrap_or(0);
     let size = shape.size(component);
     let view = object.reference("bufferView", "buffer view", views.len())?;
-    let stride = view.and_then(|view| views[view].stride).unwrap_or(size);
+    let stride = view.and_then(|view| views[view].stride).unwrap_or(shape.packed_stride(component));
     if let Some(view) = view {
         if stride < size {
             let message = format!(
@@ -338,8 +349,12 @@ mod tests {
 
     #[test]
     fn columns_of_matrices_are_aligned() {
-        assert_eq!(Shape::Matrix(2).size(Component::U8), 8);
-        assert_eq!(Shape::Matrix(3).size(Component::I16), 24);
-        assert_eq!(Shape::Matrix(4).size(Component::F32), 64);
+        let sizes = |columns, component| {
+            let shape = Shape::Matrix(columns);
+            (shape.size(component), shape.packed_stride(component))
+        };
+        assert_eq!(sizes(2, Component::U8), (6, 8));
+        assert_eq!(sizes(3, Component::I16), (22, 24));
+        assert_eq!(sizes(4, Component::F32), (64, 64));
     }
 }

@@ -62,7 +62,9 @@ fn camera(object: &Object, notices: &mut Notices) -> Result<CameraDeclaration, F
 
 fn perspective(lens: &Object) -> Result<Projection, Fault> {
     let yfov = lens.required_number("yfov")?;
-    lens.required_number("znear")?;
+    if lens.required_number("znear")? <= 0.0 {
+        return Err(lens.fault_at("znear", "must be above 0"));
+    }
     if !(yfov > 0.0 && yfov < std::f32::consts::PI) {
         return Err(lens.fault_at("yfov", format!("{yfov} is not between 0 and pi")));
     }

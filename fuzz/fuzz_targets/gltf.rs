@@ -1,0 +1,11 @@
+//! Anything, as the contents of a .gltf or .glb file.
+#![no_main]
+
+use std::path::Path;
+
+use dapple::scene::{LoadOptions, MissingTexture, gltf};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let options = LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
+    let _ = gltf::parse(Path::new("no-such-folder/fuzz.gltf"), bytes, &options);
+});
