@@ -5,9 +5,10 @@
 //! Guibas 1995). Depth counts the segments of the path from the camera: 1 sees emitters alone, 2
 //! adds direct light.
 //!
-//! Shading normals may disagree with the geometry. Light never passes the geometric side that the
-//! scattering did not mean it to: a reflection that would go below the triangle, or a transmission
-//! that would stay above, is lost, for both strategies alike.
+//! Shading normals may disagree with the geometry. What the scattering means as a reflection must be
+//! one by the triangle too, and so must a transmission: what would leak through the triangle, or
+//! stay on its side when it should have passed, is lost, for both strategies alike. So light never
+//! comes through a surface that does not transmit, and a terminator is where the geometry has it.
 
 use super::weight::{power_heuristic, survival};
 use crate::accel::ClosestHit;
@@ -185,7 +186,7 @@ impl<'w> PathTracer<'w> {
 
         let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
             let direction = surface.frame.to_world(scattered.wi);
-            let passes = passes(&surface, direction, scattered.wi)?;
+            let passes = passes(&surface, direction, wo, scattered.wi)?;
             path.throughput *= scattered.weight;
             path.eta_squared *= scattered.eta * scattered.eta;
             path.pdf = if scattered.delta { f32::INFINITY } else { scattered.pdf };
@@ -262,7 +263,7 @@ impl<'w> PathTracer<'w> {
         let u_light = path.sampler.next_1d();
         let light = self.world.sample_light(surface, u_light, u)?;
         let wi = surface.frame.to_local(light.direction);
-        let passes = passes(surface, light.direction, wi)?;
+        let passes = passes(surface, light.direction, wo, wi)?;
         let (scattered, pdf) = bsdf.eval(wo, wi);
         if scattered == Vec3::ZERO {
             return None;
@@ -288,19 +289,18 @@ enum Passes {
     OutOf,
 }
 
-/// On which side a direction goes on; `None` where shading and geometric normal do not agree about
-/// it. About the viewer's they do, see [`World::surface`].
+/// On which side a direction goes on; `None` where shading and geometric normal do not agree on
+/// whether that is through the surface. `wo` and `wi` are those of the shading frame.
 #[inline]
-fn passes(surface: &Surface, direction: Vec3, local: Vec3) -> Option<Passes> {
+fn passes(surface: &Surface, direction: Vec3, wo: Vec3, wi: Vec3) -> Option<Passes> {
     let above = surface.normal.dot(direction);
-    if above * local.z <= 0.0 {
-        return None;
-    }
-    Some(match (surface.front, above > 0.0) {
+    let goes_on = match (surface.front, above > 0.0) {
         (true, true) | (false, false) => Passes::Reflected,
         (true, false) => Passes::Into,
         (false, true) => Passes::OutOf,
-    })
+    };
+    let reflected = wo.z * wi.z > 0.0;
+    (above != 0.0 && reflected == (goes_on == Passes::Reflected)).then_some(goes_on)
 }
 
 /// Metres from a ray's origin to its end.
