@@ -5,10 +5,9 @@
 //! Guibas 1995). Depth counts the segments of the path from the camera: 1 sees emitters alone, 2
 //! adds direct light.
 //!
-//! Shading normals may disagree with the geometry. What the scattering means as a reflection must be
-//! one by the triangle too, and so must a transmission: what would leak through the triangle, or
-//! stay on its side when it should have passed, is lost, for both strategies alike. So light never
-//! comes through a surface that does not transmit, and a terminator is where the geometry has it.
+//! Shading normals may disagree with the geometry. Light never passes the geometric side that the
+//! scattering did not mean it to: a reflection that would go below the triangle, or a transmission
+//! that would stay above, is lost, for both strategies alike.
 
 use super::weight::{power_heuristic, survival};
 use crate::accel::ClosestHit;
@@ -289,18 +288,22 @@ enum Passes {
     OutOf,
 }
 
-/// On which side a direction goes on; `None` where shading and geometric normal do not agree on
-/// whether that is through the surface. `wo` and `wi` are those of the shading frame.
+/// On which side a direction goes on; `None` where shading and geometric normal do not agree about
+/// whether it stays on the viewer's side. About the viewer's own side they need not: where a
+/// smooth normal turns away from him at a silhouette, the surface scatters from its other side.
 #[inline]
 fn passes(surface: &Surface, direction: Vec3, wo: Vec3, wi: Vec3) -> Option<Passes> {
     let above = surface.normal.dot(direction);
-    let goes_on = match (surface.front, above > 0.0) {
+    let stays = (above > 0.0) == surface.front;
+    let seems_to_stay = (wi.z > 0.0) == (wo.z > 0.0);
+    if above == 0.0 || stays != seems_to_stay {
+        return None;
+    }
+    Some(match (surface.front, above > 0.0) {
         (true, true) | (false, false) => Passes::Reflected,
         (true, false) => Passes::Into,
         (false, true) => Passes::OutOf,
-    };
-    let reflected = wo.z * wi.z > 0.0;
-    (above != 0.0 && reflected == (goes_on == Passes::Reflected)).then_some(goes_on)
+    })
 }
 
 /// Metres from a ray's origin to its end.

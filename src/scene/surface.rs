@@ -115,7 +115,8 @@ impl World {
             normal,
             uv: &uv,
         });
-        let front = normal.dot(ray.direction()) < 0.0;
+        let towards_viewer = -ray.direction();
+        let front = normal.dot(towards_viewer) > 0.0;
         Surface {
             position,
             position_error,
