@@ -11,15 +11,31 @@ use crate::geom::{Triangle, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, NodeId, TriangleId};
 
 /// A leaf, numbered in the order of a depth-first walk.
+///
+/// Says by itself whether it is empty, as most leaves are that a ray visits: so a walk need not
+/// look their lists up. 31 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct LeafId(pub u32);
 
 impl LeafId {
-    /// The index as one into a slice.
+    const EMPTY: u32 = 1 << 30;
+
+    /// The leaf of that number.
+    pub fn new(number: usize, is_empty: bool) -> Self {
+        Self(number as u32 | if is_empty { Self::EMPTY } else { 0 })
+    }
+
+    /// The number as an index into a slice.
     #[inline(always)]
     pub const fn index(self) -> usize {
-        self.0 as usize
+        (self.0 & !Self::EMPTY) as usize
+    }
+
+    /// Whether it has no triangles.
+    #[inline(always)]
+    pub const fn is_empty(self) -> bool {
+        self.0 & Self::EMPTY != 0
     }
 }
 
@@ -139,10 +155,15 @@ impl Leaves {
     /// Puts up to four triangles together; what is missing repeats the first.
     #[inline(always)]
     pub fn block<S: Simd>(&self, simd: S, ids: &[TriangleId]) -> Block {
-        let mut lanes = [TriangleId::NONE; LANES];
-        lanes[..ids.len()].copy_from_slice(ids);
-        let corners =
-            lanes.map(|id| self.corners(if id == TriangleId::NONE { ids[0] } else { id }));
+        let first = ids[0];
+        let mut lanes = [first, TriangleId::NONE, TriangleId::NONE, TriangleId::NONE];
+        let mut corners = [self.corners(first); LANES];
+        for lane in 1..LANES {
+            if let Some(&id) = ids.get(lane) {
+                lanes[lane] = id;
+                corners[lane] = self.corners(id);
+            }
+        }
         let mut block = Block { vertices: [[[0.0; LANES]; 3]; 3], ids: lanes };
         for (vertex, rows) in block.vertices.iter_mut().enumerate() {
             let row = |lane: usize| f32x4::load_array_ref(simd, &corners[lane][vertex]);

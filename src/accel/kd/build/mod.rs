@@ -38,7 +38,7 @@ pub const OPTIONS: [OptionSpec; 5] = [
         name: "cost",
         summary: "cost of testing a triangle in steps down the tree, for the heuristic",
         values: Values::Number(0.01, 100.0),
-        default: Value::Number(1.0),
+        default: Value::Number(0.4),
     },
     OptionSpec {
         name: "empty",

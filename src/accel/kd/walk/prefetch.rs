@@ -152,6 +152,10 @@ impl<'a, Q: Query> Flight<'a, Q> {
     ) -> bool {
         match self.turn {
             Turn::Node(packed) => match packed.view(self.at) {
+                View::Leaf(leaf) if leaf.is_empty() => {
+                    counters.count(Event::Leaf);
+                    return self.ends(walk);
+                }
                 View::Leaf(leaf) => {
                     self.turn = Turn::List(leaf, walk.base.leaves.range(leaf));
                 }
@@ -173,26 +177,29 @@ impl<'a, Q: Query> Flight<'a, Q> {
                     self.turn = Turn::Node(walk.layout.packed(self.at));
                 }
             },
-            Turn::List(leaf, (start, end)) if start < end => {
+            Turn::List(leaf, (start, _)) => {
                 self.turn = Turn::First(leaf, walk.base.leaves.id(start));
             }
             Turn::First(leaf, first) => {
                 self.turn = Turn::Test(leaf, walk.base.leaves.corners(first)[0][0]);
             }
-            Turn::List(leaf, _) | Turn::Test(leaf, _) => {
-                if let Turn::Test(_, read) = self.turn {
-                    std::hint::black_box(read);
-                }
+            Turn::Test(leaf, read) => {
+                std::hint::black_box(read);
                 let exit = self.span.exit;
-                if self.visit(&walk.base, leaf_test, counters).leaf_ends(leaf, exit) {
-                    return true;
-                }
-                let Some((far, exit)) = self.todo.pop() else { return true };
-                (self.at, self.span) = (far, Span { enter: self.span.exit, exit });
-                self.turn = Turn::Node(walk.layout.packed(far));
+                return self.visit(&walk.base, leaf_test, counters).leaf_ends(leaf, exit)
+                    || self.ends(walk);
             }
         }
         false
+    }
+
+    /// Goes on with what was put aside last; true if there is nothing, or nothing that matters.
+    #[inline(always)]
+    fn ends(&mut self, walk: &Prefetch) -> bool {
+        let Some((far, exit)) = self.todo.pop() else { return true };
+        (self.at, self.span) = (far, Span { enter: self.span.exit, exit });
+        self.turn = Turn::Node(walk.layout.packed(far));
+        self.query.t_max() < self.span.enter
     }
 }
 

@@ -54,7 +54,6 @@ fn test_all<S: Simd, Q: Query, C: Counters>(
     counters: &mut C,
 ) -> ControlFlow<()> {
     for ids in ids.chunks(LANES) {
-        counters.add(Event::TriangleLane, ids.len() as u64);
         let block = leaves.block(simd, ids);
         test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, &block, query, counters)?;
     }
@@ -97,8 +96,11 @@ impl<Q: Query, C: Counters> Visit<'_, Q, C> {
     #[inline(always)]
     pub fn leaf(&mut self, leaf: LeafId) -> bool {
         self.counters.count(Event::Leaf);
+        if leaf.is_empty() {
+            return false;
+        }
         let leaves = &self.base.leaves;
         let ids = leaves.triangles(leaf);
-        !ids.is_empty() && self.leaf_test.test(leaves, ids, self.shot, self.query, self.counters)
+        self.leaf_test.test(leaves, ids, self.shot, self.query, self.counters)
     }
 }
