@@ -6,7 +6,7 @@ mod files;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use dapple::scene::{AlphaMode, EnvironmentImage, LoadOptions, obj};
+use dapple::scene::{AlphaMode, EnvironmentImage, LoadOptions, load, obj};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
@@ -21,6 +21,18 @@ fn scenes_are_what_the_example_makes() {
     }
     let total: usize = made.iter().map(|(_, bytes)| bytes.len()).sum();
     assert!(total < 2_000_000, "{total} bytes");
+}
+
+#[test]
+fn scenes_load_without_a_word() {
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    for (name, _) in files::all() {
+        if Path::new(&name).extension().is_some_and(|ending| ending == "gltf") {
+            let scene = load(&folder().join(&name), &strict);
+            let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(scene.cameras.len(), 1, "{name}");
+        }
+    }
 }
 
 #[test]

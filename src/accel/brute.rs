@@ -182,7 +182,7 @@ impl Traverse for Brute {
                 let shots: Vec<Shot<'_>> = (rays.iter().enumerate())
                     .map(|(i, ray)| Shot::new(ray, group * RAYS + i, batch.filter()))
                     .collect();
-                crate::vectorized!(self.level, simd =>
+                crate::simd::vectorized!(self.level, simd =>
                     self.group::<_, Q, C>(simd, &shots, answers, &mut counters));
                 counters
             })

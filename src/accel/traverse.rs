@@ -89,7 +89,7 @@ trait Shoot {
 impl<T: Traverse> Shoot for Worker<'_, T, NotCounted> {
     fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
         assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
-        crate::vectorized!(self.structure.level(), simd => self.structure.shoot::<_, Q, _>(
+        crate::simd::vectorized!(self.structure.level(), simd => self.structure.shoot::<_, Q, _>(
             simd,
             batch,
             answers,

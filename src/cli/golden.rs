@@ -18,6 +18,7 @@ const MANIFEST_HELP: &str = r#"golden.toml:
   render = ["--max-depth", "6"]
   limits = { flip = 0.002 }
 
+In render, {folder} stands for the folder of golden.toml.
 Limits are pixels-off (0.001) beyond tolerance (1e-4), flip (0.001) and relmse. With rule = "ztest"
 pixels need not be equal but have the same expectation: then bad-tiles (0.01) counts."#;
 

@@ -24,7 +24,7 @@ pub fn write(
     write_beside(path, fill).map_err(|source| FilmError::write(path, source))
 }
 
-/// Writes `bytes` as [`write`] does.
+/// Writes `bytes` as [`write()`] does.
 ///
 /// # Errors
 /// [`FilmError::Write`].

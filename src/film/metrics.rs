@@ -1,7 +1,7 @@
 //! Figures about two pictures, pixel by pixel.
 //!
 //! A pixel that is not finite in either picture has no place in a mean. It is left out of all
-//! figures, and counted: [`Errors::not_finite`].
+//! figures, and counted: [`NotFinite`].
 
 /// Which pixels are finite in both pictures, and how many are not in which.
 #[derive(Clone, Debug, PartialEq)]

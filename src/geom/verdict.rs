@@ -86,8 +86,13 @@ pub fn verdict(slab: &SlabRay, shear: &ShearRay, triangle: &Triangle) -> Option<
     if det.abs() <= EDGE_ON * magnitude {
         return None;
     }
+    let distance = wa * a[2] + wb * b[2] + wc * c[2];
+    let depth = a[2].abs().max(b[2].abs()).max(c[2].abs());
+    if distance.abs() <= 32.0 * f64::EPSILON * magnitude * depth {
+        return None;
+    }
     let inv_det = 1.0 / det;
-    let t = ((wa * a[2] + wb * b[2] + wc * c[2]) * inv_det) as f32;
+    let t = (distance * inv_det) as f32;
     let (enter, exit) = slab.interval(&own_box(triangle));
     // Also refuses a NaN, should a huge triangle have made one.
     if !(enter <= exit && t < f32::INFINITY) {
@@ -131,6 +136,17 @@ mod tests {
         assert_eq!(ask([0.5, 0.0, -1.0], [0.0, 0.0, 1.0], &line), None);
         let point = Triangle { a: Vec3::X, b: Vec3::X, c: Vec3::X };
         assert_eq!(ask([1.0, 0.0, -1.0], [0.0, 0.0, 1.0], &point), None);
+    }
+
+    #[test]
+    fn a_triangle_is_not_hit_from_a_point_on_it() {
+        for i in 0..1000_u32 {
+            let random = |k: u32| (i.wrapping_mul(2654435761).wrapping_add(k * 40503) >> 8) as f32;
+            let unit = |k: u32| random(k) / 16777216.0;
+            let (u, v) = (unit(1) * 0.5, unit(2) * 0.5);
+            let direction = [unit(3) - 0.5, unit(4) - 0.5, unit(5) * 0.1];
+            assert_eq!(ask([u * 4.0, v * 4.0, 0.0], direction, &WALL), None, "{direction:?}");
+        }
     }
 
     #[test]

@@ -185,7 +185,7 @@ impl<'w> PathTracer<'w> {
 
         let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
             let direction = surface.frame.to_world(scattered.wi);
-            let passes = passes(&surface, direction, scattered.wi)?;
+            let passes = passes(&surface, direction, wo, scattered.wi)?;
             path.throughput *= scattered.weight;
             path.eta_squared *= scattered.eta * scattered.eta;
             path.pdf = if scattered.delta { f32::INFINITY } else { scattered.pdf };
@@ -262,7 +262,7 @@ impl<'w> PathTracer<'w> {
         let u_light = path.sampler.next_1d();
         let light = self.world.sample_light(surface, u_light, u)?;
         let wi = surface.frame.to_local(light.direction);
-        let passes = passes(surface, light.direction, wi)?;
+        let passes = passes(surface, light.direction, wo, wi)?;
         let (scattered, pdf) = bsdf.eval(wo, wi);
         if scattered == Vec3::ZERO {
             return None;
@@ -289,11 +289,14 @@ enum Passes {
 }
 
 /// On which side a direction goes on; `None` where shading and geometric normal do not agree about
-/// it. About the viewer's they do, see [`World::surface`].
+/// whether it stays on the viewer's side. About the viewer's own side they need not: where a
+/// smooth normal turns away from him at a silhouette, the surface scatters from its other side.
 #[inline]
-fn passes(surface: &Surface, direction: Vec3, local: Vec3) -> Option<Passes> {
+fn passes(surface: &Surface, direction: Vec3, wo: Vec3, wi: Vec3) -> Option<Passes> {
     let above = surface.normal.dot(direction);
-    if above * local.z <= 0.0 {
+    let stays = (above > 0.0) == surface.front;
+    let seems_to_stay = (wi.z > 0.0) == (wo.z > 0.0);
+    if above == 0.0 || stays != seems_to_stay {
         return None;
     }
     Some(match (surface.front, above > 0.0) {

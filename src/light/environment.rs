@@ -2,13 +2,14 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use crate::math::{Vec2, Vec3};
+use crate::math::{DVec3, Vec2, Vec3};
 use crate::sampling::{Distribution2d, warp};
 
 /// Radiance that arrives from each direction where nothing is in the way.
 ///
-/// An image is a map of latitude and longitude: its centre column looks towards -Z, +X is to the
-/// right of it and +Y is up.
+/// An image is a map of latitude and longitude: its centre looks towards -Z, +X is to the right of
+/// it and +Y is up. The first row lies on the pole +Y and the last on -Y; columns lie half a column
+/// inside the image's edges, which meet towards +Z (Mitsuba has them so).
 #[derive(Debug)]
 pub struct Environment {
     source: Source,
@@ -40,7 +41,7 @@ struct Image {
     height: usize,
     /// Rows from +Y down, the scale multiplied in.
     pixels: Vec<[f32; 3]>,
-    /// Over the unit square of the image; piecewise constant over texels.
+    /// Over the unit square of cells, see [`Image::locate`]; constant in each.
     distribution: Distribution2d,
     /// Cosine and sine of the rotation about +Y.
     rotation: (f32, f32),
@@ -71,20 +72,24 @@ impl Environment {
         for value in pixels.iter_mut().flatten() {
             *value *= scale;
         }
-        let sines: Vec<f32> =
-            (0..height).map(|y| libm::sinf(PI * (y as f32 + 0.5) / height as f32)).collect();
-        let mean = spherical_mean(width, &pixels, &sines);
-        let weights = importance(width, height, &pixels, &sines);
+        let cells = Cells { width, height, pixels: &pixels };
+        let mean = cells.spherical_mean();
+        let distribution = Distribution2d::new(width, cells.rows(), &cells.importance())
+            .expect("weights are finite and not all zero");
         let radians = rotate_degrees.to_radians();
         let image = Image {
             width,
             height,
-            distribution: Distribution2d::new(width, height, &weights)
-                .expect("weights are finite and not all zero"),
+            distribution,
             pixels,
             rotation: (libm::cosf(radians), libm::sinf(radians)),
         };
         Self { source: Source::Image(image), mean }
+    }
+
+    /// Whether the same comes from everywhere.
+    pub fn is_constant(&self) -> bool {
+        matches!(self.source, Source::Constant(_))
     }
 
     /// Mean radiance over all directions.
@@ -137,36 +142,40 @@ impl Environment {
 }
 
 impl Image {
-    /// Where a direction lies in the unit square of the image, and the sine of its polar angle.
+    /// Where a direction lies in the unit square of cells, and the sine of its polar angle. A cell
+    /// is what lies between four texels; the first column of cells starts at the first texels.
     fn locate(&self, direction: Vec3) -> (Vec2, f32) {
         let (cos, sin) = self.rotation;
         let (x, z) = (direction.x * cos - direction.z * sin, direction.x * sin + direction.z * cos);
         let sine = (x * x + z * z).sqrt();
-        let u = 0.5 + libm::atan2f(x, -z) * (0.5 * FRAC_1_PI);
+        let u = self.first_column() + libm::atan2f(x, -z) * (0.5 * FRAC_1_PI);
         let v = libm::atan2f(sine, direction.y) * FRAC_1_PI;
-        (Vec2::new(u, v), sine)
+        (Vec2::new(u - u.floor(), v), sine)
     }
 
-    /// The direction of a point of the unit square, and the sine of its polar angle.
+    /// The direction of a point of the unit square of cells, and the sine of its polar angle.
     fn direction(&self, uv: Vec2) -> (Vec3, f32) {
         let (sine, cosine) = libm::sincosf(uv.y * PI);
-        let (s, c) = libm::sincosf((uv.x - 0.5) * (2.0 * PI));
+        let (s, c) = libm::sincosf((uv.x - self.first_column()) * (2.0 * PI));
         let (x, z) = (sine * s, -sine * c);
         let (cos, sin) = self.rotation;
         (Vec3::new(x * cos + z * sin, cosine, z * cos - x * sin), sine)
     }
 
-    /// Bilinear between the centres of texels; repeats sideways, ends at the poles.
+    /// The share of the circle from the first column to the image's centre.
+    fn first_column(&self) -> f32 {
+        0.5 - 0.5 / self.width as f32
+    }
+
+    /// Bilinear in the cell of a point.
     fn look_up(&self, uv: Vec2) -> Vec3 {
-        let (x, y) = (uv.x * self.width as f32 - 0.5, uv.y * self.height as f32 - 0.5);
-        let (left, top) = (x.floor(), y.floor());
-        let (across, down) = (x - left, y - top);
-        let column = |i: i64| i.rem_euclid(self.width as i64) as usize;
-        let row = |i: i64| i.clamp(0, self.height as i64 - 1) as usize;
-        let texel = |i: i64, j: i64| Vec3::from(self.pixels[row(j) * self.width + column(i)]);
-        let (i, j) = (left as i64, top as i64);
-        let upper = texel(i, j) * (1.0 - across) + texel(i + 1, j) * across;
-        let lower = texel(i, j + 1) * (1.0 - across) + texel(i + 1, j + 1) * across;
+        let cells = Cells { width: self.width, height: self.height, pixels: &self.pixels };
+        let (x, y) = (uv.x * self.width as f32, uv.y * cells.rows() as f32);
+        let (column, row) = ((x as usize).min(self.width - 1), (y as usize).min(cells.rows() - 1));
+        let (across, down) = (x - column as f32, y - row as f32);
+        let [a, b, c, d] = cells.corners(column, row);
+        let upper = a * (1.0 - across) + b * across;
+        let lower = c * (1.0 - across) + d * across;
         upper * (1.0 - down) + lower * down
     }
 }
@@ -177,48 +186,67 @@ fn solid_angle_pdf(density: f32, sine: f32) -> f32 {
     if sine > 0.0 { density / (2.0 * PI * PI * sine) } else { 0.0 }
 }
 
-/// Mean radiance over the sphere; rows count by the sine of their polar angle.
-fn spherical_mean(width: usize, pixels: &[[f32; 3]], sines: &[f32]) -> Vec3 {
-    let (mut sum, mut weight) = ([0.0_f64; 3], 0.0_f64);
-    for (row, &sine) in pixels.chunks_exact(width).zip(sines) {
-        for (sum, channel) in sum.iter_mut().zip(0..3) {
-            *sum +=
-                row.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() * f64::from(sine);
-        }
-        weight += f64::from(sine) * width as f64;
-    }
-    Vec3::from(sum.map(|sum| (sum / weight) as f32))
+/// The cells between an image's texels: as many columns, since the image closes into a ring, and
+/// one row less.
+struct Cells<'a> {
+    width: usize,
+    height: usize,
+    pixels: &'a [[f32; 3]],
 }
 
-/// A weight for each texel: the mean of the bilinear interpolant over it, so that the rim of a
-/// bright texel, which reaches halfway into its neighbours, is chosen as often as it deserves.
-/// (The mean of a bilinear interpolant over a texel weighs texels by 1, 6, 1 over 8 on each axis.)
-fn importance(width: usize, height: usize, pixels: &[[f32; 3]], sines: &[f32]) -> Vec<f32> {
-    let brightness: Vec<f32> = pixels
-        .iter()
-        .map(|&[r, g, b]| (r.max(0.0) + g.max(0.0) + b.max(0.0)) / 3.0)
-        // NaN has become zero by now; infinity counts as much as leaves room to add.
-        .map(|value| value.min(f32::MAX / 64.0))
-        .collect();
-    let mean_of = |before: f32, here: f32, after: f32| 0.125 * (before + 6.0 * here + after);
-    let mut sideways = vec![0.0; brightness.len()];
-    for (row, out) in brightness.chunks_exact(width).zip(sideways.chunks_exact_mut(width)) {
-        for x in 0..width {
-            out[x] = mean_of(row[(x + width - 1) % width], row[x], row[(x + 1) % width]);
+impl Cells<'_> {
+    /// At least one, also for an image of a single row.
+    fn rows(&self) -> usize {
+        (self.height - 1).max(1)
+    }
+
+    /// The texels around a cell: upper left and right, lower left and right.
+    fn corners(&self, column: usize, row: usize) -> [Vec3; 4] {
+        let right = if column + 1 == self.width { 0 } else { column + 1 };
+        let below = (row + 1).min(self.height - 1);
+        let texel = |x: usize, y: usize| Vec3::from(self.pixels[y * self.width + x]);
+        [texel(column, row), texel(right, row), texel(column, below), texel(right, below)]
+    }
+
+    /// The sine of the polar angle in the middle of a row.
+    fn sine(&self, row: usize) -> f32 {
+        libm::sinf(PI * (row as f32 + 0.5) / self.rows() as f32)
+    }
+
+    /// Mean radiance over the sphere; a cell counts by the sine of its polar angle.
+    fn spherical_mean(&self) -> Vec3 {
+        let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+        for row in 0..self.rows() {
+            let of_row: DVec3 = (0..self.width)
+                .map(|column| self.corners(column, row).iter().map(|c| c.as_dvec3()).sum::<DVec3>())
+                .sum();
+            let sine = f64::from(self.sine(row));
+            sum += of_row * (0.25 * sine);
+            weight += sine * self.width as f64;
         }
+        (sum / weight).as_vec3()
     }
-    let mut weights = Vec::with_capacity(sideways.len());
-    for (y, sine) in (0..height).zip(sines) {
-        let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-        weights.extend((0..width).map(|x| {
-            let at = |row: usize| sideways[row * width + x];
-            mean_of(at(above), at(y), at(below)) * sine
-        }));
+
+    /// A weight for each cell: the mean of the bilinear interpolant over it, which is that of its
+    /// corners. So the slopes around a bright texel are chosen as often as they deserve.
+    fn importance(&self) -> Vec<f32> {
+        let brightness = |c: Vec3| {
+            // NaN counts as nothing, infinity as much as leaves room to add.
+            ((c.x.max(0.0) + c.y.max(0.0) + c.z.max(0.0)) / 3.0).min(f32::MAX / 64.0)
+        };
+        let mut weights = Vec::with_capacity(self.width * self.rows());
+        for row in 0..self.rows() {
+            let sine = self.sine(row);
+            weights.extend((0..self.width).map(|column| {
+                let corners = self.corners(column, row);
+                0.25 * sine * corners.into_iter().map(brightness).sum::<f32>()
+            }));
+        }
+        if weights.iter().all(|&weight| weight == 0.0) {
+            return vec![1.0; weights.len()]; // black: any density will do
+        }
+        weights
     }
-    if weights.iter().all(|&weight| weight == 0.0) {
-        return vec![1.0; weights.len()]; // black: any density will do
-    }
-    weights
 }
 
 #[cfg(test)]
@@ -229,7 +257,7 @@ mod tests {
     fn image(rotate: f32) -> Environment {
         let (width, height) = (32, 16);
         let mut pixels = vec![[0.1, 0.1, 0.2]; width * height];
-        for y in 6..10 {
+        for y in 6..11 {
             for x in 15..17 {
                 pixels[y * width + x] = [5.0, 0.0, 0.0];
                 pixels[y * width + x + 8] = [0.0, 5.0, 0.0];
@@ -259,7 +287,7 @@ mod tests {
                 let u = Vec2::new((i as f32 + 0.5) / 128.0, (j as f32 + 0.5) / 128.0);
                 let sample = environment.sample(u).expect("no pole");
                 let (radiance, pdf) = environment.radiance_and_pdf(sample.direction);
-                // On the border of two texels, rounding may find the other one's density.
+                // On the border of two cells, rounding may find the other one's density.
                 agreeing += i32::from((pdf / sample.pdf - 1.0).abs() < 1e-3);
                 assert!(radiance.distance(sample.radiance) < 0.01 * (1.0 + radiance.length()));
                 sum += sample.radiance / sample.pdf;

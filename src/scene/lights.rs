@@ -7,7 +7,7 @@ use super::surface::{offset_origin, triangle_point};
 use super::world::emission;
 use super::{Scene, Surface, Triangles, World};
 use crate::geom::TriangleSource;
-use crate::light::{Punctual, area_to_solid_angle, sample_triangle};
+use crate::light::{Environment, Punctual, area_to_solid_angle, sample_triangle};
 use crate::math::{InstanceId, Ray, TriangleId, Vec2, Vec3};
 use crate::sampling::AliasTable;
 
@@ -46,8 +46,8 @@ impl Lights {
         let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
-        let environment = scene.environment.as_ref().map(|environment| {
-            weights.push(weight(4.0 * PI * PI * radius * radius * mean(environment.mean())));
+        let environment = scene.environment.as_ref().map(|_| {
+            weights.push(0.0); // once the others are known
             weights.len() - 1
         });
         let first_triangle = weights.len();
@@ -69,6 +69,11 @@ impl Lights {
                 weights.push(weight(PI * area * sides * radiance));
                 emitters.push(id);
             }
+        }
+        if let (Some(light), Some(environment)) = (environment, &scene.environment) {
+            let others: f64 = weights.iter().sum();
+            let share = environment_share(environment);
+            weights[light] = if others > 0.0 { others * share / (1.0 - share) } else { 1.0 };
         }
         let table = AliasTable::new(&weights).ok();
         let punctual = scene.lights.len();
@@ -185,7 +190,7 @@ impl World {
             return None;
         }
         // From beyond this surface to short of the light's, both by their errors.
-        let (point, error) = triangle_point(&triangle, sample.uv.x, sample.uv.y);
+        let (point, error) = triangle_point(&triangle, sample.uv.x, sample.uv.y, self.slack);
         let end = offset_origin(point, error, sample.normal, -direction);
         let ray = segment(surface, direction, end);
         Some(LightSample { direction, radiance, pdf, delta: false, ray })
@@ -206,6 +211,19 @@ impl World {
 fn segment(surface: &Surface, direction: Vec3, end: Vec3) -> Ray {
     let origin = offset_origin(surface.position, surface.position_error, surface.normal, direction);
     Ray::new(origin, end - origin, 0.0, 1.0)
+}
+
+/// How often the environment is chosen where there are other lights. Its power is no measure: what
+/// falls on the bounding sphere grows with a ground plane that no one looks at. An even one is
+/// found as well by following the surface's own scattering, and so asked less often.
+fn environment_share(environment: &Environment) -> f64 {
+    if weight(mean(environment.mean())) == 0.0 {
+        0.0
+    } else if environment.is_constant() {
+        0.25
+    } else {
+        0.5
+    }
 }
 
 fn mean(radiance: Vec3) -> f32 {

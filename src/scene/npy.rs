@@ -152,6 +152,8 @@ fn write_whole(
     written.map_err(|source| NpyError::Write { path: path.into(), source })
 }
 
+/// Unlike pictures, hits are not flushed to the disk: they are quick to make again, and whoever
+/// times a run would time the disk.
 fn write_beside(path: &Path, content: Content) -> io::Result<()> {
     let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_string_lossy();
     let beside = path.with_file_name(format!(".{name}.{}.partial", std::process::id()));

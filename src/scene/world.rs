@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::defaults::bounds;
 use super::{Lights, Material, Scene, TextureRef, Triangles, Volume};
 use crate::material::{Bsdf, BsdfForm, SurfaceParams};
 use crate::math::{MaterialId, Vec2, Vec3, Vec4};
@@ -17,6 +18,9 @@ pub struct World {
     /// What shines in it.
     pub lights: Lights,
     pub(super) materials: Vec<Resolved>,
+    /// Bounds how far off a verdict in f64 may put a plane of the scene, metres: some 2000 units
+    /// in the last place of the scene's size.
+    pub(super) slack: f32,
     form: BsdfForm,
     see_through: bool,
 }
@@ -34,6 +38,9 @@ pub(super) struct Resolved {
     absorption: Option<Volume>,
 }
 
+/// 2^-42.
+const SLACK: f32 = 1.0 / (1_u64 << 42) as f32;
+
 impl World {
     /// Prepares `scene`, whose surfaces will scatter by `form`.
     ///
@@ -46,7 +53,8 @@ impl World {
         let lights = Lights::new(&scene, &triangles);
         let used = |instance: &super::Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
-        Ok(Self { scene, triangles, lights, materials, form, see_through })
+        let slack = bounds(&scene).extent().max_element().max(0.0) * SLACK;
+        Ok(Self { scene, triangles, lights, materials, slack, form, see_through })
     }
 
     /// Whether hits must be judged by their alpha; see [`super::AlphaFilter`].

@@ -86,8 +86,6 @@ impl FromStr for Isa {
 /// Compiled three times only, since each time costs seconds of building and kilobytes of binary:
 /// for AVX-512, for AVX2, and as plain code for the target's baseline (SSE2 on x86-64), which also
 /// stands in for the sets between.
-#[macro_export]
-#[doc(hidden)]
 macro_rules! vectorized {
     ($level:expr, $simd:ident => $op:expr) => {{
         use fearless_simd::{Level, Simd};
@@ -114,3 +112,5 @@ macro_rules! vectorized {
         }
     }};
 }
+
+pub(crate) use vectorized;

@@ -153,9 +153,9 @@ fn sky() -> Vec<u8> {
     let sun = direction(2.2, 0.5);
     let radiance = |toward: Vec3| {
         let up = toward.y;
-        let zenith = Vec3::new(0.12, 0.26, 0.62);
-        let horizon = Vec3::new(0.85, 0.72, 0.62);
-        let ground = Vec3::new(0.16, 0.14, 0.12);
+        let zenith = Vec3::new(0.07, 0.19, 0.52);
+        let horizon = Vec3::new(0.6, 0.47, 0.4);
+        let ground = Vec3::new(0.14, 0.11, 0.08);
         let clear = horizon.lerp(zenith, libm::powf(up.max(0.0), 0.45));
         let base = if up >= 0.0 { clear } else { ground.lerp(horizon, libm::expf(40.0 * up)) };
         let towards_sun = toward.dot(sun).max(0.0);

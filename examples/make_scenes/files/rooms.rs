@@ -9,14 +9,14 @@ use super::shapes::{Shape, cuboid, face, quad, sphere, torus};
 
 type Files = Vec<(String, Vec<u8>)>;
 
-/// The Cornell box, from its measured data (<https://www.graphics.cornell.edu/online/box/data.html>)
+/// The Cornell box by its measured data (<https://www.graphics.cornell.edu/online/box/data.html>)
 /// at a hundredth, turned so that it opens towards +Z.
 pub fn cornell() -> Files {
     let mut g = Gltf::new("cornell");
     let white = g.push("materials", matte([0.73, 0.73, 0.73]));
     let red = g.push("materials", matte([0.63, 0.065, 0.05]));
     let green = g.push("materials", matte([0.14, 0.45, 0.091]));
-    let light = g.push("materials", emitter([17.0, 12.0, 4.0]));
+    let light = g.push("materials", emitter([27.0, 22.0, 15.0]));
 
     // The data's x points left and its z away from the camera.
     let metres = |corners: [[f32; 3]; 4]| {
@@ -46,7 +46,7 @@ pub fn cornell() -> Files {
     g.place("light", &metres(lamp), light);
 
     let eye = Vec3::new(0.0, 2.73, 8.0);
-    g.camera(eye, eye - Vec3::Z, perspective(39.3, 1.0));
+    g.camera(eye, eye - Vec3::Z, perspective(37.6, 1.0));
     g.finish()
 }
 
@@ -128,8 +128,8 @@ fn backdrop() -> Shape {
 pub fn metals() -> Files {
     let mut g = Gltf::new("metals");
     let paper = g.push("materials", matte([0.32, 0.33, 0.36]));
-    let soft = g.push("materials", emitter([11.0, 10.5, 10.0]));
-    let strip = g.push("materials", emitter([9.0, 13.0, 20.0]));
+    let soft = g.push("materials", emitter([7.0, 6.7, 6.4]));
+    let strip = g.push("materials", emitter([5.0, 7.5, 12.0]));
     g.place("backdrop", &backdrop(), paper);
     let above = quad(Vec3::new(-3.5, 6.5, 3.0), Vec3::X * 7.0, Vec3::new(0.0, 1.0, -3.0));
     let above = Shape { indices: above.indices.iter().rev().copied().collect(), ..above };
@@ -146,7 +146,7 @@ pub fn metals() -> Files {
         balls.push((aluminium, [1.35 * step, 0.52, 1.5], 0.52));
     }
     spheres(&mut g, &balls);
-    g.camera(Vec3::new(0.0, 3.4, 11.5), Vec3::new(0.0, 0.85, 0.0), perspective(27.0, 2.0));
+    g.camera(Vec3::new(0.0, 3.4, 11.5), Vec3::new(0.0, 0.85, 0.0), perspective(31.0, 2.0));
     g.finish()
 }
 
@@ -192,7 +192,7 @@ pub fn glass() -> Files {
     let block = g.mesh(&cuboid(Vec3::splat(-0.4), Vec3::splat(0.4)).plain(), blue);
     let turn = [0.0, 0.258_819, 0.0, 0.965_926];
     g.root(json!({
-        "name": "block", "mesh": block, "translation": [2.75, 0.41, 1.35], "rotation": turn,
+        "name": "block", "mesh": block, "translation": [2.6, 0.41, 1.3], "rotation": turn,
     }));
     g.camera(Vec3::new(0.0, 2.3, 7.6), Vec3::new(0.0, 0.95, 0.0), perspective(35.0, 16.0 / 9.0));
     g.finish()

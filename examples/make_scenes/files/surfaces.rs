@@ -30,7 +30,7 @@ fn textured_matte(texture: usize) -> Value {
 pub fn textured() -> Files {
     let mut g = Gltf::new("textured");
     let grey = g.push("materials", matte([0.42, 0.43, 0.45]));
-    let light = g.push("materials", emitter([12.0, 11.2, 10.0]));
+    let light = g.push("materials", emitter([22.0, 20.5, 18.5]));
     let floor = quad(Vec3::new(-9.0, 0.0, 8.0), Vec3::X * 18.0, Vec3::Z * -11.0).plain();
     g.place("floor", &floor, grey);
     let wall = quad(Vec3::new(-9.0, 0.0, -3.0), Vec3::X * 18.0, Vec3::Y * 9.0).plain();
@@ -42,7 +42,7 @@ pub fn textured() -> Files {
         for (column, wrap) in [REPEAT, CLAMP, MIRROR].into_iter().enumerate() {
             let texture = g.texture("textures/arrow.png", sampler(filter, wrap));
             let material = g.push("materials", textured_matte(texture));
-            let corner = Vec3::new(-3.0 + 2.1 * column as f32, 2.45 - 2.1 * row as f32, -2.9);
+            let corner = Vec3::new(-3.0 + 2.1 * column as f32, 3.35 - 2.1 * row as f32, -2.9);
             let mut panel = quad(corner, Vec3::X * 1.8, Vec3::Y * 1.8).tiled(2.5, 2.5);
             panel.uvs[0].iter_mut().for_each(|uv| *uv = uv.map(|value| value - 0.75));
             g.place("panel", &panel, material);
@@ -81,7 +81,7 @@ pub fn textured() -> Files {
     g.root(json!({
         "name": "cube", "mesh": cube, "translation": [2.6, 0.8, 0.5], "rotation": rounded(turn),
     }));
-    g.camera(Vec3::new(0.6, 2.7, 9.0), Vec3::new(0.0, 1.75, 0.0), perspective(33.0, 1.5));
+    g.camera(Vec3::new(0.5, 3.1, 9.6), Vec3::new(0.0, 2.1, 0.0), perspective(35.0, 1.5));
     g.finish()
 }
 
@@ -101,14 +101,15 @@ pub fn alpha() -> Files {
     mask["alphaMode"] = json!("MASK");
     mask["alphaCutoff"] = json!(0.5);
     blend["alphaMode"] = json!("BLEND");
-    blend["pbrMetallicRoughness"]["baseColorFactor"] = json!([1.0, 0.45, 0.2, 0.45]);
+    blend["pbrMetallicRoughness"]["baseColorFactor"] = json!([1.0, 0.8, 0.4, 0.55]);
     let (mask, blend) = (g.push("materials", mask), g.push("materials", blend));
 
     let ground = quad(Vec3::new(-6.0, 0.0, 5.0), Vec3::X * 12.0, Vec3::Z * -7.5).plain();
     g.place("floor", &ground, floor);
     let back = quad(Vec3::new(-6.0, 0.0, -2.5), Vec3::X * 12.0, Vec3::Y * 7.0).plain();
     g.place("wall", &back, wall);
-    let lamp = quad(Vec3::new(3.2, 5.6, 3.4), Vec3::Z * -1.4, Vec3::new(-1.0, 1.0, 0.0)).plain();
+    let right = Vec3::new(1.3, 0.0, -1.22);
+    let lamp = quad(Vec3::new(2.2, 6.2, 3.4), right, Vec3::new(0.8, -1.33, 0.85)).plain();
     g.place("light", &lamp, light);
     let pot = g.mesh(&sphere(48).plain(), clay);
     g.root(json!({
@@ -129,7 +130,8 @@ pub fn alpha() -> Files {
         let size = 1.15 - 0.6 * t;
         g.root(json!({
             "mesh": green, "translation": rounded(at.to_array()),
-            "rotation": rounded((around * lean).to_array()), "scale": rounded([0.55 * size, size, size]),
+            "rotation": rounded((around * lean).to_array()),
+            "scale": rounded([0.55 * size, size, size]),
         }));
     }
     for k in 0..14 {
@@ -148,7 +150,7 @@ pub fn alpha() -> Files {
 /// Shiny things on a plain, lit by `--env scenes/sky.hdr` alone.
 pub fn sky() -> Files {
     let mut g = Gltf::new("sky");
-    let plain = g.push("materials", matte([0.45, 0.42, 0.38]));
+    let plain = g.push("materials", matte([0.45, 0.37, 0.27]));
     let ground = quad(Vec3::new(-40.0, 0.0, 40.0), Vec3::X * 80.0, Vec3::Z * -80.0).plain();
     g.place("plain", &ground, plain);
     let copper = g.push("materials", metal([0.96, 0.64, 0.54], 0.12));

@@ -18,7 +18,7 @@ pub struct GoldenScene {
     pub file: PathBuf,
     /// The picture that renders are held against.
     pub golden: PathBuf,
-    /// Arguments of `dapple render`.
+    /// Arguments of `dapple render`; `{folder}` in the manifest is its folder here.
     pub render: Vec<String>,
     /// When a render counts as the same.
     pub limits: Limits,
@@ -137,10 +137,13 @@ pub fn load(folder: &Path) -> Result<Vec<GoldenScene>, FilmError> {
     if manifest.scene.is_empty() {
         return Err(FilmError::invalid(&path, "lists no [[scene]]"));
     }
+    // Arguments that name files can be written from the manifest's folder, wherever one stands.
+    let here = folder.to_string_lossy();
+    let argument = |text: String| text.replace("{folder}", &here);
     let scenes = manifest.scene.into_iter().map(|scene| GoldenScene {
         file: folder.join(&scene.file),
         golden: folder.join(scene.golden.unwrap_or_else(|| format!("{}.exr", scene.name).into())),
-        render: manifest.render.iter().cloned().chain(scene.render).collect(),
+        render: manifest.render.iter().cloned().chain(scene.render).map(argument).collect(),
         limits: scene.limits.over(limits),
         name: scene.name,
     });
@@ -198,6 +201,16 @@ mod tests {
         assert_eq!(scenes[1].golden, Path::new("other.exr"));
         let ztest = Limits { rule: Rule::Ztest, bad_tiles: 0.25, flip: f64::INFINITY, ..common };
         assert_eq!(scenes[1].limits, ztest);
+    }
+
+    #[test]
+    fn arguments_may_name_files_from_the_folder() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text =
+            "[[scene]]\nname = \"a\"\nfile = \"a\"\nrender = [\"--env\", \"{folder}/e.hdr\"]";
+        fs::write(folder.path().join(MANIFEST), text).expect("written");
+        let scenes = load(folder.path()).expect("sound");
+        assert_eq!(scenes[0].render[1], folder.path().join("e.hdr").to_string_lossy());
     }
 
     #[test]

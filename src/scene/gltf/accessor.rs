@@ -138,6 +138,9 @@ pub fn views(root: &Object, buffers: &[u64], notices: &mut Notices) -> Result<Ve
     root.objects("bufferViews")?.iter().map(|view| self::view(view, buffers, notices)).collect()
 }
 
+/// The target of buffer views that hold indices.
+const ELEMENT_ARRAY: u64 = 34963;
+
 fn view(view: &Object, buffers: &[u64], notices: &mut Notices) -> Result<View, Fault> {
     let buffer = view.required_reference("buffer", "buffer", buffers.len())?;
     let offset = view.whole("byteOffset")?.unwrap_or(0);
@@ -159,6 +162,9 @@ fn view(view: &Object, buffers: &[u64], notices: &mut Notices) -> Result<View, F
         }
         if !stride.is_multiple_of(4) {
             notices.add(view.at("byteStride"), "is not a multiple of 4, as the format asks");
+        }
+        if view.whole("target")? == Some(ELEMENT_ARRAY) {
+            notices.add(view.at("byteStride"), "only data of vertices have a stride");
         }
     }
     Ok(View { buffer, offset, length, stride })

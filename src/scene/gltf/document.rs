@@ -93,7 +93,7 @@ impl Document {
         let views = accessor::views(&root, &lengths, notices)?;
         let accessors = accessor::accessors(&root, &views, notices)?;
         let images = texture::images(&root, views.len())?;
-        let textures = texture::textures(&root, images.len(), notices)?;
+        let textures = texture::textures(&root, images.len())?;
         let mut slots = Slots::new(textures.len());
         let materials = material::read(&root, &mut slots, notices)?;
         let meshes = mesh::read(&root, accessors.len(), materials.len(), notices)?;

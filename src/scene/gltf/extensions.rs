@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use super::json::{Fault, Object, pointer};
+use super::json::{Fault, Object, mismatch, pointer};
 use super::notices::Notices;
 
 /// What this loader does all of.
@@ -61,7 +61,7 @@ pub fn note(document: &Value, root: &Object, notices: &mut Notices) -> Result<()
         } else if !declared.iter().any(|declared| declared == name) {
             notices.add(place, format!("extension {name} is used without being declared"));
         }
-    });
+    })?;
     for (i, name) in declared.iter().enumerate() {
         if !is_supported(name) && !met.contains(name) {
             let message = format!("extension {name} is not supported");
@@ -82,12 +82,16 @@ fn strings(root: &Object, key: &str) -> Result<Vec<String>, Fault> {
 
 /// Calls `note` with the pointer to and the name of every extension object in the document. The
 /// parser has limited the depth, so that recursion is safe.
-fn each_extension(value: &Value, place: &str, note: &mut dyn FnMut(String, &str)) {
+fn each_extension(
+    value: &Value,
+    place: &str,
+    note: &mut dyn FnMut(String, &str),
+) -> Result<(), Fault> {
     match value {
         Value::Array(elements) => {
             for (i, element) in elements.iter().enumerate() {
                 if element.is_object() || element.is_array() {
-                    each_extension(element, &format!("{place}/{i}"), note);
+                    each_extension(element, &format!("{place}/{i}"), note)?;
                 }
             }
         }
@@ -98,12 +102,18 @@ fn each_extension(value: &Value, place: &str, note: &mut dyn FnMut(String, &str)
                     ("extensions", Value::Object(extensions)) => {
                         for (name, extension) in extensions {
                             let place = pointer(&format!("{place}/extensions"), name);
+                            if !extension.is_object() {
+                                return Err(mismatch(place, "an object", extension));
+                            }
                             note(place.clone(), name);
-                            each_extension(extension, &place, note);
+                            each_extension(extension, &place, note)?;
                         }
                     }
+                    ("extensions", other) => {
+                        return Err(mismatch(pointer(place, key), "an object", other));
+                    }
                     (_, Value::Object(_) | Value::Array(_)) => {
-                        each_extension(member, &pointer(place, key), note);
+                        each_extension(member, &pointer(place, key), note)?;
                     }
                     _ => {}
                 }
@@ -111,6 +121,7 @@ fn each_extension(value: &Value, place: &str, note: &mut dyn FnMut(String, &str)
         }
         _ => {}
     }
+    Ok(())
 }
 
 #[cfg(test)]

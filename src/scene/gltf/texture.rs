@@ -1,7 +1,6 @@
 //! Textures, samplers and images as the document declares them (glTF 2.0, 3.8).
 
 use super::json::{Fault, Object};
-use super::notices::Notices;
 use crate::math::TextureId;
 use crate::scene::{ColorSpace, Filter, Material, Wrap};
 
@@ -101,11 +100,7 @@ pub fn images(root: &Object, views: usize) -> Result<Vec<ImageDeclaration>, Faul
 }
 
 /// Reads the textures with their samplers; `images` is how many images there are.
-pub fn textures(
-    root: &Object,
-    images: usize,
-    notices: &mut Notices,
-) -> Result<Vec<TextureDeclaration>, Fault> {
+pub fn textures(root: &Object, images: usize) -> Result<Vec<TextureDeclaration>, Fault> {
     let samplers: Vec<_> =
         root.objects("samplers")?.iter().map(sampler).collect::<Result<_, Fault>>()?;
     let texture = |object: &Object| {
@@ -114,9 +109,6 @@ pub fn textures(
         let mut image = object.reference("source", "image", images)?;
         if let Some(webp) = object.extension("EXT_texture_webp")? {
             image = webp.reference("source", "image", images)?.or(image);
-        }
-        if image.is_none() {
-            notices.add(object.place(), "has no image that dapple can read");
         }
         Ok(TextureDeclaration { place: object.place().to_owned(), image, wrap, filter })
     };
@@ -156,7 +148,7 @@ mod tests {
     fn textures_of(text: &str) -> Result<Vec<TextureDeclaration>, Fault> {
         let value = json::parse(text.as_bytes()).expect("valid JSON");
         let root = Object::new(&value, String::new()).expect("an object");
-        textures(&root, 1, &mut Notices::default())
+        textures(&root, 1)
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `Kd` | base colour; 0.8 if neither it nor `map_Kd` is there |
 //! | `Ks` absent or 0, or `illum` 0 or 1 | no specular reflection: Lambert |
-//! | `Ks` | strength of a dielectric's reflection, where 0.5 is full strength as Blender writes it |
+//! | `Ks` | strength of a dielectric's reflection, where 0.5 is full strength as in Blender |
 //! | `illum` 3 or 5 | `Ks` is the reflectance at normal incidence: a mirror if `Kd` is 0 |
 //! | `Ns` | roughness: the exponent's width is alpha² = 2 / (Ns + 2), roughness = √alpha |
 //! | `Ke` | emitted radiance |

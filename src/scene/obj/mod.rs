@@ -7,8 +7,8 @@
 //!
 //! - There is one mesh for each object, group and material; polygons of any shape become triangles
 //!   (`triangulate.rs`), in the file's order within their mesh.
-//! - Shading is flat where the file gives no normals. Texture coordinates count v upwards in OBJ and
-//!   downwards here; they are turned over.
+//! - Shading is flat where the file gives no normals. OBJ counts v of texture coordinates upwards;
+//!   they are turned over.
 //! - Materials are mapped as `material.rs` tells. Emitters shine from the front of their triangles.
 //! - A material that is missing is grey; in place of a missing library the one that is called like
 //!   the scene is read; both are said. A texture that is missing is an error as for any other
