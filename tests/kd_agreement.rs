@@ -3,7 +3,8 @@
 mod kd_scenes;
 
 use dapple::accel::{
-    Accel, AccelSpec, AnyHit, Batch, ClosestHit, Event, VARIANTS, build, kd::build::OPTIONS,
+    Accel, AccelSpec, AnyHit, Batch, ClosestHit, Event, VARIANTS, build, kd::LAYOUT,
+    kd::build::OPTIONS,
 };
 use dapple::geom::TriangleSource;
 use dapple::math::Ray;
@@ -83,6 +84,22 @@ fn all_builds_agree_with_brute_force() {
             for options in ["", ",leaf=8", ",depth=3", ",empty=0.8"] {
                 let spec = format!("kd-stack-direction:build={value}{options}");
                 agree(&spec, name, &source, &rays);
+            }
+        }
+    }
+}
+
+#[test]
+fn builds_by_layouts_agree_with_brute_force() {
+    let ids = ["kd-stack-origin", "kd-stack-direction", "kd-stack-robust", "kd-branchless"];
+    let scenes = scenes();
+    for (name, source) in &scenes[..5] {
+        let rays = hostile_rays(&**source, 400);
+        for id in ids {
+            for build in OPTIONS[0].values.to_string().split('|') {
+                for layout in LAYOUT.values.to_string().split('|') {
+                    agree(&format!("{id}:build={build},layout={layout}"), name, source, &rays);
+                }
             }
         }
     }

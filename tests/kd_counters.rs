@@ -108,14 +108,17 @@ fn trees_of_all_builds_are_valid() {
     }
 }
 
+/// All builds are greedy, so in a toy scene luck may beat the best choice; not in large ones.
 #[test]
 fn the_sweep_is_cheapest() {
-    for (name, source) in scenes() {
+    for (count, size) in [(5000, 0.05), (20_000, 0.02), (3000, 0.3)] {
+        let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(soup(count, size, 16)));
         let cost = |build: &str| tree(&source, build).report.sah_cost;
         let sah = cost("build=sah");
         for build in ["build=minmax", "build=binned"] {
             let other = cost(build);
-            assert!(sah <= other * 1.02, "{name}: {sah}, but {build} {other}");
+            assert!(sah <= other, "{count} of size {size}: {sah}, but {build} {other}");
+            assert!(other <= sah * 1.2, "{count} of size {size}: {sah}, but {build} {other}");
         }
     }
 }

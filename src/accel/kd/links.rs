@@ -71,15 +71,18 @@ impl Next for RopeTrees {
 
     fn new(tree: &KdTree) -> Self {
         let mut places = places(tree);
-        let mut nodes: Vec<Packed> =
-            (0..places.len()).map(|leaf| Packed::leaf(LeafId(leaf as u32))).collect();
+        let leaf = |node: &Node| match *node {
+            Node::Leaf(leaf) => Some(Packed::leaf(leaf)),
+            Node::Inner { .. } => None,
+        };
+        let mut nodes: Vec<Packed> = tree.nodes.iter().filter_map(leaf).collect();
         for place in &mut places {
             for axis in 0..3 {
                 for side in 0..2 {
                     let link = &mut place.links[axis][side];
                     if *link != NodeId::NONE {
                         *link = match tree.nodes[link.index()] {
-                            Node::Leaf(leaf) => NodeId(leaf.0),
+                            Node::Leaf(leaf) => NodeId::from_index(leaf.index()),
                             Node::Inner { .. } => {
                                 let face = Face { cell: place.cell, axis, side };
                                 let root = NodeId::from_index(nodes.len());

@@ -11,32 +11,27 @@
 //! Let u be 2^-24, half an ulp of one, and the unit of length the longest edge of the box of all
 //! triangles.
 //!
-//! *The slack is in the tree.* Before anything else a builder grows each triangle by δ = 128u along
-//! each axis ([`slack`]), and then puts it into the list of every leaf that it touches. So flat
-//! triangles have thickness, and lists hold all triangles within δ of their cells.
+//! *The slack is in the tree.* A builder puts each triangle into the list of every leaf whose cell
+//! it comes within δ = 128u of, along each axis: the triangle itself, clipped, not just its box
+//! ([`slack`]; [`tree::KdTree::validate`] holds it). So flat triangles have thickness.
 //!
 //! *Tame rays* start within three edges of the centre of the scene: nearly all. Planes and origin
 //! are then at most four edges apart. A plane's distance is `t(s) = (s - origin) * inverse`, one
 //! function, monotone in `s` ([`ray::KdRay::t_split`]), within 3u of the truth. A node's span
 //! `[enter, exit]` is cut at `t(s)`. By the tie rule ([`ray::Crossing::of`]) the spans of the leaves
 //! that are visited cover the ray's own; so one of these leaves has a span with the `t` of the
-//! winner in it. Is the winner in its list? Say it is not; then among the leaf's ancestors there is
-//! a plane with the leaf on one side and the triangle, grown, on the other. Let the leaf be the one
-//! in front: `t <= t(s)`, but the triangle begins more than δ behind the plane. The verdict clamps
-//! `t` to at least the slab test's distance of the near plane `lo` of the triangle's own box, which
-//! is `x (1 - 11u) / d` or more, where x is the distance from the origin to `lo` along the axis;
-//! and `t(s)` is `y (1 + 3u) / d` or less, where y < x - δ. As x is at most 4, δ exceeds 14u x, and
-//! `t(s) < t`: a contradiction. With the leaf behind the plane it is the same with far planes.
-//! Planes behind the origin do not matter, since `t > 0`. Components of zero are huge slopes of
-//! their sign, and the same holds. What is left of δ covers the rounding of the boxes.
+//! winner in it. Is the winner in its list?
 //!
-//! *With clipped triangles* (`build=sah`) a list holds the triangles within δ of the cell, not
-//! those whose boxes are. The point at the winner's `t` is in the cell but for 3u of distances of
-//! at most 4, and for the rounding of `t`: 16u in all. By how the verdict finds `t` it is the point
-//! of the triangle with the same weights, but for the rounding of the weights; a triangle that is
-//! edge-on to within 2^-30 being missed, that is 3 * 2^-52 * 2^30 of the triangle's size, or less
-//! than 32u across and along the ray. Together less than δ. (A walk that compares rounded points
-//! with planes adds 8u of 4, or 32u: still less.)
+//! The point at `t` is inside the leaf's cell, but for the 3u of distances of at most 4: by 12u.
+//! And it is near the winner. The verdict's `t` is that of the point of the triangle which has the
+//! verdict's weights. Were they exact, it would be on the ray; they are off by the rounding of a
+//! difference of products, and as a triangle that is edge-on to within 2^-30 is missed, by at most
+//! 3 * 2^-52 * 2^30 = 12u of its size in all, doubled by the shear. Rounding `t` moves the point by
+//! another 4u, and the clamp into the triangle's own box only moves it back towards the truth,
+//! which is in there. The sum, 40u, is less than δ; the rest is for the rounding of boxes and of
+//! coordinates. (A walk that compares rounded points with planes adds 8u of 4, 32u: still less.)
+//! Planes behind the origin do not matter, since `t > 0`, and components of zero are huge slopes of
+//! their sign, for which the same holds. So the winner is within δ of the leaf's cell.
 //!
 //! So the candidates that a walk offers contain the winner; what else it offers does no harm,
 //! since the smallest `(t, id)` wins and the verdict does not depend on where a triangle was met.
@@ -51,12 +46,10 @@
 //! *All other rays*, and all rays of scenes so large that distances overflow, take the walk of
 //! `walk::robust`, which visits the child in front of a plane up to `(s - origin) * inv_far` and
 //! the one behind from `(s - origin) * inv_near` on, the slab test's two ends of the rounding
-//! error. If a triangle's box is in front only, its `t` is at most the distance of the box's far
-//! plane, thus of `s`, by monotony; if behind only, likewise; if it is on both sides, one of the
-//! two spans contains `t`, since the second begins before the first ends. No slack is needed. With
-//! clipped triangles the same walk follows the true point of the hit, in double precision, from
-//! cell to cell; that is within δ of the triangle for origins up to 2^26 times as far as those of
-//! tame rays. Beyond, all triangles are tested.
+//! error. It follows the true point of the hit from cell to cell: if that is in front of a plane,
+//! its true distance is at most the first, if it is behind, at least the second, whatever the
+//! rounding. In double precision it is within δ of the triangle for origins up to 2^26 times as far
+//! as those of tame rays. Beyond, all triangles are tested, their own boxes first.
 
 pub mod build;
 pub mod layout;

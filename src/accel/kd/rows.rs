@@ -39,16 +39,16 @@ pub const LAYOUT: OptionSpec = OptionSpec {
     default: Value::Choice("compact"),
 };
 
-const fn with(option: OptionSpec) -> [OptionSpec; 5] {
-    [OPTIONS[0], OPTIONS[1], OPTIONS[2], OPTIONS[3], option]
+const fn with(option: OptionSpec) -> [OptionSpec; 6] {
+    [OPTIONS[0], OPTIONS[1], OPTIONS[2], OPTIONS[3], OPTIONS[4], option]
 }
 
-const WITH_LAYOUT: [OptionSpec; 5] = with(LAYOUT);
-const WITH_ENTRIES: [OptionSpec; 5] =
+const WITH_LAYOUT: [OptionSpec; 6] = with(LAYOUT);
+const WITH_ENTRIES: [OptionSpec; 6] =
     with(integer("entries", "entries of the short stack", [1, 64], 8));
-const WITH_EVERY: [OptionSpec; 5] =
+const WITH_EVERY: [OptionSpec; 6] =
     with(integer("every", "levels from one box to the next", [1, 32], 4));
-const WITH_RAYS: [OptionSpec; 5] = with(integer("rays", "rays in flight", [1, 64], 16));
+const WITH_RAYS: [OptionSpec; 6] = with(integer("rays", "rays in flight", [1, 64], 16));
 
 fn build(input: &BuildInput<'_>, over: OverTree) -> Built {
     over(&KdTree::build(&input.source, input.options)?, input.options, input.level)

@@ -8,6 +8,8 @@ use crate::math::{Aabb, Ray, TriangleId, Vec3};
 pub struct Slack {
     /// Added to every triangle on each side, along each axis.
     pub delta: f32,
+    /// What remains of it for sure once boxes and cells have been rounded.
+    pub kept: f32,
     centre: Vec3,
     /// Largest distance of an origin from the centre, along an axis, of a tame ray.
     reach: f32,
@@ -32,19 +34,21 @@ impl Slack {
     pub fn new(bounds: &Aabb) -> Option<Self> {
         let longest = bounds.extent().max_element();
         let magnitude = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let delta = longest * Self::RELATIVE + magnitude * Self::ROUNDING;
+        let kept = longest * Self::RELATIVE;
+        let delta = kept + magnitude * Self::ROUNDING;
         let reach = longest * Self::REACH;
         // A distance of delta must still be a normal number: 2^-110 leaves sixteen bits of room.
         let stride = (delta * 1.298074e33).min(f32::MAX);
         // And the distance of all that matters must be finite.
         let creep = reach * 1.880791e-37; // 2^-122
-        let slack = Self { delta, centre: bounds.centre(), reach, stride, creep };
+        let slack =
+            Self { delta, kept: kept * 0.9375, centre: bounds.centre(), reach, stride, creep };
         (reach * Self::FAR).is_finite().then_some(slack)
     }
 
     /// The slack of a scene that can't be divided: no ray is tame.
     pub const NONE: Self =
-        Self { delta: 0.0, centre: Vec3::ZERO, reach: -1.0, stride: 0.0, creep: 0.0 };
+        Self { delta: 0.0, kept: 0.0, centre: Vec3::ZERO, reach: -1.0, stride: 0.0, creep: 0.0 };
 
     /// A box with slack.
     pub fn grow(&self, bounds: &Aabb) -> Aabb {

@@ -2,21 +2,40 @@
 
 use std::sync::Arc;
 
+use fearless_simd::{Simd, SimdBase, f32x4};
+use rayon::prelude::*;
+
 use super::slack::Slack;
 use crate::accel::BuildReport;
-use crate::geom::{TriangleBlock, TriangleSource};
+use crate::geom::{Triangle, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, NodeId, TriangleId};
 
 /// A leaf, numbered in the order of a depth-first walk.
+///
+/// Says by itself whether it is empty, as most leaves are that a ray visits: so a walk need not
+/// look their lists up. 31 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct LeafId(pub u32);
 
 impl LeafId {
-    /// The index as one into a slice.
+    const EMPTY: u32 = 1 << 30;
+
+    /// The leaf of that number.
+    pub fn new(number: usize, is_empty: bool) -> Self {
+        Self(number as u32 | if is_empty { Self::EMPTY } else { 0 })
+    }
+
+    /// The number as an index into a slice.
     #[inline(always)]
     pub const fn index(self) -> usize {
-        self.0 as usize
+        (self.0 & !Self::EMPTY) as usize
+    }
+
+    /// Whether it has no triangles.
+    #[inline(always)]
+    pub const fn is_empty(self) -> bool {
+        self.0 & Self::EMPTY != 0
     }
 }
 
@@ -53,8 +72,6 @@ pub struct Base {
     pub bounds: Aabb,
     /// By how much triangles were grown, and for which rays that is enough.
     pub slack: Slack,
-    /// Whether leaves hold only triangles that touch their cell, not just their boxes.
-    pub clipped: bool,
     /// The triangles of each leaf.
     pub leaves: Leaves,
     /// Where the triangles came from.
@@ -67,40 +84,39 @@ impl std::fmt::Debug for Base {
     }
 }
 
-/// Triangles of a block.
+/// Triangles that are tested at once.
 pub const LANES: usize = 4;
 
 /// Triangles to test at once.
 pub type Block = TriangleBlock<LANES>;
 
-/// The leaves' triangles, inline.
+/// The leaves' triangles: lists of ids, and one table of vertices.
+///
+/// Blocks stored in the leaves would spare their assembly, but a triangle is in some four leaves,
+/// and a leaf holds one or two: they take ten times the memory, and then the caches don't hold it.
 #[derive(Clone, Debug)]
 pub struct Leaves {
-    /// Leaf `i` has the blocks `starts[i]..starts[i + 1]`.
+    /// Leaf `i` has the ids `starts[i]..starts[i + 1]`.
     starts: Vec<u32>,
-    blocks: Vec<Block>,
+    ids: Vec<TriangleId>,
+    vertices: Vec<Corners>,
 }
 
+/// A triangle's corners, each padded to a vector.
+pub type Corners = [[f32; 4]; 3];
+
 impl Leaves {
-    /// Packs lists of triangles, leaf after leaf; `ends[i]` is where the list of leaf `i` ends.
-    /// `None` if there are too many blocks to number.
-    pub fn new(source: &dyn TriangleSource, ids: &[TriangleId], ends: &[usize]) -> Option<Self> {
-        let begins = || std::iter::once(&0).chain(ends);
-        let count: usize = begins().zip(ends).map(|(a, b)| (b - a).div_ceil(LANES)).sum();
-        u32::try_from(count).ok()?;
-        let (mut starts, mut blocks) =
-            (Vec::with_capacity(ends.len() + 1), Vec::with_capacity(count));
-        starts.push(0);
-        for (&begin, &end) in begins().zip(ends) {
-            for ids in ids[begin..end].chunks(LANES) {
-                let triangles = [ids.first(), ids.get(1), ids.get(2), ids.get(3)]
-                    .map(|id| id.map(|&id| (id, source.triangle(id))));
-                let present: Vec<_> = triangles.into_iter().flatten().collect();
-                blocks.push(Block::new(&present));
-            }
-            starts.push(blocks.len() as u32);
-        }
-        Some(Self { starts, blocks })
+    /// Keeps lists of triangles, leaf after leaf; `ends[i]` is where the list of leaf `i` ends.
+    /// `None` if there are too many to number.
+    pub fn new(source: &dyn TriangleSource, ids: Vec<TriangleId>, ends: &[usize]) -> Option<Self> {
+        u32::try_from(ids.len()).ok()?;
+        let starts = std::iter::once(0).chain(ends.iter().map(|&end| end as u32)).collect();
+        let corners = |i: usize| {
+            let Triangle { a, b, c } = source.triangle(TriangleId::from_index(i));
+            [a, b, c].map(|p| [p.x, p.y, p.z, 0.0])
+        };
+        let vertices = (0..source.len()).into_par_iter().map(corners).collect();
+        Some(Self { starts, ids, vertices })
     }
 
     /// How many leaves there are.
@@ -108,24 +124,63 @@ impl Leaves {
         self.starts.len() - 1
     }
 
-    /// The triangles of a leaf.
-    pub fn triangles(&self, leaf: LeafId) -> impl Iterator<Item = TriangleId> + '_ {
-        let ids = self.blocks(leaf).iter().flat_map(|block| block.ids);
-        ids.filter(|&id| id != TriangleId::NONE)
-    }
-
-    /// Where a leaf's blocks begin and end.
+    /// Where a leaf's list begins and ends.
     #[inline(always)]
-    pub fn blocks(&self, leaf: LeafId) -> &[Block] {
+    pub fn range(&self, leaf: LeafId) -> (u32, u32) {
         match self.starts.get(leaf.index()..leaf.index() + 2) {
-            Some(&[start, end]) => self.blocks.get(start as usize..end as usize).unwrap_or(&[]),
-            _ => &[],
+            Some(&[start, end]) => (start, end),
+            _ => (0, 0),
         }
     }
 
+    /// Some place's triangle, if it is one.
+    #[inline(always)]
+    pub fn id(&self, place: u32) -> TriangleId {
+        self.ids.get(place as usize).copied().unwrap_or(TriangleId::NONE)
+    }
+
+    /// The triangles of a leaf.
+    #[inline(always)]
+    pub fn triangles(&self, leaf: LeafId) -> &[TriangleId] {
+        let (start, end) = self.range(leaf);
+        self.ids.get(start as usize..end as usize).unwrap_or(&[])
+    }
+
+    /// A triangle's corners.
+    #[inline(always)]
+    pub fn corners(&self, id: TriangleId) -> &Corners {
+        &self.vertices[id.index()]
+    }
+
+    /// Puts up to four triangles together; what is missing repeats the first.
+    #[inline(always)]
+    pub fn block<S: Simd>(&self, simd: S, ids: &[TriangleId]) -> Block {
+        let first = ids[0];
+        let mut lanes = [first, TriangleId::NONE, TriangleId::NONE, TriangleId::NONE];
+        let mut corners = [self.corners(first); LANES];
+        for lane in 1..LANES {
+            if let Some(&id) = ids.get(lane) {
+                lanes[lane] = id;
+                corners[lane] = self.corners(id);
+            }
+        }
+        let mut block = Block { vertices: [[[0.0; LANES]; 3]; 3], ids: lanes };
+        for (vertex, rows) in block.vertices.iter_mut().enumerate() {
+            let row = |lane: usize| f32x4::load_array_ref(simd, &corners[lane][vertex]);
+            let (p, q) = (row(0).zip_low(row(2)), row(1).zip_low(row(3)));
+            let z = row(0).zip_high(row(2)).zip_low(row(1).zip_high(row(3)));
+            *rows = [p.zip_low(q).into(), p.zip_high(q).into(), z.into()];
+        }
+        block
+    }
+
     /// Bytes of the parts, for reports.
-    pub fn memory(&self) -> [(&'static str, usize); 2] {
-        [("leaves", size_of_val(&*self.starts)), ("triangles", size_of_val(&*self.blocks))]
+    pub fn memory(&self) -> [(&'static str, usize); 3] {
+        [
+            ("leaves", size_of_val(&*self.starts)),
+            ("references", size_of_val(&*self.ids)),
+            ("vertices", size_of_val(&*self.vertices)),
+        ]
     }
 }
 

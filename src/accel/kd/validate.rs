@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::tree::{KdTree, LeafId, Node, halves};
-use crate::geom::{Triangle, own_box};
+use crate::geom::Triangle;
 use crate::math::{Aabb, DVec3, NodeId, TriangleId};
 
 impl KdTree {
@@ -15,7 +15,7 @@ impl KdTree {
     pub fn validate(&self) -> Result<(), String> {
         self.validate_cells()?;
         let lists: Vec<HashSet<TriangleId>> = (0..self.base.leaves.count())
-            .map(|leaf| self.base.leaves.triangles(LeafId(leaf as u32)).collect())
+            .map(|leaf| self.base.leaves.triangles(LeafId(leaf as u32)).iter().copied().collect())
             .collect();
         for i in 0..self.base.source.len() {
             let id = TriangleId::from_index(i);
@@ -61,12 +61,10 @@ impl KdTree {
         id: TriangleId,
         lists: &[HashSet<TriangleId>],
     ) -> Result<(), String> {
-        // Boxes were rounded when they were grown: hold the tree to seven eighths.
-        let slack = 0.875 * self.base.slack.delta;
+        let slack = self.base.slack.kept;
         let triangle = self.base.source.triangle(id);
-        let own = if self.base.clipped { triangle.bounds() } else { own_box(&triangle) };
         let grow = |b: &Aabb| Aabb { min: b.min - slack, max: b.max + slack };
-        let grown = grow(&own);
+        let grown = grow(&triangle.bounds());
         let mut todo = vec![(NodeId(0), KdTree::SPACE)];
         while let Some((at, cell)) = todo.pop() {
             match self.nodes[at.index()] {
@@ -74,7 +72,7 @@ impl KdTree {
                     let listed = lists[leaf.index()].contains(&id);
                     // With infinite planes there is nothing to project on: clip them to the box.
                     let cell = grow(&cell.intersection(self.base.bounds));
-                    if !listed && (!self.base.clipped || touches(&triangle, &cell)) {
+                    if !listed && touches(&triangle, &cell) {
                         return Err(format!("triangle {} is missing in leaf {}", id.0, leaf.0));
                     }
                 }

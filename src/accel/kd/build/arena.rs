@@ -17,8 +17,10 @@ pub struct Arena {
 impl Arena {
     /// Adds a leaf.
     pub fn leaf(&mut self, ids: impl Iterator<Item = TriangleId>) {
-        self.nodes.push(Node::Leaf(LeafId(self.ends.len() as u32)));
+        let before = self.ids.len();
         self.ids.extend(ids);
+        let is_empty = self.ids.len() == before;
+        self.nodes.push(Node::Leaf(LeafId::new(self.ends.len(), is_empty)));
         self.ends.push(self.ids.len());
     }
 

@@ -1,15 +1,26 @@
 //! The recursion over lists of boxes, for planes that are found by looking at all of them.
+//!
+//! Triangles on both sides of a plane are clipped to each, as [`super::sweep`] does. Whether a split
+//! pays is judged by the lists that it makes, not by what its finder thought they would be.
 
 use rayon::prelude::*;
 
+use super::clip::clipped_bounds;
 use super::{Arena, Costs, FORK_COUNT, FORK_LEVELS, Plane, Reference, Settings};
 use crate::accel::kd::slack::Slack;
 use crate::accel::kd::tree::halves;
-use crate::geom::{TriangleSource, own_box};
+use crate::geom::TriangleSource;
 use crate::math::{Aabb, TriangleId};
 
 /// Finds the best plane for a list of boxes in a cell.
 pub type Best = fn(&[Reference], &Aabb, &Costs) -> Option<Plane>;
+
+struct Builder<'a> {
+    source: &'a dyn TriangleSource,
+    slack: &'a Slack,
+    settings: &'a Settings,
+    best: Best,
+}
 
 /// Builds the nodes.
 pub fn build(
@@ -23,53 +34,75 @@ pub fn build(
         .into_par_iter()
         .map(|i| {
             let id = TriangleId::from_index(i);
-            Reference { bounds: slack.grow(&own_box(&source.triangle(id))), id }
+            Reference { bounds: slack.grow(&source.triangle(id).bounds()), id }
         })
         .collect();
     let mut arena = Arena::default();
-    divide(references, bounds, 0, 0, settings, best, &mut arena);
+    Builder { source, slack, settings, best }.divide(references, bounds, 0, 0, &mut arena);
     arena
 }
 
-fn divide(
-    references: Vec<Reference>,
-    cell: &Aabb,
-    depth: usize,
-    mut failed: u32,
-    settings: &Settings,
-    best: Best,
-    arena: &mut Arena,
-) {
-    let count = references.len();
-    let plane = if count <= settings.leaf || depth >= settings.depth {
-        None
-    } else {
-        best(&references, cell, &settings.costs)
-    };
-    let plane = plane.filter(|plane| !settings.stops(count, Some(plane), &mut failed));
-    let parts = plane.map(|plane| (plane, part(&references, plane.axis, plane.split)));
-    // Where all are on both sides, nothing is gained further down either.
-    let Some((plane, [below, above])) =
-        parts.filter(|(_, [below, above])| below.len() < count || above.len() < count)
-    else {
-        arena.leaf(references.iter().map(|reference| reference.id));
-        return;
-    };
-    drop(references);
-    let [low, high] = halves(cell, plane.axis, plane.split);
-    let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
-    arena.inner(
-        plane.axis,
-        plane.split,
-        fork,
-        |arena| divide(below, &low, depth + 1, failed, settings, best, arena),
-        |arena| divide(above, &high, depth + 1, failed, settings, best, arena),
-    );
-}
+impl Builder<'_> {
+    fn divide(
+        &self,
+        references: Vec<Reference>,
+        cell: &Aabb,
+        depth: usize,
+        mut failed: u32,
+        arena: &mut Arena,
+    ) {
+        let (settings, count) = (self.settings, references.len());
+        let plane = if count <= settings.leaf || depth >= settings.depth {
+            None
+        } else {
+            (self.best)(&references, cell, &settings.costs)
+        };
+        let parts = plane.and_then(|plane| {
+            let cells = halves(cell, plane.axis, plane.split);
+            let parts = [0, 1].map(|side| self.part(&references, &plane, side, &cells[side]));
+            let [below, above] = [parts[0].len(), parts[1].len()];
+            let judged = settings.costs.plane(cell, plane.axis, plane.split, below, above);
+            let stops = settings.stops(count, judged.as_ref(), &mut failed);
+            // Where all are on both sides, nothing is gained further down either.
+            (!stops && (below < count || above < count)).then_some((plane, cells, parts))
+        });
+        let Some((plane, cells, [below, above])) = parts else {
+            arena.leaf(references.iter().map(|reference| reference.id));
+            return;
+        };
+        drop(references);
+        let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
+        arena.inner(
+            plane.axis,
+            plane.split,
+            fork,
+            |arena| self.divide(below, &cells[0], depth + 1, failed, arena),
+            |arena| self.divide(above, &cells[1], depth + 1, failed, arena),
+        );
+    }
 
-/// Those that reach below the plane, and those that reach above it.
-fn part(references: &[Reference], axis: usize, split: f32) -> [Vec<Reference>; 2] {
-    let below = references.iter().filter(|r| r.bounds.min[axis] < split).copied().collect();
-    let above = references.iter().filter(|r| r.bounds.max[axis] > split).copied().collect();
-    [below, above]
+    /// Those that reach below the plane (0) or above it (1), where they cross it clipped to that
+    /// side's cell.
+    fn part(
+        &self,
+        references: &[Reference],
+        plane: &Plane,
+        side: usize,
+        cell: &Aabb,
+    ) -> Vec<Reference> {
+        let grown = self.slack.grow(cell);
+        let on_side = |reference: &Reference| {
+            let below = reference.bounds.min[plane.axis] < plane.split;
+            let above = reference.bounds.max[plane.axis] > plane.split;
+            if !(if side == 0 { below } else { above }) {
+                return None;
+            }
+            if !(below && above) {
+                return Some(*reference);
+            }
+            let bounds = clipped_bounds(&self.source.triangle(reference.id), &grown)?;
+            Some(Reference { bounds: self.slack.grow(&bounds), ..*reference })
+        };
+        references.iter().filter_map(on_side).collect()
+    }
 }

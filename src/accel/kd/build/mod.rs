@@ -27,12 +27,18 @@ use crate::geom::TriangleSource;
 use crate::math::{Aabb, TriangleId};
 
 /// The options of all kd-trees that a builder reads.
-pub const OPTIONS: [OptionSpec; 4] = [
+pub const OPTIONS: [OptionSpec; 5] = [
     OptionSpec {
         name: "build",
         summary: "how planes are found",
         values: Values::Choice(&["sah", "minmax", "binned"]),
         default: Value::Choice("sah"),
+    },
+    OptionSpec {
+        name: "cost",
+        summary: "cost of testing a triangle in steps down the tree, for the heuristic",
+        values: Values::Number(0.01, 100.0),
+        default: Value::Number(0.4),
     },
     OptionSpec {
         name: "empty",
@@ -76,7 +82,11 @@ impl Settings {
             depth => depth as usize,
         };
         Self {
-            costs: Costs { empty: options.number("empty"), ..Costs::default() },
+            costs: Costs {
+                step: 1.0,
+                triangle: options.number("cost"),
+                empty: options.number("empty"),
+            },
             depth: depth.min(60),
             leaf: options.integer("leaf") as usize,
         }
@@ -109,22 +119,21 @@ impl KdTree {
             Slack::NONE
         });
         let bounds = slack.grow(&own);
-        let choice = options.choice("build");
-        let arena = match choice {
+        let arena = match options.choice("build") {
             "binned" => lists::build(&**source, &bounds, &slack, &settings, binned::best),
             "minmax" => lists::build(&**source, &bounds, &slack, &settings, minmax::best),
             _ => sweep::build(&**source, &bounds, &slack, &settings),
         };
         let built = Instant::now();
-        let leaves = Leaves::new(&**source, &arena.ids, &arena.ends)
+        let mut report = statistics(&arena, &bounds, &settings.costs);
+        let references = arena.ids.len();
+        let leaves = Leaves::new(&**source, arena.ids, &arena.ends)
             .filter(|_| arena.nodes.len() < NODE_LIMIT)
             .ok_or(BuildError::TooLarge {
-                needed: (arena.nodes.len() * 8 + arena.ids.len() * 40) as u64,
+                needed: (arena.nodes.len() * 8 + references * 4) as u64,
                 limit: NODE_LIMIT as u64 * 8,
             })?;
-        let base =
-            Base { bounds, slack, clipped: choice == "sah", leaves, source: Arc::clone(source) };
-        let mut report = statistics(&arena, &bounds, &settings.costs);
+        let base = Base { bounds, slack, leaves, source: Arc::clone(source) };
         report.triangles = source.len();
         report.phases = vec![
             ("tree", (built - start).as_secs_f64()),

@@ -6,8 +6,8 @@
 //!
 //! Ours needs no instruction to prefetch: at the end of a step the next node is read into the
 //! ray's state and not looked at before its next turn. The processor goes on with other rays while
-//! the read is under way. A leaf takes three turns: its node, the place of its triangles, and the
-//! first of them.
+//! the read is under way. A leaf with triangles takes four turns: its node, the place of its list,
+//! the first id, and that triangle's vertices.
 
 use std::sync::Arc;
 
@@ -98,10 +98,12 @@ impl Prefetch {
 enum Turn {
     /// Looks at the node that was read.
     Node(Packed),
-    /// Looks up the triangles of a leaf.
-    Leaf(LeafId),
-    /// Tests them; what was read of the first is of no use but to have been read.
-    Test(LeafId, TriangleId),
+    /// Looks at where the list of a leaf was found to be.
+    List(LeafId, (u32, u32)),
+    /// Looks at its first id.
+    First(LeafId, TriangleId),
+    /// Tests all; what was read of the first is of no use but to have been read.
+    Test(LeafId, f32),
 }
 
 /// A ray under way.
@@ -150,7 +152,13 @@ impl<'a, Q: Query> Flight<'a, Q> {
     ) -> bool {
         match self.turn {
             Turn::Node(packed) => match packed.view(self.at) {
-                View::Leaf(leaf) => self.turn = Turn::Leaf(leaf),
+                View::Leaf(leaf) if leaf.is_empty() => {
+                    counters.count(Event::Leaf);
+                    return self.ends(walk);
+                }
+                View::Leaf(leaf) => {
+                    self.turn = Turn::List(leaf, walk.base.leaves.range(leaf));
+                }
                 View::Inner { axis, split, children } => {
                     counters.count(Event::InnerNode);
                     let t_split = self.ray.t_split(axis, split);
@@ -169,22 +177,29 @@ impl<'a, Q: Query> Flight<'a, Q> {
                     self.turn = Turn::Node(walk.layout.packed(self.at));
                 }
             },
-            Turn::Leaf(leaf) => {
-                let first = walk.base.leaves.blocks(leaf).first();
-                self.turn = Turn::Test(leaf, first.map_or(TriangleId::NONE, |block| block.ids[0]));
+            Turn::List(leaf, (start, _)) => {
+                self.turn = Turn::First(leaf, walk.base.leaves.id(start));
             }
-            Turn::Test(leaf, first) => {
-                std::hint::black_box(first);
+            Turn::First(leaf, first) => {
+                self.turn = Turn::Test(leaf, walk.base.leaves.corners(first)[0][0]);
+            }
+            Turn::Test(leaf, read) => {
+                std::hint::black_box(read);
                 let exit = self.span.exit;
-                if self.visit(&walk.base, leaf_test, counters).leaf_ends(leaf, exit) {
-                    return true;
-                }
-                let Some((far, exit)) = self.todo.pop() else { return true };
-                (self.at, self.span) = (far, Span { enter: self.span.exit, exit });
-                self.turn = Turn::Node(walk.layout.packed(far));
+                return self.visit(&walk.base, leaf_test, counters).leaf_ends(leaf, exit)
+                    || self.ends(walk);
             }
         }
         false
+    }
+
+    /// Goes on with what was put aside last; true if there is nothing, or nothing that matters.
+    #[inline(always)]
+    fn ends(&mut self, walk: &Prefetch) -> bool {
+        let Some((far, exit)) = self.todo.pop() else { return true };
+        (self.at, self.span) = (far, Span { enter: self.span.exit, exit });
+        self.turn = Turn::Node(walk.layout.packed(far));
+        self.query.t_max() < self.span.enter
     }
 }
 

@@ -30,7 +30,7 @@ pub fn walk<Q: Query, C: Counters>(
     visit: &mut Visit<'_, Q, C>,
     todo: &mut Todo,
 ) {
-    if visit.base.clipped && !visit.base.slack.is_placed(&visit.shot.ray) {
+    if !visit.base.slack.is_placed(&visit.shot.ray) {
         // Break and end mean the same here.
         let _ = all(visit);
         return;

@@ -5,26 +5,41 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, f32x4};
 
 use super::super::ray::{KdRay, Span};
-use super::super::tree::{Base, Block, LANES, LeafId};
+use super::super::tree::{Base, LANES, LeafId, Leaves};
 use crate::accel::{Counters, Event, Query, Shot, test_block};
+use crate::math::TriangleId;
 
-/// Tests triangles with some instruction set.
+/// Tests the triangles of a leaf with some instruction set.
 ///
 /// Walks are scalar and compiled once; only this exists for each instruction set. It costs an
 /// indirect call for each leaf that is not empty.
 pub trait LeafTest<Q, C>: Sync {
-    /// Tests some blocks; true if the answer is final.
-    fn test(&self, blocks: &[Block], shot: &Shot<'_>, query: &mut Q, counters: &mut C) -> bool;
+    /// Tests some triangles; true if the answer is final.
+    fn test(
+        &self,
+        leaves: &Leaves,
+        ids: &[TriangleId],
+        shot: &Shot<'_>,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> bool;
 }
 
 /// An instruction set.
 pub struct With<S>(pub S);
 
 impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
-    fn test(&self, blocks: &[Block], shot: &Shot<'_>, query: &mut Q, counters: &mut C) -> bool {
+    fn test(
+        &self,
+        leaves: &Leaves,
+        ids: &[TriangleId],
+        shot: &Shot<'_>,
+        query: &mut Q,
+        counters: &mut C,
+    ) -> bool {
         self.0.vectorize(
             #[inline(always)]
-            || test_all(self.0, blocks, shot, query, counters).is_break(),
+            || test_all(self.0, leaves, ids, shot, query, counters).is_break(),
         )
     }
 }
@@ -32,14 +47,15 @@ impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
 #[inline(always)]
 fn test_all<S: Simd, Q: Query, C: Counters>(
     simd: S,
-    blocks: &[Block],
+    leaves: &Leaves,
+    ids: &[TriangleId],
     shot: &Shot<'_>,
     query: &mut Q,
     counters: &mut C,
 ) -> ControlFlow<()> {
-    for block in blocks {
-        counters.add(Event::TriangleLane, block.len() as u64);
-        test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, block, query, counters)?;
+    for ids in ids.chunks(LANES) {
+        let block = leaves.block(simd, ids);
+        test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, &block, query, counters)?;
     }
     ControlFlow::Continue(())
 }
@@ -80,7 +96,11 @@ impl<Q: Query, C: Counters> Visit<'_, Q, C> {
     #[inline(always)]
     pub fn leaf(&mut self, leaf: LeafId) -> bool {
         self.counters.count(Event::Leaf);
-        let blocks = self.base.leaves.blocks(leaf);
-        !blocks.is_empty() && self.leaf_test.test(blocks, self.shot, self.query, self.counters)
+        if leaf.is_empty() {
+            return false;
+        }
+        let leaves = &self.base.leaves;
+        let ids = leaves.triangles(leaf);
+        self.leaf_test.test(leaves, ids, self.shot, self.query, self.counters)
     }
 }
