@@ -67,6 +67,22 @@ fn the_corpus_is_read_or_refused_as_its_names_say() {
 }
 
 #[test]
+fn lights_and_cameras_stand_where_their_nodes_are() {
+    let files = corpus();
+    let (_, bytes) =
+        files.iter().find(|(name, _)| name == "ok-lights-and-cameras.gltf").expect("is there");
+    let scene = check(bytes).expect("loads");
+    let heights: Vec<f32> = scene.lights.iter().map(|light| light.position.z).collect();
+    assert_eq!(heights, [0.0, 1.0, 2.0]);
+    assert_eq!(scene.lights[0].intensity.to_array(), [10.0; 3]);
+    assert_eq!(scene.lights[2].range, Some(3.0));
+    let names: Vec<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["", "side"]);
+    let towards = scene.cameras[0].camera.to_world.matrix3.z_axis;
+    assert!(towards.distance(dapple::math::Affine3A::IDENTITY.matrix3.x_axis) < 1e-6);
+}
+
+#[test]
 fn containers_cut_anywhere_are_refused() {
     for (name, bytes) in corpus().iter().filter(|(_, bytes)| bytes.starts_with(b"glTF")) {
         for end in 0..bytes.len() {

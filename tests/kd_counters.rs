@@ -103,6 +103,7 @@ fn trees_of_all_builds_are_valid() {
                 let options = format!("build={build}{options}");
                 let tree = tree(&source, &options);
                 assert_eq!(tree.validate(), Ok(()), "{name}, {options}");
+                assert!(tree.report.sah_cost.is_finite(), "{name}, {options}");
             }
         }
     }

@@ -117,6 +117,7 @@ impl Tile {
                     sums.first.add(hit);
                 }
             }
+            sums.radiance.shrink(); // there are millions of them
         }
         self.lost.sort_unstable();
         self.lost.truncate(LISTED);

@@ -135,6 +135,11 @@ impl<const C: usize> BlockSums<C> {
         Ok(())
     }
 
+    /// Gives back the memory that is only needed between two nodes' meeting.
+    pub fn shrink(&mut self) {
+        self.nodes.shrink_to_fit();
+    }
+
     /// Forgets all samples and starts again at sample 0; keeps its memory.
     pub fn clear(&mut self) {
         (self.first, self.next, self.open) = (0, 0, Moments::ZERO);

@@ -156,7 +156,8 @@ fn statistics(arena: &Arena, bounds: &Aabb, costs: &Costs) -> BuildReport {
     let mut leaf_depths = 0;
     let root_area = bounds.half_area().max(f64::MIN_POSITIVE);
     arena.for_each_cell(*bounds, |node, cell, depth| {
-        let area = cell.half_area() / root_area;
+        // Where coordinates are so large that areas overflow, there is nothing but the root.
+        let area = if root_area.is_finite() { cell.half_area() / root_area } else { 1.0 };
         match node {
             Node::Inner { .. } => {
                 report.nodes += 1;
