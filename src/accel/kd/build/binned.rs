@@ -52,16 +52,15 @@ mod tests {
 
         let both: Vec<_> = (0..8).map(|i| reference(i, 0.0, 1.0)).chain(right).collect();
         let plane = best(&both, &cell, &costs).expect("there is room in the middle");
-        assert!(plane.axis == 0 && plane.split > 1.0 && plane.split < 8.0, "{plane:?}");
+        // Wherever between the centroids: the heuristic is linear there.
+        assert!(plane.axis == 0 && plane.split > 0.5 && plane.split < 8.5, "{plane:?}");
     }
 
     #[test]
-    fn equal_boxes_that_fill_the_cell_give_no_plane_that_helps() {
+    fn equal_boxes_that_fill_the_cell_give_no_plane() {
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
         let same: Vec<_> = (0..100).map(|i| reference(i, 0.0, 1.0)).collect();
         let costs = Costs::default();
-        let plane = best(&same, &cell, &costs);
-        // By centroids it seems to; the recursion finds that nothing was gained.
-        assert!(plane.is_some());
+        assert_eq!(best(&same, &cell, &costs), None);
     }
 }
