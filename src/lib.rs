@@ -5,7 +5,7 @@
 //! | floor | modules |
 //! |---|---|
 //! | 6 | `cli` |
-//! | 5 | [`render`], [`bench`] |
+//! | 5 | [`render`], [`mod@bench`] |
 //! | 4 | [`integrator`] |
 //! | 3 | [`scene`] |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`film`] |

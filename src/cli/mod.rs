@@ -1,6 +1,6 @@
 //! The command line.
 //!
-//! A command is a file: its flags, and `run`. It is registered in [`Command`] and in [`dispatch`].
+//! A command is a file: its flags, and `run`. It is registered in `Command` and in `dispatch`.
 
 mod accels;
 mod args;

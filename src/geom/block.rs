@@ -1,7 +1,7 @@
 //! Blocks of triangles that one vector instruction stream tests at once.
 //!
 //! [`TriangleBlock::candidates`] only filters: it may let a miss pass but never stops a triangle
-//! that [`super::verdict`] would take. Width, instruction set and rounding can't change a hit.
+//! that [`super::verdict()`] would take. Width, instruction set and rounding can't change a hit.
 //!
 //! # The bound
 //! The test is Möller and Trumbore's with the edge functions as dot products of `r = c × d`, `c`

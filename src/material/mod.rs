@@ -157,6 +157,8 @@ impl Bsdf {
     pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
         let metallic = unit(params.metallic);
         let share = unit(params.transmission) * (1.0 - metallic);
+        // Less than this no picture shows, and probabilities would underflow.
+        let share = if share < 1e-6 { 0.0 } else { share };
         if share >= 1.0 {
             Self::Dielectric(Dielectric::new(params, form))
         } else if share > 0.0 {

@@ -2,9 +2,9 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | [`stream`] | advances some thousand paths together, bounce by bounce |
-//! | [`tile`] | a rectangle of pixels and the sums of their samples |
-//! | [`frame`] | hands tiles to threads, pass after pass, and makes the picture |
+//! | `stream` | advances some thousand paths together, bounce by bounce |
+//! | `tile` | a rectangle of pixels and the sums of their samples |
+//! | `frame` | hands tiles to threads, pass after pass, and makes the picture |
 //! | [`replay`] | one path alone, told step by step |
 
 mod frame;

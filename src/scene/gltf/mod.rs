@@ -1,9 +1,9 @@
 //! glTF 2.0, as .gltf with files or data URIs and as .glb.
 //!
-//! A file is read in three steps. The document is parsed and checked as a whole ([`document`]):
+//! A file is read in three steps. The document is parsed and checked as a whole (`document`):
 //! every index leads somewhere, every range of bytes lies within its buffer, nodes form trees.
 //! Then what the chosen scene shows is brought into memory, and all that is missing is reported at
-//! once ([`resources`]). Last, meshes are built and placed ([`assemble`]). The JSON is kept as it
+//! once (`resources`). Last, meshes are built and placed (`assemble`). The JSON is kept as it
 //! is and not pressed into types, so that every complaint comes with a pointer to its place.
 //!
 //! What the file asks for and does not get becomes a notice of the scene.
