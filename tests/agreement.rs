@@ -98,7 +98,7 @@ fn every_structure_answers_as_brute_force_does() {
         let target = Target::new(&*source, &*oracle);
         let rays: Vec<Ray> = RaySet::ALL
             .into_iter()
-            .flat_map(|set| target.rays(set, if set == RaySet::Hostile { 4000 } else { 600 }, 1))
+            .flat_map(|set| target.rays(set, if set == RaySet::Hostile { 3000 } else { 400 }, 1))
             .collect();
         let mut expected = vec![ClosestHit::MISS; rays.len()];
         oracle.tracer().closest_hits(&Batch::new(&rays), &mut expected);
@@ -108,6 +108,10 @@ fn every_structure_answers_as_brute_force_does() {
         specs().par_iter().for_each(|spec| {
             // The product of options and instruction sets is left to rows at their defaults.
             let plain = spec.to_string() == spec.variant.id;
+            let telling = ["soup", "copies", "sheets", "cube", "huge", "exponential"];
+            if !plain && !telling.contains(&name) {
+                return;
+            }
             for (i, &isa) in isas.iter().enumerate().filter(|(i, _)| plain || *i == 0) {
                 let accel = build(spec, Arc::clone(&source), isa).expect("small scenes build");
                 // Short slices once: what they could break does not depend on the lanes.
