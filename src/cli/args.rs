@@ -11,6 +11,7 @@ use crate::film::{PixelFilter, Window};
 use crate::material::BsdfForm;
 use crate::math::Vec3;
 use crate::render::Aov;
+use crate::sampling::SamplePattern;
 use crate::scene::EnvironmentSource;
 use crate::simd::Isa;
 
@@ -64,6 +65,10 @@ pub struct RenderArgs {
     /// Another number, another noise
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Image")]
     pub seed: u64,
+    /// How samples are placed: sobol (least noise) or independent (for statistics of the noise)
+    #[arg(long, value_name = "PATTERN", default_value_t, help_heading = "Image")]
+    #[arg(value_parser = parsed::<SamplePattern>, hide_short_help = true)]
+    pub sampler: SamplePattern,
     /// The part of the frame to render, in pixels, y downwards, the second corner not included
     #[arg(long, value_name = "x0,y0,x1,y1", help_heading = "Image", value_parser = window)]
     #[arg(hide_short_help = true)]

@@ -152,6 +152,7 @@ fn settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
         crop,
         spp: args.spp,
         seed: args.seed,
+        pattern: args.sampler,
         filter: args.filter,
         transport: Transport {
             max_depth: args.max_depth,

@@ -132,13 +132,14 @@ fn describe(picture: &mut Picture, args: &RenderArgs, job: &Job, elapsed: &Durat
     let transport = &settings.transport;
     let roulette = transport.roulette_depth.map_or("\"off\"".to_owned(), |depth| depth.to_string());
     let toml = format!(
-        "resolution = [{}, {}]\ncrop = [{}]\nspp = {}\nseed = {}\nfilter = \"{}\"\nbsdf = \"{}\"\n\
+        "resolution = [{}, {}]\ncrop = [{}]\nspp = {}\nseed = {}\nsampler = \"{}\"\nfilter = \"{}\"\nbsdf = \"{}\"\n\
          max-depth = {}\nrr-depth = {roulette}\ntransparent = {}\n",
         settings.resolution.0,
         settings.resolution.1,
         settings.crop,
         settings.spp,
         settings.seed,
+        settings.pattern,
         settings.filter,
         args.bsdf,
         transport.max_depth,

@@ -7,7 +7,7 @@ use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
 use crate::integrator::{Path, Transport};
 use crate::math::{Ray, Vec2};
-use crate::sampling::Sampler;
+use crate::sampling::SamplePattern;
 
 /// A layer of the picture beside its colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +81,8 @@ pub struct Settings {
     pub spp: u64,
     /// Another number, another noise.
     pub seed: u64,
+    /// How the samples of a pixel relate to each other.
+    pub pattern: SamplePattern,
     /// Where in and around its pixel a sample falls.
     pub filter: PixelFilter,
     /// How light is followed.
@@ -105,7 +107,7 @@ impl Settings {
         slot: u32,
     ) -> (Ray, Path) {
         let pixel = u64::from(y) << 32 | u64::from(x);
-        let mut sampler = Sampler::new(pixel, sample, self.seed);
+        let mut sampler = self.pattern.sampler(pixel, sample, self.seed);
         let (width, height) = (self.resolution.0 as f32, self.resolution.1 as f32);
         let offset = self.filter.sample(sampler.next_2d());
         let lens = sampler.next_2d();

@@ -14,7 +14,7 @@ pub mod warp;
 
 pub use alias::{AliasError, AliasTable};
 pub use distribution::{Distribution2d, DistributionError};
-pub use sampler::Sampler;
+pub use sampler::{SamplePattern, Sampler};
 pub use sums::{BLOCK, BlockSums, NotAdjacent};
 
 /// The largest `f32` below one.

@@ -10,9 +10,61 @@
 //! `sobol_burley`). A sequence ends after 65,536 points; a sample beyond them is a point of another
 //! sequence, seeded by `sample >> 16`, so that each run of 65,536 is stratified by itself.
 
+use std::fmt;
+use std::str::FromStr;
+
 use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_scramble_rev};
 
 use crate::math::Vec2;
+
+/// How the samples of one pixel relate to each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SamplePattern {
+    /// Owen-scrambled Sobol points: the least noise, but a variance estimated as if samples were
+    /// independent is too high.
+    #[default]
+    Sobol,
+    /// Independent samples: more noise, whose variance is estimated without bias. For statistics.
+    Independent,
+}
+
+impl SamplePattern {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Sobol, Self::Independent];
+
+    /// The name on the command line.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Independent => "independent",
+        }
+    }
+
+    /// The stream of a sample, see [`Sampler::new`].
+    #[inline]
+    pub fn sampler(self, pixel: u64, sample: u64, seed: u64) -> Sampler {
+        match self {
+            Self::Sobol => Sampler::new(pixel, sample, seed),
+            Self::Independent => Sampler::independent(pixel, sample, seed),
+        }
+    }
+}
+
+impl fmt::Display for SamplePattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
+    }
+}
+
+impl FromStr for SamplePattern {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|pattern| pattern.id() == text).ok_or_else(|| {
+            format!("unknown sampler '{text}', have {}", Self::ALL.map(Self::id).join(", "))
+        })
+    }
+}
 
 /// A stream of uniform numbers in `[0, 1)` for one sample of one pixel.
 ///
@@ -42,12 +94,22 @@ impl Sampler {
     /// frame, so that a crop's pixels keep their values.
     #[inline]
     pub fn new(pixel: u64, sample: u64, seed: u64) -> Self {
-        let run = sample >> 16;
+        Self::of_run(pixel, sample >> 16, seed, (sample & 0xffff) as u32)
+    }
+
+    /// As [`Sampler::new`], but each sample is a point of a sequence of its own.
+    #[inline]
+    pub fn independent(pixel: u64, sample: u64, seed: u64) -> Self {
+        Self::of_run(pixel, !sample, seed, 0)
+    }
+
+    #[inline]
+    fn of_run(pixel: u64, run: u64, seed: u64, index: u32) -> Self {
         let salt = mix64(mix64(seed ^ 0x9e37_79b9_7f4a_7c15).wrapping_add(run));
         // One-to-one for frames of up to 65,536 pixels a side: no two pixels share a key.
         let place = (pixel as u32) ^ ((pixel >> 32) as u32).rotate_left(16);
         let key = mix32(mix32(place.wrapping_add(salt as u32)) ^ (salt >> 32) as u32);
-        Self { values: [0.0; 4], key, index: (sample & 0xffff) as u32, dimension: 0 }
+        Self { values: [0.0; 4], key, index, dimension: 0 }
     }
 
     /// Makes `dimension` the next value's. Multiples of four are free.
@@ -249,6 +311,28 @@ mod tests {
                 let cell = &mut seen[(sampler.next_1d() * 256.0) as usize];
                 assert!(!std::mem::replace(cell, true));
             }
+        }
+    }
+
+    /// Samples that shall be independent fill the square like dice, in each pair of dimensions and
+    /// from one sample to the next.
+    #[test]
+    fn independent_samples_are() {
+        const SIDE: usize = 16;
+        let total = 40_000;
+        let pairs: [(u32, u64, u32); 3] = [(0, 0, 1), (2, 0, 5), (0, 1, 0)];
+        for (first, later, second) in pairs {
+            let mut counts = vec![0_u64; SIDE * SIDE];
+            for sample in 0..total {
+                let value = |sample: u64, dimension: u32| {
+                    let mut sampler = SamplePattern::Independent.sampler(pixel(3, 4), sample, 1);
+                    sampler.seek(dimension);
+                    (sampler.next_1d() * SIDE as f32) as usize
+                };
+                counts[value(sample, first) * SIDE + value(sample + later, second)] += 1;
+            }
+            let expected = vec![total as f64 / counts.len() as f64; counts.len()];
+            assert_fits(&counts, &expected, 3, "independent");
         }
     }
 
