@@ -6,7 +6,7 @@ pub mod slab;
 mod source;
 pub mod verdict;
 
-pub use block::TriangleBlock;
+pub use block::{BlockRef, TriangleBlock};
 pub use mesh::Mesh;
 pub use slab::{SlabRay, own_box};
 pub use source::{Triangle, TriangleList, TriangleSource};

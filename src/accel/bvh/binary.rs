@@ -169,9 +169,13 @@ impl Traverse for Bvh2 {
             if let Some(leaf) = link.leaf() {
                 counters.count(Event::Leaf);
                 let block = &self.leaves[leaf];
-                if let ControlFlow::Break(()) =
-                    test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
-                {
+                if let ControlFlow::Break(()) = test_block::<S, f32x4<S>, Q, C, WIDTH>(
+                    simd,
+                    shot,
+                    block.parts(),
+                    query,
+                    counters,
+                ) {
                     return;
                 }
             } else {

@@ -6,10 +6,12 @@
 
 pub mod binary;
 pub mod binned;
+mod leaves;
 mod prims;
 pub mod sah;
 pub mod sweep;
 mod tree;
+pub mod wide;
 
 pub use tree::{BinaryNode, BinaryTree};
 
