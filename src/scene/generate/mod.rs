@@ -1,0 +1,59 @@
+//! Scenes made by rule from a seed, of exactly as many triangles as asked for.
+//!
+//! A generator is one module that makes a [`Model`]: shapes at their places, materials, cameras and
+//! lights, nothing of which depends on how finely it will be tessellated but for the parts there
+//! are ([`Generator::model`]). What follows is the same for all: each part is given its share of
+//! the triangles ([`budget`]), and the file is written ([`glb`]).
+//!
+//! Arithmetic is +, -, ×, ÷, √ and `libm`, in one order: the same file on every machine.
+
+mod assembly;
+mod budget;
+mod document;
+mod glb;
+mod model;
+mod random;
+mod shape;
+mod tessellation;
+
+use std::io::{self, Write};
+use std::ops::RangeInclusive;
+
+pub use document::{Document, perspective, rounded};
+pub use glb::Written;
+use model::Model;
+
+/// How many triangles a scene may have.
+pub const TRIANGLES: RangeInclusive<u64> = 1..=20_000_000;
+
+/// A kind of scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Generator {
+    /// A machine, dense and finely tessellated.
+    Assembly,
+}
+
+impl Generator {
+    /// The parts of the scene for a number of triangles.
+    fn model(self, triangles: u64, seed: u64) -> Model {
+        match self {
+            Self::Assembly => assembly::model(triangles, seed),
+        }
+    }
+
+    /// Writes a scene of exactly `triangles` as .glb. The same arguments give the same bytes.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    ///
+    /// # Panics
+    /// If `triangles` is not within [`TRIANGLES`].
+    pub fn write(self, triangles: u64, seed: u64, out: &mut dyn Write) -> io::Result<Written> {
+        assert!(TRIANGLES.contains(&triangles), "{triangles} triangles");
+        let mut model = self.model(triangles, seed);
+        let plan = budget::share(&mut model, triangles);
+        let written = glb::write(out, &model, &plan)?;
+        assert_eq!(written.triangles, triangles, "the plan is exact");
+        Ok(written)
+    }
+}
