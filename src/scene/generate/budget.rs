@@ -15,7 +15,7 @@ pub struct Plan {
 /// Chooses among a model's parts, and their levels, so that there are `triangles` in all. Takes the
 /// parts out of the model.
 ///
-/// Parts are chosen from the largest down while coarse ones take at most half of all. The rest is
+/// Parts are chosen from the largest down while coarse ones take at most two thirds of all. The rest is
 /// dealt out by need; what a part cannot use goes to the next one, at the end to the model's rest.
 ///
 /// # Panics
@@ -25,7 +25,7 @@ pub fn share(model: &mut Model, triangles: u64) -> Plan {
     parts.sort_by(|a, b| b.shape.extent().total_cmp(&a.shape.extent()));
     let mut coarse = 0;
     parts.retain(|part| {
-        let fits = coarse + part.shape.count(0) <= triangles / 2;
+        let fits = coarse + part.shape.count(0) <= triangles / 3 * 2;
         coarse += if fits { part.shape.count(0) } else { 0 };
         fits
     });

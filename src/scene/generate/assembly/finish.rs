@@ -84,7 +84,7 @@ impl Finish {
 }
 
 /// Of the lamps, before their tint.
-const LAMP_RADIANCE: f64 = 9.0;
+const LAMP_RADIANCE: f64 = 16.0;
 
 /// glTF's objects, in the order of [`Finish::index`].
 pub fn materials() -> Vec<Value> {

@@ -26,7 +26,7 @@ use super::shape::{Ribbon, Shape};
 use crate::math::{DAffine3, DVec3};
 
 /// Size of the room that a unit takes, metres.
-const CELL: DVec3 = DVec3::new(0.6, 0.54, 0.56);
+const CELL: DVec3 = DVec3::new(0.56, 0.53, 0.48);
 
 /// Height of the lowest units over the floor.
 const BASE: f64 = 0.1;

@@ -17,28 +17,29 @@ pub fn light(a: &mut Assembly, grid: Grid) {
     a.unit = "studio".to_owned();
     let size = grid.size();
     let (w, h, d) = (0.5 * size.x, size.y, 0.5 * size.z);
-    a.put("floor", Finish::Floor, at(0.0, 0.0, 0.0), Quad { half: DVec2::new(w + 0.3, d + 0.3) });
+    a.put("floor", Finish::Floor, at(0.0, 0.0, 0.0), Quad { half: DVec2::new(w + 0.15, d + 0.2) });
     let mut panel = |point: DVec3, towards: DVec3, half: DVec2| {
         let direction = (towards - point).normalize();
         a.put("lamp", Finish::Lamp, facing(point, direction), Quad { half });
     };
     let middle = DVec3::new(0.0, 0.5 * h, 0.0);
-    panel(DVec3::new(0.0, h + 0.4, 0.3 * d), middle, DVec2::new(0.8 * w, 0.4 * d));
-    panel(DVec3::new(-w - 0.4, 0.65 * h, d + 0.4), middle, DVec2::new(0.25, 0.45 * h));
-    panel(DVec3::new(w + 0.5, 0.65 * h, 0.2 * d), middle, DVec2::new(0.5 * d, 0.45 * h));
+    // Above, in front above the picture's edge, and to the right with its back to the camera.
+    panel(DVec3::new(0.0, h + 0.3, 0.0), middle, DVec2::new(0.85 * w, 0.5 * d));
+    panel(DVec3::new(0.0, h + 0.25, d + 0.3), middle, DVec2::new(0.9 * w, 0.12));
+    panel(DVec3::new(w + 0.25, 0.6 * h, 0.3 * d), middle, DVec2::new(0.5 * d, 0.45 * h));
 
     let towards = middle.as_vec3();
     let eye = towards + DVec3::new(0.42, 0.2, 1.0).normalize().as_vec3() * distance(size);
     a.model.cameras.push(View { eye, target: towards, lens: perspective(30.0, 4.0 / 3.0) });
     a.model.lights.push(Lamp {
-        light: json!({ "type": "directional", "intensity": 1.5 }),
+        light: json!({ "type": "directional", "intensity": 3.0 }),
         at: (middle + DVec3::new(-0.5, 0.6, 1.0)).as_vec3(),
         towards,
     });
 }
 
-/// From the middle, so that all is in the picture.
+/// From the middle, so that all is in the picture, be it a square one.
 fn distance(size: DVec3) -> f32 {
     let across = (1.1 * size.x + 0.42 * size.z).max(1.45 * size.y);
-    (across * 1.55 + 0.5 * size.z) as f32
+    (across * 1.85 + 0.5 * size.z) as f32
 }

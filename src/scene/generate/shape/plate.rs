@@ -1,7 +1,7 @@
 //! Outlines pushed along +Y: gears, nuts, beams, fins.
 
 use super::profile::Profile;
-use super::{Shape, arc, columns};
+use super::{Shape, columns};
 use crate::math::{DVec2, DVec3};
 use crate::scene::generate::tessellation::Tessellation;
 
@@ -53,7 +53,8 @@ impl Plate {
     fn parts(&self, level: u32) -> (Vec<super::profile::Run>, usize) {
         let (columns, straight) = columns(level);
         let rows = if self.twist == 0.0 { straight } else { 1 + level as usize / 6 };
-        (self.outline.runs(arc(columns), 1 + level as usize / 60), rows)
+        // Coarse outlines have sharp corners: gears have many of them.
+        (self.outline.runs(columns / 18, 1 + level as usize / 60), rows)
     }
 
     fn turned(&self, point: DVec2, share: f64) -> DVec3 {

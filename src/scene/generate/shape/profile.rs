@@ -76,8 +76,12 @@ impl Profile {
     }
 
     /// The smooth stretches in order, each from where the one before ended. A right angle that is
-    /// rounded takes `arc` segments, a straight piece `straight`.
+    /// rounded takes `arc` segments, and is sharp for 0; a straight piece takes `straight`.
     pub fn runs(&self, arc: usize, straight: usize) -> Vec<Run> {
+        if arc == 0 {
+            let corners = self.corners.iter().map(|&(at, _)| (at, 0.0)).collect();
+            return Self { corners, closed: self.closed }.runs(1, straight);
+        }
         let n = self.corners.len();
         let edges = if self.closed { n } else { n - 1 };
         let direction = |edge: usize| self.corners[(edge + 1) % n].0 - self.corners[edge % n].0;
