@@ -35,7 +35,10 @@ pub enum Finish {
     Lamp,
 }
 
-use Finish::*;
+use Finish::{
+    Aluminium, Blue, Brass, Chrome, Copper, DarkSteel, Floor, Green, Grey, Lamp, Red, Rubber,
+    Steel, Yellow,
+};
 
 /// All of them, in the order of their numbers.
 const ALL: [Finish; 14] = [

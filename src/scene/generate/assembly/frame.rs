@@ -9,7 +9,7 @@ use crate::scene::generate::shape::{Plate, RoundedBox};
 
 /// Builds it.
 pub fn build(a: &mut Assembly, grid: Grid) {
-    a.unit = "frame".to_owned();
+    a.unit = String::from("frame");
     let size = grid.size();
     let [nx, ny, nz] = grid.0;
     let low = DVec3::new(-0.5 * size.x, 0.0, -0.5 * size.z);

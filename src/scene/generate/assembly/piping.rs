@@ -19,6 +19,7 @@ pub fn build(a: &mut Assembly, grid: Grid) {
         }
     }
     cables(a, &ports);
+    thickets(a, grid);
     for (front, z) in [(1.0, 0.5 * grid.size().z + 0.035), (-1.0, -0.5 * grid.size().z - 0.035)] {
         bank(a, grid, z, front);
     }
@@ -89,7 +90,7 @@ fn hose(a: &mut Assembly, from: Port, to: Port) {
 
 /// Bundles of thin cables that hang from unit to unit.
 fn cables(a: &mut Assembly, ports: &[Port]) {
-    a.unit = "cables".to_owned();
+    a.unit = String::from("cables");
     for (i, pair) in ports.windows(2).enumerate() {
         let finish = [Finish::Red, Finish::Yellow, Finish::Rubber, Finish::Blue][i % 4];
         let [from, to] = [pair[0].at, pair[1].at];
@@ -103,6 +104,45 @@ fn cables(a: &mut Assembly, ports: &[Port]) {
             let third = (to - from) / 3.0;
             let path = Path::Spline([from, from + third + sag, to - third + sag, to]);
             a.put("cable", finish, at(0.0, 0.0, 0.0), Tube { path, radius: 0.0045, ripples: 0 });
+        }
+    }
+}
+
+/// Pipes that fill what the units leave of their rooms: from wall to wall, around corners.
+fn thickets(a: &mut Assembly, grid: Grid) {
+    let [nx, ny, nz] = grid.0;
+    for number in 0..nx * ny * nz {
+        a.unit = format!("thicket {number}");
+        let centre = grid.centre(number % nx, number / nx % ny, number / (nx * ny));
+        for _ in 0..9 {
+            let mut place = || {
+                let share = DVec3::from([(); 3].map(|()| a.random.between(-0.48, 0.48)));
+                // Mostly behind and above: the units are to be seen.
+                centre + (share - DVec3::new(0.0, -0.05, 0.12)) * CELL
+            };
+            let (from, to) = (place(), place());
+            let step = to - from;
+            let mut order = [0, 1, 2];
+            a.random.shuffle(&mut order);
+            let mut points = vec![from];
+            for axis in order {
+                let mut next = points[points.len() - 1];
+                next[axis] = to[axis];
+                points.push(next);
+            }
+            let radius = a.random.between(0.004, 0.013);
+            if step.abs().min_element() < 6.0 * radius {
+                continue;
+            }
+            let finish =
+                a.random.one_of(&[Finish::Steel, Finish::Copper, Finish::Brass, Finish::Red]);
+            for (end, next) in [(0, 1), (3, 2)] {
+                let direction = (points[next] - points[end]).normalize();
+                let place = facing(points[end], direction);
+                ring(a, "socket", Finish::Steel, place, [0.9 * radius, 1.7 * radius], 2.0 * radius);
+            }
+            let path = Path::Bends { points, radius: 2.5 * radius };
+            a.put("pipe", finish, at(0.0, 0.0, 0.0), Tube { path, radius, ripples: 0 });
         }
     }
 }
