@@ -25,7 +25,7 @@ pub fn light(a: &mut Assembly, grid: Grid) {
     let middle = DVec3::new(0.0, 0.5 * h, 0.0);
     // Above, in front above the picture's edge, and to the right with its back to the camera.
     panel(DVec3::new(0.0, h + 0.3, 0.0), middle, DVec2::new(0.85 * w, 0.5 * d));
-    panel(DVec3::new(0.0, h + 0.25, d + 0.3), middle, DVec2::new(0.9 * w, 0.16));
+    panel(DVec3::new(0.0, h + 0.3 + 0.1 * d, d + 0.3), middle, DVec2::new(0.9 * w, 0.16));
     panel(DVec3::new(w + 0.25, 0.6 * h, 0.3 * d), middle, DVec2::new(0.5 * d, 0.45 * h));
 
     let towards = middle.as_vec3();

@@ -55,9 +55,9 @@ fn columns(level: u32) -> (usize, usize) {
     ((6 + level).min(MOST_COLUMNS) as usize, 1 + level as usize / 40)
 }
 
-/// Segments of a right angle that go with `columns` around.
+/// Segments of a right angle that go with `columns` around; 0: it is left sharp.
 fn arc(columns: usize) -> usize {
-    (columns / 9).clamp(1, 24)
+    (columns / 9).min(24)
 }
 
 #[cfg(test)]
