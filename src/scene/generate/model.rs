@@ -10,8 +10,8 @@ use crate::math::{DAffine3, DVec3, Vec3};
 pub struct Model {
     /// glTF's objects.
     pub materials: Vec<Value>,
-    /// What is made of triangles; the larger the extent, the longer a part stays when there are
-    /// few triangles.
+    /// What is made of triangles; where these are few, parts that need many for their size stay
+    /// away.
     pub parts: Vec<Part>,
     /// Views, the first of which is the default.
     pub cameras: Vec<View>,

@@ -61,7 +61,7 @@ fn trains(a: &mut Assembly) {
         cylinder(a, "shaft", Finish::Chrome, shaft, 0.016, 0.42);
         for y in [0.02, 0.36] {
             ring(a, "bearing", Finish::Steel, shaft * at(0.0, y, 0.0), [0.015, 0.036], 0.02);
-            balls(a, DVec3::new(x, 0.02, -0.178 + y));
+            rollers(a, DVec3::new(x, 0.02, -0.178 + y));
         }
         nut(a, Finish::Brass, shaft * at(0.0, 0.39, 0.0), 0.026, 0.015);
     }
@@ -89,8 +89,8 @@ fn gear(a: &mut Assembly, centre: DVec3, number: usize, turn: f64, place: usize)
     cylinder(a, "axle", Finish::Chrome, axle * at(0.0, -0.03, 0.0), 0.012, 0.1);
 }
 
-/// The balls of a bearing.
-fn balls(a: &mut Assembly, centre: DVec3) {
+/// The rollers of a bearing.
+fn rollers(a: &mut Assembly, centre: DVec3) {
     for i in 0..7 {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 7.0);
         let place = facing(centre + DVec3::new(cos, sin, 0.0) * 0.026, DVec3::Z);

@@ -14,7 +14,7 @@ pub struct Bolt {
 }
 
 impl Bolt {
-    /// The head's height over the surface it sits on, without its dome.
+    /// What it consists of at a level, each piece with its height.
     fn pieces(&self, level: u32) -> Vec<(Box<dyn Shape>, f64)> {
         let r = self.radius;
         let head = Plate::solid(Profile::polygon(6, 1.85 * r, 0.0), 1.3 * r);
