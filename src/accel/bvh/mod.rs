@@ -1,20 +1,43 @@
 //! Bounding volume hierarchies.
 //!
-//! Builders ([`binned`], [`sweep`]) make a plain [`BinaryTree`]; structures lay it out as they
-//! traverse it and never see a builder. All boxes are unions of [`crate::geom::own_box`]es, which
-//! is what makes culling exact (see [`crate::accel`]).
+//! Builders ([`binned`], [`sweep`], [`sbvh`]) make a plain [`BinaryTree`]; structures lay it out as
+//! they traverse it and never see a builder. All boxes are unions of [`crate::geom::own_box`]es,
+//! which is what makes culling exact (see [`crate::accel`]), or of boxes of parts of triangles,
+//! which [`parts`] makes as good.
 
 pub mod binary;
 pub mod binned;
+mod bins;
+pub mod early;
+mod objects;
+pub mod parts;
 mod prims;
 pub mod sah;
+pub mod sbvh;
+pub mod spatial;
 pub mod sweep;
+#[cfg(test)]
+mod tests;
 mod tree;
 
+pub use parts::Parts;
 pub use tree::{BinaryNode, BinaryTree};
 
-use crate::geom::TriangleSource;
 use std::time::Instant;
+
+use parts::Cutter;
+
+use crate::accel::{OptionSpec, Value, Values};
+use crate::geom::TriangleSource;
+use crate::math::Aabb;
+
+/// The option that names the builder, for [`build_tree`].
+pub const BUILD: OptionSpec = OptionSpec {
+    name: "build",
+    summary: "binned SAH, a full sweep, binned after early split clipping, or spatial splits",
+    values: Values::Choice(&["binned", "sweep", "esc", "sbvh"]),
+    default: Value::Choice("binned"),
+};
 
 /// Builds a binary tree by the builder of that name, and says how long each phase took.
 ///
@@ -26,11 +49,29 @@ fn build_tree(
 ) -> (BinaryTree, Vec<(&'static str, f64)>) {
     let start = Instant::now();
     let mut prims = prims::prims(source);
-    let gathered = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let tree = match builder {
-        "sweep" => sweep::build(&prims, cost),
-        _ => binned::build(&mut prims, cost),
+    let mut phases = vec![("boxes", start.elapsed().as_secs_f64())];
+    let mut parts = None;
+    let bounds = || prims.iter().fold(Aabb::EMPTY, |all, prim| all.union(prim.bounds));
+    // Scenes that can't be cut are built from whole triangles.
+    let (bounds, cutter) = match builder {
+        "esc" | "sbvh" => {
+            let bounds = bounds();
+            (bounds, Cutter::new(source, &bounds))
+        }
+        _ => (Aabb::EMPTY, None),
     };
-    (tree, vec![("boxes", gathered), ("tree", start.elapsed().as_secs_f64())])
+    if let ("esc", Some(cutter)) = (builder, &cutter) {
+        let start = Instant::now();
+        prims = early::split(prims, cutter, &bounds);
+        parts = Some(cutter.parts());
+        phases.push(("early splits", start.elapsed().as_secs_f64()));
+    }
+    let start = Instant::now();
+    let tree = match (builder, &cutter) {
+        ("sweep", _) => sweep::build(&prims, cost),
+        ("sbvh", Some(cutter)) => sbvh::build(prims, cutter, cost),
+        _ => BinaryTree { parts, ..binned::build(&mut prims, cost) },
+    };
+    phases.push(("tree", start.elapsed().as_secs_f64()));
+    (tree, phases)
 }
