@@ -4,56 +4,44 @@
 //! whose surface is above a threshold is halved along its longest edge, both halves shrunk to what
 //! they hold of the triangle, and so on. Any builder then works on the parts.
 //!
-//! Ours counts the empty part of a box only, as T. Karras and T. Aila do ("Fast Parallel
-//! Construction of High-Quality Bounding Volume Hierarchies", 2013, 4.1): the surface less that of
-//! infinitely many parts. And it bounds the number of parts: the threshold is halved from that of
-//! the scene's box downwards, as long as parts may be added, and what is above it is cut all at
-//! once; if that is too much, the largest only. So it does not depend on the threads.
+//! Ours looks at what a cut gains, the surface of the box less that of both halves': triangles
+//! along the axes gain nothing. And it bounds the number of parts: the threshold is halved from the
+//! scene's surface downwards, as long as parts may be added, and what gains more is cut all at
+//! once; if that is too much, the best only. So it does not depend on the threads.
 
 use rayon::prelude::*;
 
 use super::parts::Cutter;
 use super::prims::Prim;
-use crate::math::Aabb;
 
 /// Parts may be so many times the triangles more.
 const MORE: f64 = 0.5;
-/// Threshold at which no more is gained, in mean surfaces of the boxes.
+/// Threshold below which cuts do not pay, in mean surfaces of the boxes.
 const SMALLEST: f64 = 1.0;
+/// And in surfaces of the box itself.
+const SHARE: f64 = 0.4;
 
 /// A primitive that may be worth cutting.
 struct Candidate {
     prim: Prim,
-    /// The share of its triangle's box that is empty.
-    share: f64,
+    halves: [Option<Prim>; 2],
+    /// How much less surface the halves have.
+    gain: f64,
 }
 
 impl Candidate {
     fn new(prim: Prim, cutter: &Cutter<'_>) -> Self {
-        // Of the triangle alone: half the surface that many small boxes have is that of its three
-        // projections.
-        let normal = cutter.whole(&prim).triangle.double_area().abs().as_dvec3();
-        let least = (normal.x + normal.y + normal.z) * 0.5;
-        let share = (1.0 - least / prim.bounds.half_area().max(f64::MIN_POSITIVE)).max(0.0);
-        Self { prim, share }
-    }
-
-    fn waste(&self) -> f64 {
-        self.prim.bounds.half_area() * self.share
-    }
-
-    /// Both halves, unless there is nothing to be halved.
-    fn halves(&self, cutter: &Cutter<'_>) -> [Option<Self>; 2] {
-        let bounds = &self.prim.bounds;
-        let axis = bounds.longest_axis();
-        cutter
-            .cut(&self.prim, axis, bounds.centre()[axis])
-            .map(|part| part.map(|prim| Self { prim, share: self.share }))
+        let axis = prim.bounds.longest_axis();
+        let halves = cutter.cut(&prim, axis, prim.bounds.centre()[axis]);
+        let area = prim.bounds.half_area();
+        let left: f64 = halves.iter().flatten().map(|half| half.bounds.half_area()).sum();
+        let gain = if area - left > SHARE * area { area - left } else { 0.0 };
+        Self { prim, halves, gain }
     }
 }
 
-/// Cuts the large ones of some triangles; `bounds` is the union of their boxes.
-pub fn split(prims: Vec<Prim>, cutter: &Cutter<'_>, bounds: &Aabb) -> Vec<Prim> {
+/// Cuts the large ones of some triangles.
+pub fn split(prims: Vec<Prim>, cutter: &Cutter<'_>) -> Vec<Prim> {
     let mut budget = (prims.len() as f64 * MORE) as usize;
     let mean = prims.iter().map(|p| p.bounds.half_area()).sum::<f64>() / prims.len().max(1) as f64;
     let smallest = mean * SMALLEST;
@@ -61,7 +49,7 @@ pub fn split(prims: Vec<Prim>, cutter: &Cutter<'_>, bounds: &Aabb) -> Vec<Prim> 
         prims.into_par_iter().partition(|prim| prim.bounds.half_area() > smallest);
     let mut waiting: Vec<_> =
         large.into_par_iter().map(|prim| Candidate::new(prim, cutter)).collect();
-    let mut threshold = bounds.half_area();
+    let mut threshold = cutter.bounds().half_area();
     while threshold > smallest && budget > 0 {
         threshold = (threshold * 0.5).max(smallest);
         waiting = cut_above(threshold, waiting, cutter, &mut budget);
@@ -70,25 +58,29 @@ pub fn split(prims: Vec<Prim>, cutter: &Cutter<'_>, bounds: &Aabb) -> Vec<Prim> 
     done
 }
 
-/// Cuts until nothing is above a threshold, or nothing may be added.
+/// Cuts until no cut gains more than a threshold, or nothing may be added.
 fn cut_above(
     threshold: f64,
     waiting: Vec<Candidate>,
     cutter: &Cutter<'_>,
     budget: &mut usize,
 ) -> Vec<Candidate> {
-    let above = |candidate: &Candidate| candidate.waste() > threshold;
-    let (mut large, mut small): (Vec<_>, Vec<_>) = waiting.into_par_iter().partition(above);
+    let (mut large, mut small): (Vec<_>, Vec<_>) =
+        waiting.into_par_iter().partition(|candidate| candidate.gain > threshold);
     while !large.is_empty() && *budget > 0 {
         if large.len() > *budget {
-            large.par_sort_by(|a, b| b.waste().total_cmp(&a.waste()));
+            large.par_sort_by(|a, b| b.gain.total_cmp(&a.gain));
             small.extend(large.drain(*budget..));
         }
-        let halves: Vec<_> = large.par_iter().map(|candidate| candidate.halves(cutter)).collect();
         let before = large.len();
-        let halves = halves.into_iter().flatten().flatten();
-        let (above, below): (Vec<_>, Vec<_>) = halves.partition(above);
-        *budget -= (above.len() + below.len()).saturating_sub(before);
+        let halves: Vec<_> = large
+            .into_par_iter()
+            .flat_map_iter(|candidate| candidate.halves.into_iter().flatten())
+            .map(|half| Candidate::new(half, cutter))
+            .collect();
+        *budget -= halves.len().saturating_sub(before);
+        let (above, below): (Vec<_>, Vec<_>) =
+            halves.into_par_iter().partition(|candidate| candidate.gain > threshold);
         large = above;
         small.extend(below);
     }

@@ -29,7 +29,6 @@ use parts::Cutter;
 
 use crate::accel::{OptionSpec, Value, Values};
 use crate::geom::TriangleSource;
-use crate::math::Aabb;
 
 /// The option that names the builder, for [`build_tree`].
 pub const BUILD: OptionSpec = OptionSpec {
@@ -47,31 +46,29 @@ fn build_tree(
     builder: &str,
     cost: sah::Cost,
 ) -> (BinaryTree, Vec<(&'static str, f64)>) {
-    let start = Instant::now();
-    let mut prims = prims::prims(source);
-    let mut phases = vec![("boxes", start.elapsed().as_secs_f64())];
-    let mut parts = None;
-    let bounds = || prims.iter().fold(Aabb::EMPTY, |all, prim| all.union(prim.bounds));
-    // Scenes that can't be cut are built from whole triangles.
-    let (bounds, cutter) = match builder {
-        "esc" | "sbvh" => {
-            let bounds = bounds();
-            (bounds, Cutter::new(source, &bounds))
-        }
-        _ => (Aabb::EMPTY, None),
+    let mut phases = Vec::with_capacity(3);
+    let mut start = Instant::now();
+    let mut phase_ends = |name: &'static str| {
+        phases.push((name, start.elapsed().as_secs_f64()));
+        start = Instant::now();
     };
-    if let ("esc", Some(cutter)) = (builder, &cutter) {
-        let start = Instant::now();
-        prims = early::split(prims, cutter, &bounds);
-        parts = Some(cutter.parts());
-        phases.push(("early splits", start.elapsed().as_secs_f64()));
-    }
-    let start = Instant::now();
+    let mut prims = prims::prims(source);
+    let cutter = match builder {
+        // None for scenes that can't be cut: they are built from whole triangles.
+        "esc" | "sbvh" => Cutter::new(source, objects::boxes(&prims).0),
+        _ => None,
+    };
+    phase_ends("boxes");
     let tree = match (builder, &cutter) {
         ("sweep", _) => sweep::build(&prims, cost),
         ("sbvh", Some(cutter)) => sbvh::build(prims, cutter, cost),
-        _ => BinaryTree { parts, ..binned::build(&mut prims, cost) },
+        ("esc", Some(cutter)) => {
+            prims = early::split(prims, cutter);
+            phase_ends("early splits");
+            BinaryTree { parts: Some(cutter.parts()), ..binned::build(&mut prims, cost) }
+        }
+        _ => binned::build(&mut prims, cost),
     };
-    phases.push(("tree", start.elapsed().as_secs_f64()));
+    phase_ends("tree");
     (tree, phases)
 }

@@ -69,6 +69,7 @@ impl Parts {
 /// Cuts triangles into parts.
 pub struct Cutter<'a> {
     source: &'a dyn TriangleSource,
+    bounds: Aabb,
     /// What every margin is at least.
     floor: f32,
     reach: f32,
@@ -88,10 +89,16 @@ impl<'a> Cutter<'a> {
 
     /// For the triangles of a scene whose own boxes have the union `bounds`; `None` if they are too
     /// large to be cut.
-    pub fn new(source: &'a dyn TriangleSource, bounds: &Aabb) -> Option<Self> {
+    pub fn new(source: &'a dyn TriangleSource, bounds: Aabb) -> Option<Self> {
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let floor = largest * Self::OF_COORDINATES + Self::ABSOLUTE;
-        (largest <= Self::LARGEST).then_some(Self { source, floor, reach: largest * Self::REACH })
+        let reach = largest * Self::REACH;
+        (largest <= Self::LARGEST).then_some(Self { source, bounds, floor, reach })
+    }
+
+    /// The box of all triangles.
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
     }
 
     /// The rays that its parts are good for.
@@ -152,7 +159,7 @@ mod tests {
     fn parts_of(triangle: Triangle, levels: u32) -> Vec<Aabb> {
         let list = TriangleList(vec![triangle]);
         let whole = Prim { bounds: own_box(&triangle), id: TriangleId(0) };
-        let cutter = Cutter::new(&list, &whole.bounds).expect("of moderate size");
+        let cutter = Cutter::new(&list, whole.bounds).expect("of moderate size");
         let mut parts = vec![whole];
         for _ in 0..levels {
             let cut = |part: &Prim| {
@@ -211,13 +218,13 @@ mod tests {
     fn rays_with_huge_or_tiny_strides_or_from_afar_are_not_covered() {
         let list = TriangleList(vec![]);
         let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-        let parts = Cutter::new(&list, &unit).expect("of moderate size").parts();
+        let parts = Cutter::new(&list, unit).expect("of moderate size").parts();
         let covers = |o: f32, d: f32| {
             parts.covers(&Ray::new(Vec3::splat(o), Vec3::splat(d), 0.0, f32::INFINITY))
         };
         assert!(covers(1e6, 1.0) && covers(0.0, 1e14) && covers(0.0, 1e-19));
         assert!(!covers(1e10, 1.0) && !covers(0.0, 1e15) && !covers(0.0, 1e-20));
         let huge = Aabb { min: Vec3::ZERO, max: Vec3::splat(1e31) };
-        assert!(Cutter::new(&list, &huge).is_none());
+        assert!(Cutter::new(&list, huge).is_none());
     }
 }

@@ -1,18 +1,22 @@
 //! Spatial splits: a plane through a node's box, and what crosses it is cut in two.
 //!
 //! M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009, 4.1
-//! and 4.4: planes between equal bins; each primitive is chopped at the planes that it crosses and
-//! its pieces widen the boxes of their bins; it is counted where it begins and where it ends. A
-//! primitive that crosses the plane stays whole on one side if that is cheaper.
+//! and 4.4: planes between equal bins; each triangle is chopped at the planes that it crosses and
+//! its pieces, cut to the primitive's box, widen the boxes of their bins; it is counted where it
+//! begins and where it ends. A primitive that crosses the plane stays whole on one side if that is
+//! cheaper.
+//!
+//! The pieces only tell what a plane would cost. What is kept is cut by [`super::parts`].
 
 use rayon::prelude::*;
 
 use super::bins::PARALLEL_BINNING;
 use super::parts::Cutter;
 use super::prims::Prim;
+use crate::geom::Triangle;
 use crate::math::{Aabb, Vec3};
 
-const BINS: usize = 16;
+const BINS: usize = 32;
 
 /// One side of a split.
 #[derive(Clone, Copy, Debug)]
@@ -89,24 +93,46 @@ impl Planes {
     fn fill(&self, prims: &[Prim], cutter: &Cutter<'_>) -> Bins {
         let mut bins = NO_BINS;
         for prim in prims {
-            let mut whole = None;
+            let mut triangle = None;
             for (axis, bins) in bins.iter_mut().enumerate() {
                 let first = self.bin(axis, prim.bounds.min[axis]);
                 let last = self.bin(axis, prim.bounds.max[axis]).max(first);
                 bins[first].begin += 1;
                 bins[last].end += 1;
-                let mut rest = Some(prim.bounds);
-                for at in first..last {
-                    let Some(bounds) = rest else { break };
-                    let whole = whole.get_or_insert_with(|| cutter.whole(prim));
-                    let [below, above] = whole.cut(&bounds, axis, self.behind(axis, at));
-                    bins[at].bounds = bins[at].bounds.union(below.unwrap_or(Aabb::EMPTY));
-                    rest = above;
+                if first == last {
+                    bins[first].bounds = bins[first].bounds.union(prim.bounds);
+                    continue;
                 }
-                bins[last].bounds = bins[last].bounds.union(rest.unwrap_or(Aabb::EMPTY));
+                let triangle = triangle.get_or_insert_with(|| cutter.whole(prim).triangle);
+                let pieces = self.pieces(axis, triangle, first, last);
+                for (bin, piece) in bins[first..=last].iter_mut().zip(&pieces[first..]) {
+                    let piece = piece.intersection(prim.bounds);
+                    if !piece.is_empty() {
+                        bin.bounds = bin.bounds.union(piece);
+                    }
+                }
             }
         }
         bins
+    }
+
+    /// The boxes of the pieces of a triangle between planes, for some bins of an axis.
+    fn pieces(&self, axis: usize, triangle: &Triangle, first: usize, last: usize) -> [Aabb; BINS] {
+        let Triangle { a, b, c } = *triangle;
+        let mut pieces = [Aabb::EMPTY; BINS];
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            let (p, q) = if p[axis] <= q[axis] { (p, q) } else { (q, p) };
+            let (begin, end) = (self.bin(axis, p[axis]), self.bin(axis, q[axis]));
+            pieces[begin] = pieces[begin].include(p);
+            pieces[end] = pieces[end].include(q);
+            for at in begin.max(first.saturating_sub(1))..end.min(last + 1) {
+                let along = (self.behind(axis, at) - p[axis]) / (q[axis] - p[axis]);
+                let crossing = p + (q - p) * along;
+                pieces[at] = pieces[at].include(crossing);
+                pieces[at + 1] = pieces[at + 1].include(crossing);
+            }
+        }
+        pieces
     }
 
     fn best_of_axis(&self, axis: usize, bins: &[Bin; BINS]) -> Option<SpatialSplit> {
@@ -116,13 +142,13 @@ impl Planes {
             above[at - 1] = Side { count, ..above[at].with(&bins[at].bounds) };
         }
         let mut below = Side::EMPTY;
-        let mut best = None;
+        let mut best: Option<SpatialSplit> = None;
         for at in 0..BINS - 1 {
             below = Side { count: below.count + bins[at].begin, ..below.with(&bins[at].bounds) };
             if below.count > 0 && above[at].count > 0 {
                 let plane = self.behind(axis, at);
                 let split = SpatialSplit { axis, plane, sides: [below, above[at]] };
-                best = SpatialSplit::better(best, split);
+                best = Some(best.map_or(split, |best| best.min(split)));
             }
         }
         best
@@ -153,15 +179,12 @@ impl SpatialSplit {
         (0..3)
             .filter(|&axis| planes.scale[axis] > 0.0)
             .filter_map(|axis| planes.best_of_axis(axis, &bins[axis]))
-            .fold(None, Self::better)
+            .reduce(Self::min)
     }
 
-    /// The cheaper, the first of equals.
-    fn better(best: Option<Self>, other: Self) -> Option<Self> {
-        match best {
-            Some(best) if best.cost() <= other.cost() => Some(best),
-            _ => Some(other),
-        }
+    /// The cheaper; the first of equals.
+    fn min(self, other: Self) -> Self {
+        if other.cost() < self.cost() { other } else { self }
     }
 
     /// The sum over both sides of half area times count.
@@ -184,38 +207,36 @@ impl SpatialSplit {
             } else if prim.bounds.min[self.axis] >= self.plane {
                 parts[1].push(*prim);
             } else {
-                match self.whole_on(&mut sides, &prim.bounds) {
-                    Some(side) => parts[side].push(*prim),
-                    None => {
-                        let halves = cutter.cut(prim, self.axis, self.plane);
-                        for (part, half) in parts.iter_mut().zip(halves) {
-                            part.extend(half);
-                        }
-                    }
-                }
+                self.cut_or_keep(prim, cutter, &mut sides, &mut parts);
             }
         }
         (!parts[0].is_empty() && !parts[1].is_empty()).then_some(parts)
     }
 
-    /// The side on which something that crosses the plane had better stay whole, if any; the sides
-    /// are changed to match ("reference unsplitting").
-    fn whole_on(&self, sides: &mut [Side; 2], bounds: &Aabb) -> Option<usize> {
-        if sides.iter().any(|side| side.count <= 1) {
-            return None;
+    /// Cuts a primitive that crosses the plane, or keeps it whole on one side, if that is cheaper
+    /// ("reference unsplitting"); the sides are changed to match.
+    fn cut_or_keep(
+        &self,
+        prim: &Prim,
+        cutter: &Cutter<'_>,
+        sides: &mut [Side; 2],
+        parts: &mut [Vec<Prim>; 2],
+    ) {
+        let cost = |sides: &[Side; 2]| sides[0].cost() + sides[1].cost();
+        if sides.iter().all(|side| side.count > 1) {
+            let [below, above] = *sides;
+            let whole = [
+                [below.with(&prim.bounds), above.without_one()],
+                [below.without_one(), above.with(&prim.bounds)],
+            ];
+            let on = usize::from(cost(&whole[1]) < cost(&whole[0]));
+            if cost(&whole[on]) < cost(sides) {
+                *sides = whole[on];
+                return parts[on].push(*prim);
+            }
         }
-        let on_side = |side: usize| {
-            let mut changed = *sides;
-            changed[side] = sides[side].with(bounds);
-            changed[1 - side] = sides[1 - side].without_one();
-            (changed[0].cost() + changed[1].cost(), side, changed)
-        };
-        let (below, above) = (on_side(0), on_side(1));
-        let (cost, side, changed) = if above.0 < below.0 { above } else { below };
-        if cost < sides[0].cost() + sides[1].cost() {
-            *sides = changed;
-            return Some(side);
+        for (part, half) in parts.iter_mut().zip(cutter.cut(prim, self.axis, self.plane)) {
+            part.extend(half);
         }
-        None
     }
 }
