@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
-use super::{BinaryTree, Parts, build_tree, sah};
+use super::{BinaryTree, Parts, build_tree_by, sah};
 use crate::accel::{
     BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
     Variant, test_block,
@@ -20,7 +20,7 @@ pub const VARIANT: Variant = Variant {
     id: "bvh2",
     summary: "binary bounding volume hierarchy, leaves of up to four triangles",
     paper: "Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007",
-    options: &[super::BUILD],
+    options: &[super::BUILD, super::REFINE],
     build: |input| Ok(Box::new(Bvh2::build(input)?)),
 };
 
@@ -65,7 +65,7 @@ pub struct Bvh2 {
 
 impl Bvh2 {
     fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
-        let (tree, mut phases) = build_tree(&*input.source, input.options.choice("build"), COST);
+        let (tree, mut phases) = build_tree_by(input, COST);
         let start = std::time::Instant::now();
         let report = tree.report();
         if report.max_depth > sah::MAX_DEPTH {

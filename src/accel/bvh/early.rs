@@ -19,7 +19,7 @@ const MORE: f64 = 0.5;
 /// Threshold below which cuts do not pay, in mean surfaces of the boxes.
 const SMALLEST: f64 = 1.0;
 /// And in surfaces of the box itself.
-const SHARE: f64 = 0.4;
+const SHARE: f64 = 0.3;
 
 /// A primitive that may be worth cutting.
 struct Candidate {

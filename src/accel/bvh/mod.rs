@@ -3,7 +3,7 @@
 //! Builders ([`binned`], [`sweep`], [`sbvh`]) make a plain [`BinaryTree`]; structures lay it out as
 //! they traverse it and never see a builder. All boxes are unions of [`crate::geom::own_box`]es,
 //! which is what makes culling exact (see [`crate::accel`]), or of boxes of parts of triangles,
-//! which [`parts`] makes as good.
+//! which [`parts`] makes as good. A finished tree may be refined ([`refine`]).
 
 pub mod binary;
 pub mod binned;
@@ -12,6 +12,7 @@ pub mod early;
 mod objects;
 pub mod parts;
 mod prims;
+pub mod refine;
 pub mod sah;
 pub mod sbvh;
 pub mod spatial;
@@ -27,7 +28,7 @@ use std::time::Instant;
 
 use parts::Cutter;
 
-use crate::accel::{OptionSpec, Value, Values};
+use crate::accel::{BuildInput, OptionSpec, Value, Values};
 use crate::geom::TriangleSource;
 
 /// The option that names the builder, for [`build_tree`].
@@ -37,6 +38,28 @@ pub const BUILD: OptionSpec = OptionSpec {
     values: Values::Choice(&["binned", "sweep", "esc", "sbvh"]),
     default: Value::Choice("binned"),
 };
+
+/// The option that says whether the tree is refined, for [`build_tree_by`].
+pub const REFINE: OptionSpec = OptionSpec {
+    name: "refine",
+    summary: "whether subtrees of the finished tree are moved to where boxes get smaller",
+    values: Values::Choice(&["off", "on"]),
+    default: Value::Choice("off"),
+};
+
+/// Builds a binary tree by the options [`BUILD`] and [`REFINE`]; see [`build_tree`].
+fn build_tree_by(
+    input: &BuildInput<'_>,
+    cost: sah::Cost,
+) -> (BinaryTree, Vec<(&'static str, f64)>) {
+    let (mut tree, mut phases) = build_tree(&*input.source, input.options.choice("build"), cost);
+    if input.options.choice("refine") == "on" {
+        let start = Instant::now();
+        tree = refine::refine(tree);
+        phases.push(("refinement", start.elapsed().as_secs_f64()));
+    }
+    (tree, phases)
+}
 
 /// Builds a binary tree by the builder of that name, and says how long each phase took.
 ///
