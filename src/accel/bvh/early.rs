@@ -17,7 +17,7 @@ use super::prims::Prim;
 /// Parts may be so many times the triangles more.
 const MORE: f64 = 0.5;
 /// Threshold below which cuts do not pay, in mean surfaces of the boxes.
-const SMALLEST: f64 = 1.0;
+const SMALLEST: f64 = 2.0;
 /// And in surfaces of the box itself.
 const SHARE: f64 = 0.3;
 
@@ -45,8 +45,9 @@ pub fn split(prims: Vec<Prim>, cutter: &Cutter<'_>) -> Vec<Prim> {
     let mut budget = (prims.len() as f64 * MORE) as usize;
     let mean = prims.iter().map(|p| p.bounds.half_area()).sum::<f64>() / prims.len().max(1) as f64;
     let smallest = mean * SMALLEST;
+    // Halves have at least a third of the surface.
     let (large, mut done): (Vec<Prim>, Vec<Prim>) =
-        prims.into_par_iter().partition(|prim| prim.bounds.half_area() > smallest);
+        prims.into_par_iter().partition(|prim| prim.bounds.half_area() > 1.5 * smallest);
     let mut waiting: Vec<_> =
         large.into_par_iter().map(|prim| Candidate::new(prim, cutter)).collect();
     let mut threshold = cutter.bounds().half_area();

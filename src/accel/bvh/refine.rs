@@ -108,7 +108,9 @@ impl Pairs {
         for Move { from, to, .. } in moves {
             let touches = [from, to, sibling(from), self.parent(from), self.parent(to)];
             if touches.iter().all(|&node| !touched[node]) {
-                touches.iter().for_each(|&node| touched[node] = true);
+                for node in touches {
+                    touched[node] = true;
+                }
                 self.make_move(from, to);
             }
         }

@@ -103,7 +103,7 @@ fn splits_make_trees_cheaper_and_keep_to_their_budget() {
     let source = cloud(3000);
     let cost = |builder: &str| tree_of(&source, builder, 4, Fill::Any).report().sah_cost;
     let whole = cost("binned");
-    assert!(cost("esc") < 0.95 * whole && cost("sbvh") < 0.8 * whole);
+    assert!(cost("esc") < 0.98 * whole && cost("sbvh") < 0.8 * whole);
     for builder in ["esc", "sbvh"] {
         let references = tree_of(&source, builder, 4, Fill::Any).order.len();
         assert!((3001..=4500).contains(&references), "{builder}: {references}");
