@@ -36,7 +36,8 @@ struct Children<const W: usize> {
 impl<const W: usize> Collapsed<W> {
     /// Collapses a tree.
     pub fn new(tree: &BinaryTree) -> Self {
-        let report = BuildReport { triangles: tree.order.len(), ..BuildReport::default() };
+        let triangles = tree.triangle_count();
+        let report = BuildReport { triangles, ..BuildReport::default() };
         let mut wide = Self { nodes: Vec::new(), leaves: Vec::new(), report };
         let Some(root) = tree.nodes.first() else { return wide };
         let (mut area, mut depths) = (0.0, 0);
@@ -197,7 +198,8 @@ mod tests {
     fn check<const W: usize>(count: usize, inline: bool) {
         let source = triangles(count);
         let mut prims = prims::prims(&source);
-        let tree = binned::build(&mut prims, sah::Cost { traversal: 0.4, width: W });
+        let tree =
+            binned::build(&mut prims, sah::Cost { traversal: 0.4, width: W, fill: sah::Fill::Any });
         let wide = Collapsed::<W>::new(&tree);
         let arena = wide.write(&tree, &source, inline).expect("memory");
         let mut seen = vec![false; count];

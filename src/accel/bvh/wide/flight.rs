@@ -9,10 +9,14 @@
 //! leaf, or behind a hit, or the stack's end, is asked at the ray's next turn, when it is long
 //! known.
 
+use std::ops::ControlFlow;
+
 use fearless_simd::Simd;
 
-use super::arena::Link;
-use super::{Scratch, Wide};
+use super::arena::{Link, Rows};
+use super::stack::Stack;
+use super::{Scratch, Wide, node};
+use crate::accel::bvh::leaves::Fetched;
 use crate::accel::{Batch, Counters, Query, Shot};
 use crate::math::Ray;
 use crate::simd::order::key_limit;
@@ -95,10 +99,10 @@ where
                 while *key > limit {
                     (*key, *link) = stack.pop(top);
                 }
-                let ended = *key == 0
-                    || self
-                        .step(simd, rows, shot, query, *link, (stack, top), fetched, counters)
-                        .is_break();
+                let ended = *key == 0 || {
+                    let step = (simd, rows, &mut *fetched, &mut *counters);
+                    self.step(step, shot, query, *link, (stack, top)).is_break()
+                };
                 if !ended {
                     (*key, *link) = stack.pop(top);
                     rows.prefetch(*link);
@@ -118,5 +122,25 @@ where
                 }
             }
         }
+    }
+
+    /// Goes one step from `link`: tests a leaf's triangles, or puts the children that the ray
+    /// enters on the stack, the nearest on top.
+    #[inline(always)]
+    fn step<S: Simd, Q: Query, C: Counters>(
+        &self,
+        (simd, rows, fetched, counters): (S, Rows<'_, W>, &mut Fetched<W>, &mut C),
+        shot: &Shot<'_>,
+        query: &mut Q,
+        link: Link,
+        (stack, top): (&mut Stack, &mut usize),
+    ) -> ControlFlow<()> {
+        if link.is_leaf() {
+            return self.test_leaf(simd, rows, shot, query, link, fetched, counters);
+        }
+        let (planes, links) = rows.node(link);
+        let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
+        stack.push(simd, keys, hits, links, top);
+        ControlFlow::Continue(())
     }
 }

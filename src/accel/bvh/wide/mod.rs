@@ -10,21 +10,24 @@ mod arena;
 mod collapse;
 mod flight;
 mod node;
+mod stack;
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 use fearless_simd::{Level, Simd};
 
-use self::arena::{Arena, Link, Rows};
+use self::arena::{Arena, BLOCK, Link, Rows};
 use self::collapse::Collapsed;
+use self::stack::Stack;
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
-use super::{build_tree, sah};
+use super::sah::{Cost, Fill};
+use super::{BUILD, Parts, REFINE, build_tree_by};
 use crate::accel::{
     Accel, Batch, BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec,
     Query, Shot, Traverse, Value, Values, Variant, test_block,
 };
-use crate::simd::order::{key_limit, store_sorted};
+use crate::simd::order::key_limit;
 use crate::simd::{Lanes, Vectors, is_wide};
 
 /// Four lanes, as in the paper.
@@ -50,19 +53,18 @@ const fn row(
     summary: &'static str,
     build: fn(&BuildInput<'_>) -> Result<Box<dyn Accel>, BuildError>,
 ) -> Variant {
-    const OPTIONS: &[OptionSpec] = &[
-        OptionSpec {
-            name: "build",
-            summary: "the binary tree to collapse: binned SAH, or a full SAH sweep",
-            values: Values::Choice(&["binned", "sweep"]),
-            default: Value::Choice("binned"),
-        },
-        TRIANGLES,
-        CACHE,
-    ];
+    const OPTIONS: &[OptionSpec] = &[BUILD, REFINE, LEAVES, TRIANGLES, CACHE];
     let paper = "Ernst and Greiner, Multi Bounding Volume Hierarchies, 2008";
     Variant { id, summary, paper, options: OPTIONS, build }
 }
+
+/// The option that says how full leaves are.
+const LEAVES: OptionSpec = OptionSpec {
+    name: "leaves",
+    summary: "all full but one, as in the paper, or as the surface area heuristic likes them",
+    values: Values::Choice(&["full", "any"]),
+    default: Value::Choice("full"),
+};
 
 /// A hierarchy of width `W`.
 pub struct Wide<const W: usize> {
@@ -70,31 +72,14 @@ pub struct Wide<const W: usize> {
     arena: Arena<W>,
     /// `None` if the leaves store their triangles.
     fetch: Option<Fetch>,
+    /// If leaves hold parts of triangles: the rays that the boxes are good for.
+    parts: Option<Parts>,
     /// Row of the first leaf.
     first_leaf: usize,
     /// Entries that a walk may need, the sentinel included.
     stack: usize,
     level: Level,
     report: BuildReport,
-}
-
-/// What waits: keys and links of the same places. At the bottom lies a key of zero.
-pub struct Stack {
-    keys: Box<[u32]>,
-    links: Box<[u32]>,
-}
-
-impl Stack {
-    fn new(size: usize) -> Self {
-        Self { keys: vec![0; size].into(), links: vec![0; size].into() }
-    }
-
-    /// Takes what is on top.
-    #[inline(always)]
-    fn pop(&self, top: &mut usize) -> (u32, Link) {
-        *top -= 1;
-        (self.keys[*top], Link(self.links[*top]))
-    }
 }
 
 /// A thread's own.
@@ -108,8 +93,8 @@ where
     Lanes: Vectors<W>,
 {
     fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
-        let cost = sah::Cost { traversal: 0.4, width: W };
-        let (tree, mut phases) = build_tree(&*input.source, input.options.choice("build"), cost);
+        let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
+        let (tree, mut phases) = build_tree_by(input, Cost { traversal: 0.4, width: W, fill });
         let start = Instant::now();
         let wide = Collapsed::<W>::new(&tree);
         phases.push(("collapse", start.elapsed().as_secs_f64()));
@@ -129,6 +114,7 @@ where
             root: wide.root(),
             arena,
             fetch,
+            parts: tree.parts,
             first_leaf: wide.first_leaf(),
             // A level puts W aside and takes one of them; the last store is a whole vector.
             stack: 1 + (wide.report.max_depth + 1) * W,
@@ -137,43 +123,48 @@ where
         })
     }
 
-    /// Goes one step from `link`: tests a leaf's triangles, or puts the children that the ray
-    /// enters on the stack, the nearest on top.
+    /// Tests a leaf's triangles.
     #[inline(always)]
-    fn step<S: Simd, Q: Query, C: Counters>(
+    fn test_leaf<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
         rows: Rows<'_, W>,
         shot: &Shot<'_>,
         query: &mut Q,
         link: Link,
-        (stack, top): (&mut Stack, &mut usize),
         fetched: &mut Fetched<W>,
         counters: &mut C,
     ) -> ControlFlow<()> {
-        if link.is_leaf() {
-            counters.count(Event::Leaf);
-            let block = match &self.fetch {
-                None => rows.block(link),
-                Some(fetch) => {
-                    let leaf = link.row() - self.first_leaf;
-                    fetched.block(fetch, leaf, rows.ids(link), counters)
-                }
-            };
-            return test_block::<S, <Lanes as Vectors<W>>::Floats<S>, Q, C, W>(
-                simd, shot, block, query, counters,
-            );
+        counters.count(Event::Leaf);
+        let block = match &self.fetch {
+            None => rows.block(link),
+            Some(fetch) => {
+                let leaf = link.row() - self.first_leaf;
+                fetched.block(fetch, leaf, rows.ids(link), counters)
+            }
+        };
+        test_block::<S, <Lanes as Vectors<W>>::Floats<S>, Q, C, W>(
+            simd, shot, block, query, counters,
+        )
+    }
+
+    /// Tests all leaves: for the few rays that boxes of parts are not good for.
+    #[inline(always)]
+    fn walk_all<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        fetched: &mut Fetched<W>,
+        counters: &mut C,
+    ) {
+        let (rows, of_leaf) = (self.arena.rows(), if self.fetch.is_some() { 1 } else { BLOCK });
+        for leaf in 0..self.report.leaves {
+            let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
+            if self.test_leaf(simd, rows, shot, query, link, fetched, counters).is_break() {
+                return;
+            }
         }
-        counters.count(Event::InnerNode);
-        counters.count(Event::BoxTest);
-        let (planes, links) = rows.node(link);
-        let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
-        let to_keys = (&mut stack.keys[*top..*top + W]).try_into().expect("W keys");
-        let to_links = (&mut stack.links[*top..*top + W]).try_into().expect("W links");
-        store_sorted(simd, keys, hits, links, to_keys, to_links);
-        *top += hits.count_ones() as usize;
-        counters.add(Event::Push, u64::from(hits.count_ones()));
-        ControlFlow::Continue(())
     }
 }
 
@@ -201,25 +192,29 @@ where
         let Some(mut link) = self.root else { return };
         let rows = self.arena.rows();
         let Scratch { stacks, fetched } = scratch;
+        if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
+            return self.walk_all(simd, shot, query, fetched, counters);
+        }
         let (stack, mut top) = (&mut stacks[0], 1);
         loop {
-            if self
-                .step(simd, rows, shot, query, link, (stack, &mut top), fetched, counters)
-                .is_break()
-            {
-                return;
-            }
-            let limit = key_limit(query.t_max());
-            let mut key;
-            loop {
-                (key, link) = stack.pop(&mut top);
-                // The sentinel at the bottom is below any limit.
-                if key <= limit {
-                    break;
+            if link.is_leaf() {
+                if self.test_leaf(simd, rows, shot, query, link, fetched, counters).is_break() {
+                    return;
+                }
+            } else {
+                counters.count(Event::InnerNode);
+                counters.count(Event::BoxTest);
+                let (planes, links) = rows.node(link);
+                let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
+                if let Some(nearest) = stack.descend(simd, &keys, hits, links, &mut top) {
+                    counters.add(Event::Push, u64::from(hits.count_ones()) - 1);
+                    link = nearest;
+                    continue;
                 }
             }
-            if key == 0 {
-                return;
+            match stack.next(&mut top, key_limit(query.t_max())) {
+                Some(next) => link = next,
+                None => return,
             }
         }
     }
@@ -233,7 +228,9 @@ where
         scratch: &mut Scratch<W>,
         counters: &mut C,
     ) {
-        if is_wide(simd) && !C::COUNTS && flight::pays(batch.rays()) {
+        let covered = |ray| self.parts.is_none_or(|parts| parts.covers(ray));
+        let in_flight = is_wide(simd) && !C::COUNTS && flight::pays(batch.rays());
+        if in_flight && batch.rays().iter().all(covered) {
             self.fly::<S, Q, C>(simd, batch, answers, scratch, counters);
             return;
         }
