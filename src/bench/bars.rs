@@ -2,12 +2,14 @@
 
 use std::fmt::Write;
 
+/// One a series.
+pub(super) const COLOURS: [&str; 5] = ["#3b6ea5", "#d08c36", "#5a9a5a", "#a5504f", "#7d6aa8"];
+
 /// A chart of horizontal bars: for each row a label and a value per series.
 pub fn bars(title: &str, unit: &str, series: &[&str], rows: &[(String, Vec<f64>)]) -> String {
     const LABEL: f64 = 250.0;
     const WIDTH: f64 = 420.0;
     const BAR: f64 = 9.0;
-    const COLOURS: [&str; 5] = ["#3b6ea5", "#d08c36", "#5a9a5a", "#a5504f", "#7d6aa8"];
     let all = rows.iter().flat_map(|(_, values)| values.iter().copied());
     let largest = all.filter(|value| value.is_finite()).fold(1e-9, f64::max);
     let group = BAR * series.len() as f64 + 6.0;
@@ -57,7 +59,8 @@ pub fn bars(title: &str, unit: &str, series: &[&str], rows: &[(String, Vec<f64>)
     svg + "</svg>\n"
 }
 
-fn escaped(text: &str) -> String {
+/// For the text of an element.
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

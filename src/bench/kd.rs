@@ -5,17 +5,16 @@
 //! and layouts.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::measure::{Answers, Ask, BenchError, Measured, Shots};
 use super::ray_sets::{RaySet, Target};
+use super::table::Table;
 use crate::accel::kd::build::OPTIONS;
 use crate::accel::kd::tree::KdTree;
 use crate::accel::kd::{LAYOUT, OVER, OverTree, STACK_DIRECTION};
-use crate::accel::{
-    Accel, Batch, BuildError, ClosestHit, Counts, Event, Options, VARIANTS, Values,
-};
+use crate::accel::{BuildError, Event, Options, VARIANTS, Values};
 use crate::geom::TriangleSource;
 use crate::math::Ray;
 use crate::simd::Isa;
@@ -37,39 +36,6 @@ pub struct Settings {
     pub isa: Isa,
 }
 
-/// What went wrong.
-#[derive(Debug, thiserror::Error)]
-pub enum BenchError {
-    /// A structure could not be built.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// A structure answers otherwise than the first.
-    #[error("{spec} disagrees with {first} on {rays} of {count} {set} rays; nothing was timed")]
-    Disagrees {
-        /// Which.
-        spec: String,
-        /// With which.
-        first: String,
-        /// How often.
-        rays: usize,
-        /// Of how many.
-        count: usize,
-        /// In which set.
-        set: &'static str,
-    },
-}
-
-/// Work and time of a set of rays.
-#[derive(Clone, Copy, Debug)]
-pub struct Measured {
-    /// Counted work of all rays.
-    pub counts: Counts,
-    /// How many rays.
-    pub rays: usize,
-    /// Seconds of the fastest pass, one thread.
-    pub seconds: f64,
-}
-
 /// A structure's row.
 #[derive(Clone, Debug)]
 pub struct Row {
@@ -83,18 +49,6 @@ pub struct Row {
     pub bytes: usize,
     /// By [`SETS`].
     pub sets: Vec<Measured>,
-}
-
-impl Measured {
-    /// How often an event happened per ray.
-    pub fn per_ray(&self, event: Event) -> f64 {
-        self.counts[event] as f64 / self.rays.max(1) as f64
-    }
-
-    /// Millions of rays a second.
-    pub fn rate(&self) -> f64 {
-        self.rays as f64 / self.seconds.max(1e-9) * 1e-6
-    }
 }
 
 impl Row {
@@ -126,10 +80,10 @@ impl Row {
 }
 
 /// Rays, and what the first structure answered to them.
-struct Shots {
+struct Sets {
     rays: Vec<Vec<Ray>>,
     first: String,
-    expected: Vec<Vec<ClosestHit>>,
+    expected: Vec<Answers>,
 }
 
 /// Bytes that a kd-tree over that many triangles may take, with links: some five references a
@@ -147,11 +101,11 @@ pub fn walks(
     settings: &Settings,
 ) -> Result<Vec<Row>, BenchError> {
     let tree = tree(source, settings, "sah")?;
-    let shots = shots(&tree, source, settings)?;
+    let sets = sets(&tree, source, settings)?;
     let rows = OVER.iter().map(|&(id, over)| {
         let variant = VARIANTS.iter().find(|variant| variant.id == id).unwrap_or(&STACK_DIRECTION);
         let options = Options::defaults(variant.options);
-        row(id.to_owned(), &tree, over, &options, &shots, settings)
+        row(id.to_owned(), &tree, over, &options, &sets, settings)
     });
     rows.collect()
 }
@@ -165,21 +119,21 @@ pub fn builds_and_layouts(
     settings: &Settings,
 ) -> Result<Vec<Row>, BenchError> {
     let mut rows = Vec::new();
-    let mut shot: Option<Shots> = None;
+    let mut kept: Option<Sets> = None;
     let over = over(STACK_DIRECTION.id);
     for build in choices(OPTIONS[0].values) {
         let tree = tree(source, settings, build)?;
-        let shots = match shot.take() {
-            Some(shots) => shots,
-            None => shots(&tree, source, settings)?,
+        let sets = match kept.take() {
+            Some(sets) => sets,
+            None => sets(&tree, source, settings)?,
         };
         for layout in choices(LAYOUT.values) {
             let text = format!("build={build},layout={layout}");
             let options = Options::parse(STACK_DIRECTION.id, STACK_DIRECTION.options, &text)
                 .unwrap_or_else(|_| Options::defaults(STACK_DIRECTION.options));
-            rows.push(row(text, &tree, over, &options, &shots, settings)?);
+            rows.push(row(text, &tree, over, &options, &sets, settings)?);
         }
-        shot = Some(shots);
+        kept = Some(sets);
     }
     Ok(rows)
 }
@@ -213,26 +167,22 @@ fn level(settings: &Settings) -> Result<fearless_simd::Level, BuildError> {
     settings.isa.level().ok_or(BuildError::NoSuchIsa { isa: settings.isa.name() })
 }
 
-fn shots(
+fn sets(
     tree: &KdTree,
     source: &Arc<dyn TriangleSource>,
     settings: &Settings,
-) -> Result<Shots, BenchError> {
+) -> Result<Sets, BenchError> {
     let options = Options::defaults(STACK_DIRECTION.options);
     let accel = over(STACK_DIRECTION.id)(tree, &options, level(settings)?)?;
     let target = Target::new(&**source, &*accel);
     let rays: Vec<_> = SETS.iter().map(|&set| target.rays(set, settings.rays, 1)).collect();
-    let expected = rays.iter().map(|rays| shoot(&*accel, rays).0).collect();
-    Ok(Shots { rays, first: STACK_DIRECTION.id.to_owned(), expected })
+    let expected = rays.iter().map(|rays| whole(rays).answers(&*accel)).collect();
+    Ok(Sets { rays, first: STACK_DIRECTION.id.to_owned(), expected })
 }
 
-/// Answers, and seconds.
-fn shoot(accel: &dyn Accel, rays: &[Ray]) -> (Vec<ClosestHit>, f64) {
-    let mut hits = vec![ClosestHit::MISS; rays.len()];
-    let mut tracer = accel.tracer();
-    let start = Instant::now();
-    tracer.closest_hits(&Batch::new(rays), &mut hits);
-    (hits, start.elapsed().as_secs_f64())
+/// All rays of a set at once.
+fn whole(rays: &[Ray]) -> Shots<'_> {
+    Shots::new(rays, Ask::Closest, rays.len())
 }
 
 fn row(
@@ -240,64 +190,51 @@ fn row(
     tree: &KdTree,
     over: OverTree,
     options: &Options,
-    shots: &Shots,
+    sets: &Sets,
     settings: &Settings,
 ) -> Result<Row, BenchError> {
     let accel = over(tree, options, level(settings)?)?;
-    let mut sets = Vec::new();
-    for ((set, rays), expected) in SETS.iter().zip(&shots.rays).zip(&shots.expected) {
-        let (hits, _) = shoot(&*accel, rays);
-        let wrong = hits.iter().zip(expected).filter(|(a, b)| !a.same_bits(b)).count();
-        if wrong > 0 {
-            return Err(BenchError::Disagrees {
-                spec,
-                first: shots.first.clone(),
-                rays: wrong,
-                count: rays.len(),
-                set: set.name(),
-            });
-        }
-        let rounds = (0..ROUNDS).map(|_| shoot(&*accel, rays).1);
+    let mut measured = Vec::new();
+    for ((set, rays), expected) in SETS.iter().zip(&sets.rays).zip(&sets.expected) {
+        let shots = whole(rays);
+        shots.answers(&*accel).check(expected, &spec, &sets.first, set.name())?;
+        let rounds = (0..ROUNDS).map(|_| shots.seconds(&*accel));
         let seconds = rounds.fold(f64::INFINITY, f64::min);
-        let mut counting = accel.counting_tracer();
-        counting.closest_hits(&Batch::new(rays), &mut vec![ClosestHit::MISS; rays.len()]);
-        sets.push(Measured { counts: counting.counts(), rays: rays.len(), seconds });
+        measured.push(Measured { counts: shots.counts(&*accel), rays: rays.len(), seconds });
     }
     Ok(Row {
         spec,
         build_seconds: tree.report.seconds(),
         sah_cost: tree.report.sah_cost,
         bytes: accel.memory().total(),
-        sets,
+        sets: measured,
     })
 }
 
-/// The rows as a table in Markdown.
-pub fn markdown(title: &str, rows: &[Row]) -> String {
+/// The rows as a table.
+pub fn table(title: &str, rows: &[Row]) -> Table {
     const PER_SET: [&str; 5] = ["nodes", "leaves", "tests", "restarts", "Mrays/s"];
-    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let mut heading: Vec<String> =
-        ["structure", "build s", "SAH cost", "MB"].map(str::to_owned).into();
+    let mut table = Table::new(title, "", &["structure", "build s", "SAH cost", "MB"]);
     for set in SETS {
-        heading.extend(PER_SET.map(|name| format!("{} {name}", set.name())));
+        table.heading.extend(PER_SET.map(|name| format!("{} {name}", set.name())));
     }
-    let rule = format!("|---|{}\n", "---:|".repeat(heading.len() - 1));
-    let row = |row: &Row| {
-        let mut cells = vec![
-            row.spec.clone(),
-            format!("{:.3}", row.build_seconds),
-            format!("{:.2}", row.sah_cost),
-            format!("{:.1}", row.bytes as f64 * 1e-6),
-        ];
-        for set in &row.sets {
-            let events = [Event::InnerNode, Event::Leaf, Event::TriangleTest, Event::Restart];
-            cells.extend(events.map(|event| format!("{:.2}", set.per_ray(event))));
-            cells.push(format!("{:.3}", set.rate()));
-        }
-        line(cells)
-    };
-    let body: String = rows.iter().map(row).collect();
-    format!("## {title}\n\n{}{rule}{body}", line(heading))
+    table.rows = rows.iter().map(cells).collect();
+    table
+}
+
+fn cells(row: &Row) -> Vec<String> {
+    let mut cells = vec![
+        row.spec.clone(),
+        format!("{:.3}", row.build_seconds),
+        format!("{:.2}", row.sah_cost),
+        format!("{:.1}", row.bytes as f64 * 1e-6),
+    ];
+    for set in &row.sets {
+        let events = [Event::InnerNode, Event::Leaf, Event::TriangleTest, Event::Restart];
+        cells.extend(events.map(|event| format!("{:.2}", set.per_ray(event))));
+        cells.push(format!("{:.3}", set.rate()));
+    }
+    cells
 }
 
 #[cfg(test)]
@@ -320,7 +257,7 @@ mod tests {
         let settings = Settings { rays: 50, memory: u64::MAX, isa: Isa::Portable };
         let rows = walks(&source(), &settings).expect("all agree");
         assert_eq!(rows.len(), OVER.len());
-        let table = markdown("walks", &rows);
+        let table = table("walks", &rows).markdown();
         assert!(OVER.iter().all(|(id, _)| table.contains(id)));
         assert_eq!(builds_and_layouts(&source(), &settings).expect("all agree").len(), 15);
     }

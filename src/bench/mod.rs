@@ -1,5 +1,19 @@
-//! Ray sets to measure and compare structures with.
+//! Ray sets to measure and compare structures with, and the measuring.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`ray_sets`] | rays over a scene: random, primary, bounce and hostile ones |
+//! | [`measure`] | answers compared, passes timed by turns, work counted |
+//! | [`kd`] | kd-trees side by side: Hapala and Havran's table 3 |
+//! | [`mbvh`] | multi bounding volume hierarchies: Ernst and Greiner's tables and figure 4 |
+//! | [`renders`] | whole renders: their figure 1 |
+//! | [`table`], [`bars`], [`plot`] | how it is shown |
 
 pub mod bars;
 pub mod kd;
+pub mod mbvh;
+pub mod measure;
+pub mod plot;
 pub mod ray_sets;
+pub mod renders;
+pub mod table;

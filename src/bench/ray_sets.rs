@@ -122,6 +122,24 @@ impl<'a> Target<'a> {
         }
     }
 
+    /// Packets of rays between two points each, random in the scene's box; either end of every ray
+    /// is jittered in a box of the scene's shape and `incoherence` times its size.
+    ///
+    /// M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008, section 4.
+    pub fn packets(&self, incoherence: f32, packets: usize, size: usize, seed: u64) -> Vec<Ray> {
+        let region = self.bounds.extent() * incoherence;
+        let of_packet = |packet: usize| {
+            let mut random = Random::new(seed, packet as u64);
+            let (from, to) = (self.point(&mut random), self.point(&mut random));
+            (0..size).map(move |_| {
+                let from = from + region * (random.cube() - 0.5);
+                let to = to + region * (random.cube() - 0.5);
+                Ray::new(from, to - from, 0.0, f32::INFINITY)
+            })
+        };
+        (0..packets).flat_map(of_packet).collect()
+    }
+
     fn point(&self, random: &mut Random) -> Vec3 {
         self.bounds.min + self.bounds.extent() * random.cube()
     }

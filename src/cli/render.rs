@@ -50,12 +50,11 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Renders a scene by the words of a command line, without saying one and without writing a file:
-/// for `dapple golden`.
+/// The flags of a command line's words, for a scene.
 ///
 /// # Errors
-/// All that [`run`] may fail with.
-pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
+/// Words that make no sense.
+pub fn parsed_words(scene: &Path, words: &[String]) -> Result<RenderArgs, CliError> {
     #[derive(Parser)]
     struct Words {
         #[command(flatten)]
@@ -64,7 +63,16 @@ pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
     let words = words.iter().map(OsStr::new);
     let parsed =
         Words::try_parse_from([OsStr::new("render"), scene.as_os_str()].into_iter().chain(words));
-    let args = parsed.map_err(|error| CliError::Usage(error.to_string()))?.args;
+    Ok(parsed.map_err(|error| CliError::Usage(error.to_string()))?.args)
+}
+
+/// Renders a scene by the words of a command line, without saying one and without writing a file:
+/// for `dapple golden`.
+///
+/// # Errors
+/// All that [`run`] may fail with.
+pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
+    let args = parsed_words(scene, words)?;
     let job = prepare(&args)?;
     let (mut rendered, _) = on_pool(&args, &job, &AtomicBool::new(false), ProgressStyle::None)?;
     describe(&mut rendered.picture, &args, &job, &rendered.elapsed);

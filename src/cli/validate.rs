@@ -68,7 +68,7 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
 
 /// The structures of a list; options of one may hold commas, so a part without an id joins the one
 /// before.
-fn specs(list: &str) -> Result<Vec<AccelSpec>, CliError> {
+pub fn specs(list: &str) -> Result<Vec<AccelSpec>, CliError> {
     if list == "all" {
         let ids = VARIANTS.iter().filter(|variant| variant.id != "brute");
         return Ok(ids.map(|variant| variant.id.parse().expect("in the table")).collect());

@@ -8,26 +8,28 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
+use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
 use super::{BinaryTree, Parts, build_tree_by, sah};
 use crate::accel::{
     BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
     Variant, test_block,
 };
 use crate::geom::{TriangleBlock, TriangleSource};
+use crate::math::TriangleId;
 
 /// The row of the table.
 pub const VARIANT: Variant = Variant {
     id: "bvh2",
     summary: "binary bounding volume hierarchy, leaves of up to four triangles",
     paper: "Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007",
-    options: &[super::BUILD, super::REFINE],
+    options: &[super::BUILD, super::REFINE, TRIANGLES, CACHE],
     build: |input| Ok(Box::new(Bvh2::build(input)?)),
 };
 
 /// Triangles of a leaf.
 const WIDTH: usize = 4;
 /// Cost of a step relative to that of a leaf.
-const COST: sah::Cost = sah::Cost { traversal: 0.4, width: WIDTH, fill: sah::Fill::Any };
+const COST: sah::Cost = sah::Cost { traversal: sah::TRAVERSAL, width: WIDTH, fill: sah::Fill::Any };
 /// A node puts at most one child aside.
 const STACK: usize = sah::MAX_DEPTH + 1;
 
@@ -56,11 +58,26 @@ struct Node {
 pub struct Bvh2 {
     root: Option<Link>,
     nodes: Vec<Node>,
-    leaves: Vec<TriangleBlock<WIDTH>>,
+    leaves: Leaves,
+    /// `None` if the leaves store their triangles.
+    fetch: Option<Fetch>,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
     parts: Option<Parts>,
     level: Level,
     report: BuildReport,
+}
+
+/// What leaves hold; one of the two is empty.
+struct Leaves {
+    blocks: Vec<TriangleBlock<WIDTH>>,
+    /// Places not used hold [`TriangleId::NONE`].
+    ids: Vec<[TriangleId; WIDTH]>,
+}
+
+/// A thread's own.
+pub struct Scratch {
+    stack: Box<[(Link, f32); STACK]>,
+    fetched: Fetched<WIDTH>,
 }
 
 impl Bvh2 {
@@ -76,19 +93,21 @@ impl Bvh2 {
             let (count, limit) = (report.leaves, Link::LEAF as usize);
             return Err(BuildError::TooManyTriangles { count, limit });
         }
-        let (links, nodes, leaves) = lay_out(&tree, &*input.source);
+        let fetch = Fetch::new(input);
+        let (links, nodes, leaves) = lay_out(&tree, &*input.source, fetch.is_none());
         phases.push(("layout", start.elapsed().as_secs_f64()));
         let report = BuildReport { phases, ..report };
         let (root, parts, level) = (links.first().copied(), tree.parts, input.level);
-        Ok(Self { root, nodes, leaves, parts, level, report })
+        Ok(Self { root, nodes, leaves, fetch, parts, level, report })
     }
 }
 
-/// Inner nodes and leaves, each in the tree's order.
+/// Inner nodes and leaves, each in the tree's order; leaves hold their triangles or only name them.
 fn lay_out(
     tree: &BinaryTree,
     source: &dyn TriangleSource,
-) -> (Vec<Link>, Vec<Node>, Vec<TriangleBlock<WIDTH>>) {
+    inline: bool,
+) -> (Vec<Link>, Vec<Node>, Leaves) {
     let (mut inner, mut leaf) = (0, 0);
     let links: Vec<Link> = (tree.nodes.iter())
         .map(|node| {
@@ -99,15 +118,19 @@ fn lay_out(
         })
         .collect();
     let mut nodes = Vec::with_capacity(inner as usize);
-    let mut leaves = Vec::with_capacity(leaf as usize);
+    let (blocks, ids) = if inline { (leaf as usize, 0) } else { (0, leaf as usize) };
+    let mut leaves = Leaves { blocks: Vec::with_capacity(blocks), ids: Vec::with_capacity(ids) };
     for (index, node) in tree.nodes.iter().enumerate() {
         if node.is_leaf() {
-            let mut triangles = [(crate::math::TriangleId::NONE, NO_TRIANGLE); WIDTH];
             let ids = tree.triangles(node);
-            for (slot, &id) in triangles.iter_mut().zip(ids) {
-                *slot = (id, source.triangle(id));
+            if inline {
+                let fetched = |lane: usize| (ids[lane], source.triangle(ids[lane]));
+                leaves.blocks.push(TriangleBlock::fetch(ids.len(), fetched));
+            } else {
+                let mut padded = [TriangleId::NONE; WIDTH];
+                padded[..ids.len()].copy_from_slice(ids);
+                leaves.ids.push(padded);
             }
-            leaves.push(TriangleBlock::new(&triangles[..ids.len()]));
             continue;
         }
         let children = [index + 1, node.first as usize];
@@ -118,12 +141,6 @@ fn lay_out(
     }
     (links, nodes, leaves)
 }
-
-const NO_TRIANGLE: crate::geom::Triangle = crate::geom::Triangle {
-    a: crate::math::Vec3::ZERO,
-    b: crate::math::Vec3::ZERO,
-    c: crate::math::Vec3::ZERO,
-};
 
 impl Node {
     /// Where the ray enters each child, and minus where it leaves it: `[in, in, -out, -out]`.
@@ -146,6 +163,25 @@ impl Node {
 }
 
 impl Bvh2 {
+    /// Tests a leaf's triangles.
+    #[inline(always)]
+    fn test_leaf<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        leaf: usize,
+        fetched: &mut Fetched<WIDTH>,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        counters.count(Event::Leaf);
+        let block = match &self.fetch {
+            None => self.leaves.blocks[leaf].parts(),
+            Some(fetch) => fetched.block(fetch, leaf, &self.leaves.ids[leaf], counters),
+        };
+        test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
+    }
+
     /// Tests all triangles: for the few rays that boxes of parts are not good for.
     #[inline(never)]
     fn walk_all<S: Simd, Q: Query, C: Counters>(
@@ -153,22 +189,14 @@ impl Bvh2 {
         simd: S,
         shot: &Shot<'_>,
         query: &mut Q,
+        fetched: &mut Fetched<WIDTH>,
         counters: &mut C,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                for block in &self.leaves {
-                    counters.count(Event::Leaf);
-                    if test_block::<S, f32x4<S>, Q, C, WIDTH>(
-                        simd,
-                        shot,
-                        block.parts(),
-                        query,
-                        counters,
-                    )
-                    .is_break()
-                    {
+                for leaf in 0..self.report.leaves {
+                    if self.test_leaf(simd, shot, query, leaf, fetched, counters).is_break() {
                         return;
                     }
                 }
@@ -178,10 +206,12 @@ impl Bvh2 {
 }
 
 impl Traverse for Bvh2 {
-    type Scratch = Box<[(Link, f32); STACK]>;
+    type Scratch = Scratch;
 
-    fn scratch(&self) -> Self::Scratch {
-        Box::new([(Link(0), 0.0); STACK])
+    fn scratch(&self) -> Scratch {
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.table(self.report.leaves));
+        let stack = Box::new([(Link(0), 0.0); STACK]);
+        Scratch { stack, fetched: fetched.unwrap_or_else(Fetched::none) }
     }
 
     #[inline(always)]
@@ -190,25 +220,17 @@ impl Traverse for Bvh2 {
         simd: S,
         shot: &Shot<'_>,
         query: &mut Q,
-        stack: &mut Self::Scratch,
+        Scratch { stack, fetched }: &mut Scratch,
         counters: &mut C,
     ) {
         let Some(mut link) = self.root else { return };
         if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
-            return self.walk_all(simd, shot, query, counters);
+            return self.walk_all(simd, shot, query, fetched, counters);
         }
         let mut pending = 0;
         loop {
             if let Some(leaf) = link.leaf() {
-                counters.count(Event::Leaf);
-                let block = &self.leaves[leaf];
-                if let ControlFlow::Break(()) = test_block::<S, f32x4<S>, Q, C, WIDTH>(
-                    simd,
-                    shot,
-                    block.parts(),
-                    query,
-                    counters,
-                ) {
+                if self.test_leaf(simd, shot, query, leaf, fetched, counters).is_break() {
                     return;
                 }
             } else {
@@ -256,10 +278,12 @@ impl Traverse for Bvh2 {
     }
 
     fn memory(&self) -> MemoryReport {
-        MemoryReport::new([
-            ("nodes", size_of_val(&*self.nodes)),
-            ("leaves", size_of_val(&*self.leaves)),
-        ])
+        let leaves = if self.fetch.is_some() {
+            ("references", size_of_val(&*self.leaves.ids))
+        } else {
+            ("leaves", size_of_val(&*self.leaves.blocks))
+        };
+        MemoryReport::new([("nodes", size_of_val(&*self.nodes)), leaves])
     }
 
     fn report(&self) -> &BuildReport {

@@ -5,6 +5,10 @@
 
 use crate::math::Aabb;
 
+/// C_T of all hierarchies: a step through an inner node in units of the test of one block of
+/// triangles. The same for all, so that what differs between them is the traversal.
+pub const TRAVERSAL: f64 = 0.4;
+
 /// What things cost, in units of the test of one block of triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {

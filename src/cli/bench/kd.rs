@@ -1,0 +1,74 @@
+//! `dapple bench kd`: the tables of kd-trees.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::super::input;
+use super::output::{OutputArgs, Results};
+use super::{Failed, memory_limit};
+use crate::bench::bars::bars;
+use crate::bench::kd::{self, Row, SETS, Settings};
+use crate::bench::measure::Measured;
+use crate::bench::ray_sets::RaySet;
+use crate::simd::Isa;
+
+/// All kd-trees: nodes, leaves and tests a ray, bytes and rates; then builds by layouts.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out\n\n\
+    Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+pub struct KdArgs {
+    /// A scene file, or an .npy of (N, 9) float32 triangles
+    scene: PathBuf,
+    /// Rays of each set
+    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    rays: usize,
+    /// The instruction set
+    #[arg(long, default_value_t)]
+    isa: Isa,
+    /// Megabytes that a structure may take; 0: three quarters of the machine's memory
+    #[arg(long, value_name = "MB", default_value_t = 0)]
+    memory: u64,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &KdArgs) -> Result<(), Failed> {
+    let source = input::triangles(&args.scene)?;
+    let memory = memory_limit(args.memory);
+    let settings = Settings { rays: args.rays, memory, isa: args.isa };
+    let walks = kd::walks(&source, &settings)?;
+    let builds = kd::builds_and_layouts(&source, &settings)?;
+    let name = args.scene.display();
+    let count = source.len();
+    let titles = [
+        format!("Kd-tree walks, {name}, {count} triangles"),
+        format!("Builds and layouts, kd-stack-direction, {name}"),
+    ];
+    let object = |rows: &[Row]| rows.iter().map(Row::json).collect::<Vec<_>>();
+    let results = Results {
+        name: "kd",
+        tables: vec![kd::table(&titles[0], &walks), kd::table(&titles[1], &builds)],
+        json: json!({
+            "scene": name.to_string(),
+            "triangles": count,
+            "rays": args.rays,
+            "walks": object(&walks),
+            "builds": object(&builds),
+        }),
+        plots: vec![
+            ("walks".to_owned(), chart(&titles[0], &walks)),
+            ("builds".to_owned(), chart(&titles[1], &builds)),
+        ],
+    };
+    Ok(results.publish(&args.output)?)
+}
+
+fn chart(title: &str, rows: &[Row]) -> String {
+    let rows: Vec<_> = rows
+        .iter()
+        .map(|row| (row.spec.clone(), row.sets.iter().map(Measured::rate).collect()))
+        .collect();
+    bars(title, "Mrays/s", &SETS.map(RaySet::name), &rows)
+}

@@ -1,0 +1,110 @@
+//! `dapple bench mbvh`: the tables of multi bounding volume hierarchies.
+
+use std::path::PathBuf;
+
+use super::super::input;
+use super::super::progress::say;
+use super::output::{OutputArgs, Results};
+use super::scenes::scenes;
+use super::{Failed, memory_limit};
+use crate::accel::bvh::BUILD;
+use crate::accel::{BuildError, Values};
+use crate::bench::mbvh::{self, Settings};
+use crate::simd::Isa;
+
+/// bvh2, mbvh4, mbvh8 and mbvh16: the tables of Ernst and Greiner's paper, its figures beside ours.
+///
+/// On one thread: construction (table 1), random rays with and without a cache of triangles (2),
+/// the size of that cache, on the largest scene (3), width (4), and packets of rays that lose their
+/// coherence (figure 4). Rays run from and to random points of the scene's box. Structures take
+/// turns, and the median of the rounds counts. First all answers are compared to those of bvh2.
+///
+/// Without files, the scenes are machines of 69,451, 334,080, 770,534 and 4,304,391 triangles as
+/// `dapple generate assembly` makes them, the sizes of the paper's. That takes two hours or so;
+/// --rays 200000 gives a first impression in a few minutes, though caches are then seldom full.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "\
+Examples:
+  dapple bench mbvh --report out
+  dapple bench mbvh --rays 200000 --rounds 1
+  dapple bench mbvh hall.glb bunny.obj --build sweep --json
+
+Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+pub struct MbvhArgs {
+    /// Scene files, or .npy of (N, 9) float32 triangles
+    files: Vec<PathBuf>,
+    /// Rays of each kind; a tenth of them at each point of figure 4
+    #[arg(long, value_name = "N", default_value_t = 10_000_000)]
+    rays: usize,
+    /// Timed passes of each structure
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    rounds: usize,
+    /// How trees are built; `dapple accels` tells
+    #[arg(long, default_value = "binned", value_parser = builder)]
+    build: &'static str,
+    /// The instruction set
+    #[arg(long, default_value_t)]
+    isa: Isa,
+    /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
+    #[arg(long, value_name = "MB", default_value_t = 0)]
+    memory: u64,
+    /// Don't tell what is being done
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// A value of the option `build`.
+fn builder(text: &str) -> Result<&'static str, String> {
+    let Values::Choice(words) = BUILD.values else { return Err("not a choice".to_owned()) };
+    let found = words.iter().find(|&&word| word == text);
+    found.copied().ok_or_else(|| format!("expected one of {}", words.join(", ")))
+}
+
+/// Runs the command.
+pub fn run(args: &MbvhArgs) -> Result<(), Failed> {
+    let settings = Settings {
+        rays: args.rays,
+        rounds: args.rounds,
+        build: args.build,
+        memory: memory_limit(args.memory),
+        isa: args.isa,
+    };
+    args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
+    let tell = |what: &str| {
+        if !args.quiet {
+            say(what);
+        }
+    };
+    let mut loaded = Vec::new();
+    for scene in scenes(&args.files) {
+        tell(&format!("{}: loading", scene.name()));
+        let source = scene.with_file(input::triangles)?;
+        loaded.push((scene.name(), source));
+    }
+    let largest = loaded.iter().map(|(_, source)| source.len()).max();
+    // One thread in all: caches share their bytes among the threads of the pool.
+    let measured = input::on_threads(1, || {
+        let mut caches = true;
+        let measure = |(name, source): &(String, _)| {
+            let source: &std::sync::Arc<dyn crate::geom::TriangleSource> = source;
+            // Of scenes of equal size the first.
+            let largest = Some(source.len()) == largest && std::mem::take(&mut caches);
+            mbvh::measure(name, source, largest, &settings, &tell)
+        };
+        loaded.iter().map(measure).collect::<Result<Vec<_>, _>>()
+    })??;
+    let plot = |scene: &mbvh::Scene| {
+        (format!("incoherence-{}", scene.name), mbvh::incoherence_plot(scene))
+    };
+    let plots = std::iter::once(("scaling".to_owned(), mbvh::scaling_plot(&measured)));
+    let results = Results {
+        name: "mbvh",
+        tables: mbvh::tables(&measured),
+        json: mbvh::json(&measured, &settings),
+        plots: plots.chain(measured.iter().map(plot)).collect(),
+    };
+    Ok(results.publish(&args.output)?)
+}

@@ -1,0 +1,106 @@
+//! Where the results of a bench go.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::super::{CliError, table};
+use crate::bench::table::Table;
+
+/// Flags of all benches.
+#[derive(clap::Args, Debug)]
+pub struct OutputArgs {
+    /// Write the tables as Markdown, JSON and SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Print one JSON object in place of the tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a bench found.
+pub struct Results {
+    /// The stem of files.
+    pub name: &'static str,
+    /// For people.
+    pub tables: Vec<Table>,
+    /// For programs.
+    pub json: Value,
+    /// Stems of files after the name, and pictures as SVG.
+    pub plots: Vec<(String, String)>,
+}
+
+impl Results {
+    /// Prints them, and writes the report if there is to be one.
+    ///
+    /// # Errors
+    /// What could not be written.
+    pub fn publish(&self, args: &OutputArgs) -> Result<(), CliError> {
+        let object = format!("{:#}\n", self.json);
+        if let Some(folder) = &args.report {
+            fs::create_dir_all(folder).map_err(|error| not_written(folder, &error))?;
+            write(folder, &format!("{}.md", self.name), &self.markdown())?;
+            write(folder, &format!("{}.json", self.name), &object)?;
+            for (stem, svg) in &self.plots {
+                write(folder, &format!("{}-{stem}.svg", self.name), svg)?;
+            }
+        }
+        Ok(table::print(&if args.json { object } else { self.text() })?)
+    }
+
+    fn markdown(&self) -> String {
+        let tables: Vec<_> = self.tables.iter().map(Table::markdown).collect();
+        let picture = |(stem, _): &(String, String)| format!("\n![]({}-{stem}.svg)\n", self.name);
+        tables.join("\n") + &self.plots.iter().map(picture).collect::<String>()
+    }
+
+    fn text(&self) -> String {
+        let text = |one: &Table| {
+            let note = wrapped(&one.note);
+            format!("{}\n{note}\n{}", one.title, table::columns(&one.lines()))
+        };
+        self.tables.iter().map(text).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// A paragraph in lines of at most a hundred characters, where words allow it.
+fn wrapped(paragraph: &str) -> String {
+    const WIDTH: usize = 100;
+    let (mut text, mut width) = (String::new(), 0);
+    for word in paragraph.split_whitespace() {
+        let length = word.chars().count();
+        if width > 0 && width + 1 + length > WIDTH {
+            text.push('\n');
+            width = 0;
+        } else if width > 0 {
+            text.push(' ');
+            width += 1;
+        }
+        text.push_str(word);
+        width += length;
+    }
+    if text.is_empty() { text } else { text + "\n" }
+}
+
+fn write(folder: &Path, name: &str, text: &str) -> Result<(), CliError> {
+    let path = folder.join(name);
+    fs::write(&path, text).map_err(|error| not_written(&path, &error))
+}
+
+fn not_written(path: &Path, error: &std::io::Error) -> CliError {
+    CliError::Output(format!("{}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paragraphs_are_wrapped_at_words() {
+        let words = ["abcd"; 41].join(" ");
+        let lines: Vec<_> = wrapped(&words).lines().map(str::len).collect();
+        assert_eq!(lines, [99, 99, 4]);
+        assert_eq!(wrapped(""), "");
+    }
+}

@@ -1,0 +1,163 @@
+//! `dapple bench render`: whole renders per structure.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use serde_json::json;
+
+use super::super::prepare::{Job, prepare};
+use super::super::progress::say;
+use super::super::validate::specs;
+use super::super::{CliError, input, render::parsed_words};
+use super::Failed;
+use super::output::{OutputArgs, Results};
+use super::scenes::{BenchScene, scenes};
+use crate::accel::{Accel, AccelSpec, build};
+use crate::bench::bars::bars;
+use crate::bench::renders::{self, Rendered, Scene};
+use crate::geom::TriangleSource;
+use crate::render::{Aov, Control, render};
+use crate::simd::Isa;
+
+/// Whole renders per structure: figure 1 of Ernst and Greiner's paper, its speed-ups beside ours.
+///
+/// Structures take turns, and the median of the rounds counts, without loading and building. All
+/// pictures must be equal to the bit.
+///
+/// Without files, the scenes are machines of 69,451, 334,080, 770,534 and 4,304,391 triangles as
+/// `dapple generate assembly` makes them, the sizes of the paper's. The paper took 256 samples a
+/// pixel on one core; the default is a sixteenth of that, and takes some hours.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "\
+Examples:
+  dapple bench render --spp 4 --rounds 1 --threads 0
+  dapple bench render kitchen.glb --accel bvh2,mbvh8,mbvh8:triangles=cache --report out
+
+Exit: 0 done, 1 pictures differ, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+pub struct BenchRenderArgs {
+    /// Scenes: .gltf, .glb or .obj
+    files: Vec<PathBuf>,
+    /// Structures, separated by commas; speed-ups are over the first
+    #[arg(long, default_value = "bvh2,mbvh4,mbvh8,mbvh16,kd-stack-direction")]
+    accel: String,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "500x500")]
+    resolution: String,
+    /// Samples a pixel
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    spp: u64,
+    /// Renders of each structure
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    rounds: usize,
+    /// Threads to build and render with; 0: one a core
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+    /// The instruction set
+    #[arg(long, default_value_t)]
+    isa: Isa,
+    /// Don't tell what is being done
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// The most segments of a path, as in the paper.
+const DEPTH: u32 = 20;
+
+/// Runs the command.
+pub fn run(args: &BenchRenderArgs) -> Result<(), Failed> {
+    let specs = specs(&args.accel)?;
+    if specs.iter().any(|spec| spec.variant.id == "brute") {
+        let message = "--accel: brute force takes forever here; leave it out".to_owned();
+        return Err(CliError::Usage(message).into());
+    }
+    let measured = input::on_threads(args.threads, || {
+        let measure = |scene: &BenchScene| measure(args, &specs, scene);
+        scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
+    })??;
+    let how = format!(
+        "{} pixels, {} samples a pixel, depth {DEPTH}, {} threads",
+        args.resolution,
+        args.spp,
+        match args.threads {
+            0 => "all".to_owned(),
+            threads => threads.to_string(),
+        }
+    );
+    let results = Results {
+        name: "render",
+        tables: vec![renders::table(&measured, &how)],
+        json: json!({
+            "resolution": args.resolution,
+            "spp": args.spp,
+            "max_depth": DEPTH,
+            "threads": args.threads,
+            "rounds": args.rounds,
+            "scenes": measured.iter().map(Scene::json).collect::<Vec<_>>(),
+        }),
+        plots: vec![("speed-ups".to_owned(), chart(&measured))],
+    };
+    Ok(results.publish(&args.output)?)
+}
+
+/// Loads a scene, builds all structures and renders by turns.
+fn measure(
+    args: &BenchRenderArgs,
+    specs: &[AccelSpec],
+    scene: &BenchScene,
+) -> Result<Scene, Failed> {
+    let tell = |what: &str| {
+        if !args.quiet {
+            say(&format!("{}: {what}", scene.name()));
+        }
+    };
+    tell("loading");
+    // The time of a sample is the one layer that differs from run to run.
+    let layers = Aov::ALL.into_iter().filter(|&aov| aov != Aov::Cost).map(Aov::id);
+    let layers = layers.collect::<Vec<_>>().join(",");
+    let (spp, depth) = (args.spp.to_string(), DEPTH.to_string());
+    let words = [
+        ["--resolution", &args.resolution],
+        ["--spp", &spp],
+        ["--max-depth", &depth],
+        ["--aov", &layers],
+    ];
+    let words = words.concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
+    let job = scene.with_file(|path| prepare(&parsed_words(path, &words)?))?;
+    let mut structures: Vec<(String, f64)> = Vec::new();
+    let mut accels: Vec<Box<dyn Accel>> = Vec::new();
+    for spec in specs {
+        tell(&format!("building {spec}"));
+        let start = Instant::now();
+        accels.push(build(spec, job.world.triangles.clone(), args.isa)?);
+        structures.push((spec.to_string(), start.elapsed().as_secs_f64()));
+    }
+    let name = (scene.name(), job.world.triangles.len());
+    let scene = renders::measure(name, &structures, args.rounds, |which| {
+        tell(&format!("rendering by {}", structures[which].0));
+        rendered(&job, &*accels[which])
+    });
+    Ok(scene?)
+}
+
+fn rendered(job: &Job, accel: &dyn Accel) -> Rendered {
+    let control = Control { cancel: &AtomicBool::new(false), progress: &|_| {} };
+    let rendered = render(&job.world, &job.camera, accel, &job.settings, &control);
+    Rendered {
+        picture: rendered.picture,
+        rays: rendered.rays.total(),
+        seconds: rendered.elapsed.as_secs_f64(),
+    }
+}
+
+/// Speed-ups by scene.
+fn chart(scenes: &[Scene]) -> String {
+    let names: Vec<&str> =
+        scenes.first().into_iter().flat_map(|scene| &scene.rows).map(|row| &*row.spec).collect();
+    let speed_ups = |scene: &Scene| scene.rows.iter().map(|row| scene.speed_up(row)).collect();
+    let rows: Vec<_> = scenes.iter().map(|scene| (scene.name.clone(), speed_ups(scene))).collect();
+    bars("Whole renders", "speed-up over the first", &names, &rows)
+}

@@ -1,0 +1,94 @@
+//! The scenes that are measured: files, or machines of the sizes of Ernst and Greiner's scenes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::super::CliError;
+use crate::bench::mbvh::paper;
+use crate::film::atomic;
+use crate::scene::generate::Generator;
+
+/// A scene.
+#[derive(Clone, Debug)]
+pub enum BenchScene {
+    /// A file.
+    File(PathBuf),
+    /// A machine of so many triangles, as `dapple generate assembly` makes it from seed 0.
+    Assembly(u64),
+}
+
+/// The files, or else the machines.
+pub fn scenes(files: &[PathBuf]) -> Vec<BenchScene> {
+    if files.is_empty() {
+        let sizes = paper::SCENES.map(|scene| scene.triangles as u64);
+        return sizes.map(BenchScene::Assembly).into();
+    }
+    files.iter().cloned().map(BenchScene::File).collect()
+}
+
+impl BenchScene {
+    /// What tables and files call it.
+    pub fn name(&self) -> String {
+        match self {
+            Self::File(path) => {
+                path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+            }
+            Self::Assembly(triangles) => format!("assembly-{triangles}"),
+        }
+    }
+
+    /// Hands out the scene's file; that of a machine is made for as long.
+    ///
+    /// # Errors
+    /// Those of `load`, or of the temporary folder.
+    pub fn with_file<R>(
+        &self,
+        load: impl FnOnce(&Path) -> Result<R, CliError>,
+    ) -> Result<R, CliError> {
+        match self {
+            Self::File(path) => load(path),
+            Self::Assembly(triangles) => {
+                let name = format!("dapple-{}-{}.glb", std::process::id(), self.name());
+                let file = Temporary(std::env::temp_dir().join(name));
+                atomic::write(&file.0, |out| {
+                    Generator::Assembly.write(*triangles, 0, out).map(|_| ())
+                })?;
+                load(&file.0)
+            }
+        }
+    }
+}
+
+/// A file that goes with its owner.
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // It lies in the folder for temporary files: others clear that, if this fails.
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_machine_is_there_while_it_is_loaded() {
+        let scene = BenchScene::Assembly(50);
+        let mut seen = PathBuf::new();
+        let count = scene.with_file(|path| {
+            seen = path.to_owned();
+            Ok(super::super::super::input::triangles(path)?.len())
+        });
+        assert_eq!(count.expect("loads"), 50);
+        assert!(!seen.exists() && scene.name() == "assembly-50");
+    }
+
+    #[test]
+    fn without_files_the_papers_sizes_are_made() {
+        assert_eq!(scenes(&[]).len(), 4);
+        let names: Vec<_> = scenes(&["a/b.glb".into()]).iter().map(BenchScene::name).collect();
+        assert_eq!(names, ["b"]);
+    }
+}
