@@ -257,3 +257,35 @@ pub fn from_rows(rows: &[f32]) -> Vec<Ray> {
         .map(|r| Ray::new(Vec3::new(r[0], r[1], r[2]), Vec3::new(r[4], r[5], r[6]), r[3], r[7]))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::build;
+    use crate::geom::TriangleList;
+    use crate::simd::Isa;
+    use std::sync::Arc;
+
+    #[test]
+    fn packets_lose_their_coherence_by_degrees() {
+        let triangle = Triangle { a: Vec3::ZERO, b: Vec3::X * 8.0, c: Vec3::new(2.0, 4.0, 2.0) };
+        let source = Arc::new(TriangleList(vec![triangle]));
+        let spec = "brute".parse().expect("in the table");
+        let accel = build(&spec, source.clone(), Isa::Portable).expect("one triangle");
+        let target = Target::new(&*source, &*accel);
+        let spread = |incoherence: f32| {
+            let rays = target.packets(incoherence, 3, 64, 1);
+            assert_eq!(rays.len(), 3 * 64);
+            let of_packet = |rays: &[Ray]| {
+                let points = rays.iter().map(|ray| Aabb { min: ray.origin(), max: ray.origin() });
+                points.fold(Aabb::EMPTY, Aabb::union).extent()
+            };
+            rays.chunks(64).map(of_packet).fold(Vec3::ZERO, Vec3::max)
+        };
+        assert_eq!(spread(0.0), Vec3::ZERO);
+        for incoherence in [0.01, 0.5, 1.0] {
+            let share = spread(incoherence) / (Vec3::new(8.0, 4.0, 2.0) * incoherence);
+            assert!(share.min_element() > 0.7 && share.max_element() < 1.001, "{share}");
+        }
+    }
+}

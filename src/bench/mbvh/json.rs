@@ -15,6 +15,7 @@ pub fn json(scenes: &[Scene], settings: &Settings) -> Value {
         "rays": settings.rays,
         "rounds": settings.rounds,
         "build": settings.build,
+        "refine": settings.refine,
         "threads": 1,
         "scenes": scenes.iter().map(scene_json).collect::<Vec<_>>(),
         "paper": {

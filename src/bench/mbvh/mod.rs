@@ -21,15 +21,20 @@ pub use json::json;
 pub use tables::{incoherence_plot, scaling_plot, tables};
 
 /// The structures: with references and a cache of 100 MB, as in the paper, then with triangles in
-/// the leaves. `bvh2` is the one that its mode's others are compared to.
-const STRUCTURES: [(&str, usize, Mode); 6] = [
+/// the leaves. `bvh2` is the one that its mode's others are compared to. `auto` is built as it
+/// likes.
+const STRUCTURES: [(&str, usize, Mode); 7] = [
     ("bvh2", 2, Mode::Cache),
     ("mbvh4", 4, Mode::Cache),
     ("bvh2", 2, Mode::Inline),
     ("mbvh4", 4, Mode::Inline),
     ("mbvh8", 8, Mode::Inline),
     ("mbvh16", 16, Mode::Inline),
+    (AUTO, 8, Mode::Inline),
 ];
+
+/// The default of renders.
+const AUTO: &str = "auto";
 
 /// Those of figure 4, which all store their triangles: its columns and curves.
 const INCOHERENT: [&str; 3] = ["bvh2", "mbvh4", "mbvh8"];
@@ -71,6 +76,8 @@ pub struct Settings {
     pub rounds: usize,
     /// The builder, as the option `build` names it.
     pub build: &'static str,
+    /// Whether trees are refined.
+    pub refine: bool,
     /// Bytes that all may take by the estimate.
     pub memory: u64,
     /// The instruction set.
@@ -201,7 +208,11 @@ pub fn measure(
     }
     let built = |id: &str, options: &str| {
         tell(&format!("{name}: building {id}, {options}"));
-        let text = format!("{id}:build={},{options}", settings.build);
+        let refine = if settings.refine { "on" } else { "off" };
+        let text = match id {
+            AUTO => id.to_owned(),
+            id => format!("{id}:build={},refine={refine},{options}", settings.build),
+        };
         let spec: AccelSpec = text.parse().expect("options that the table has");
         build(&spec, Arc::clone(source), settings.isa)
     };

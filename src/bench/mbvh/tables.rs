@@ -4,7 +4,7 @@ use super::super::measure::{hit_rate, speed_up};
 use super::super::plot::{Curve, lines};
 use super::super::table::{Table, cell};
 use super::paper::{self, MACHINE};
-use super::{INCOHERENT, Mode, Rates, Scene, Structure};
+use super::{AUTO, INCOHERENT, Mode, Rates, Scene, Structure};
 use crate::accel::Event;
 
 /// Tables 1 to 4 and figure 4 as one.
@@ -18,7 +18,7 @@ pub fn tables(scenes: &[Scene]) -> Vec<Table> {
 /// A scene's name, and that of the paper's scene of as many triangles.
 fn label(scene: &Scene) -> String {
     match paper::Scene::of(scene.triangles) {
-        Some(paper) => format!("{} ({})", scene.name, paper.name),
+        Some(paper) => format!("{} (P: {})", scene.name, paper.name),
         None => format!("{}, {} triangles", scene.name, scene.triangles),
     }
 }
@@ -70,10 +70,10 @@ fn build_row(scene: &Scene, structure: &Structure) -> Vec<String> {
     let mut row = vec![
         row_name(structure, ""),
         cell(Some(structure.tree_seconds()), 3),
-        cell(wide.then(|| structure.collapse_seconds()), 3),
+        cell(wide.then(|| structure.collapse_seconds()), 4),
         cell(Some(structure.layout_seconds()), 3),
         thousands(structure.report.leaves),
-        if wide { thousands(structure.empty()) } else { String::new() },
+        if wide && structure.id != AUTO { thousands(structure.empty()) } else { String::new() },
         cell(Some(structure.report.mean_leaf), 2),
         cell(Some(structure.report.mean_depth), 1),
         cell(Some(structure.bytes as f64 * 1e-6), 1),
@@ -198,9 +198,9 @@ fn widths(scenes: &[Scene]) -> Table {
         "mbvh8",
         "mbvh16",
         "slices bvh2",
-        "mbvh4",
-        "mbvh8",
-        "mbvh16",
+        "slices mbvh4",
+        "slices mbvh8",
+        "slices mbvh16",
         "P BVH",
         "P 4",
         "P 8",
@@ -214,7 +214,8 @@ fn widths(scenes: &[Scene]) -> Table {
         let mut row = vec![label(scene)];
         for part in [|rates: &Rates| rates.single, |rates: &Rates| rates.slices] {
             let rate = |one: &Structure| part(&one.closest).rate();
-            let mut rates = scene.structures_of(Mode::Inline).map(rate);
+            let fixed = scene.structures_of(Mode::Inline).filter(|one| one.id != AUTO);
+            let mut rates = fixed.map(rate);
             let binary = rates.next();
             row.push(cell(binary.map(|rate| rate * 1e3), 0));
             row.extend(rates.map(|rate| cell(binary.map(|binary| rate / binary), 2)));

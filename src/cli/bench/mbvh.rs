@@ -12,7 +12,7 @@ use crate::accel::{BuildError, Values};
 use crate::bench::mbvh::{self, Settings};
 use crate::simd::Isa;
 
-/// bvh2, mbvh4, mbvh8 and mbvh16: the tables of Ernst and Greiner's paper, its figures beside ours.
+/// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, its figures beside ours.
 ///
 /// On one thread: construction (table 1), random rays with and without a cache of triangles (2),
 /// the size of that cache, on the largest scene (3), width (4), and packets of rays that lose their
@@ -20,8 +20,8 @@ use crate::simd::Isa;
 /// turns, and the median of the rounds counts. First all answers are compared to those of bvh2.
 ///
 /// Without files, the scenes are machines of 69,451, 334,080, 770,534 and 4,304,391 triangles as
-/// `dapple generate assembly` makes them, the sizes of the paper's. That takes two hours or so;
-/// --rays 200000 gives a first impression in a few minutes, though caches are then seldom full.
+/// `dapple generate assembly` makes them, the sizes of the paper's. That takes some three hours;
+/// --rays 200000 gives a first impression in five minutes, though few rays hardly fill a cache.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -43,6 +43,9 @@ pub struct MbvhArgs {
     /// How trees are built; `dapple accels` tells
     #[arg(long, default_value = "binned", value_parser = builder)]
     build: &'static str,
+    /// Refine trees by reinsertion, as `auto` does
+    #[arg(long)]
+    refine: bool,
     /// The instruction set
     #[arg(long, default_value_t)]
     isa: Isa,
@@ -69,6 +72,7 @@ pub fn run(args: &MbvhArgs) -> Result<(), Failed> {
         rays: args.rays,
         rounds: args.rounds,
         build: args.build,
+        refine: args.refine,
         memory: memory_limit(args.memory),
         isa: args.isa,
     };
