@@ -1,15 +1,19 @@
 //! `dapple bench`: structures measured side by side.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Subcommand;
 use serde_json::json;
 
-use super::{CliError, input, table};
+use super::{CliError, input, memory, table};
+use crate::accel::ClosestHit;
 use crate::bench::bars::bars;
 use crate::bench::kd::{self, BenchError, Row, SETS, Settings};
+use crate::files::{self, Flush};
+use crate::math::Ray;
 use crate::simd::Isa;
 
 /// Measure structures side by side, on one thread; all answers are compared first.
@@ -32,7 +36,8 @@ pub struct KdArgs {
     scene: PathBuf,
     /// Rays of each set
     #[arg(long, value_name = "N", default_value_t = 100_000)]
-    rays: usize,
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    rays: u64,
     /// The instruction set
     #[arg(long, default_value_t)]
     isa: Isa,
@@ -52,12 +57,17 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, CliError> {
 }
 
 fn run_kd(args: &KdArgs) -> Result<ExitCode, CliError> {
+    memory::require(&format!("{} rays of each set", args.rays), ray_bytes(args.rays))?;
+    if let Some(folder) = &args.report {
+        fs::create_dir_all(folder).map_err(|error| CliError::not_written(folder, &error))?;
+        files::probe(&folder.join("kd.md")).map_err(|e| CliError::not_written(folder, &e))?;
+    }
     let source = input::triangles(&args.scene)?;
     let memory = match args.memory {
-        0 => machine_memory() / 4 * 3,
+        0 => memory::limit() / 4 * 3,
         megabytes => megabytes.saturating_mul(1_000_000),
     };
-    let settings = Settings { rays: args.rays, memory, isa: args.isa };
+    let settings = Settings { rays: args.rays as usize, memory, isa: args.isa };
     let walks = kd::walks(&source, &settings).map_err(to_cli)?;
     let builds = kd::builds_and_layouts(&source, &settings).map_err(to_cli)?;
     let name = args.scene.display();
@@ -78,13 +88,18 @@ fn run_kd(args: &KdArgs) -> Result<ExitCode, CliError> {
             "walks": object(&walks),
             "builds": object(&builds),
         });
-        fs::create_dir_all(folder).map_err(|error| not_written(folder, &error))?;
         write(folder, "kd.md", &text)?;
         write(folder, "kd.json", &format!("{report:#}\n"))?;
         write(folder, "kd-walks.svg", &chart(&titles[0], &walks))?;
         write(folder, "kd-builds.svg", &chart(&titles[1], &builds))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// All sets and answers, and those that are compared with them.
+fn ray_bytes(rays: u64) -> u64 {
+    let (ray, hit) = (size_of::<Ray>() as u64, size_of::<ClosestHit>() as u64);
+    rays * (SETS.len() as u64 + 1) * (ray + hit)
 }
 
 fn chart(title: &str, rows: &[Row]) -> String {
@@ -97,25 +112,30 @@ fn chart(title: &str, rows: &[Row]) -> String {
 
 fn write(folder: &Path, name: &str, text: &str) -> Result<(), CliError> {
     let path = folder.join(name);
-    fs::write(&path, text).map_err(|error| not_written(&path, &error))
-}
-
-fn not_written(path: &Path, error: &std::io::Error) -> CliError {
-    CliError::Output(format!("{}: {error}", path.display()))
+    files::write(&path, Flush::ToDisk, |file| file.write_all(text.as_bytes()))
+        .map_err(|error| CliError::not_written(&path, &error))
 }
 
 fn to_cli(error: BenchError) -> CliError {
     match error {
         BenchError::Build(error) => CliError::Build(error),
-        wrong @ BenchError::Disagrees { .. } => CliError::Input(wrong.to_string()),
+        wrong @ BenchError::Disagrees { .. } => CliError::Differs(wrong.to_string()),
     }
 }
 
-/// Bytes of memory, or 16 GB where the system does not say.
-fn machine_memory() -> u64 {
-    let total = fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
-        let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
-        line.split_whitespace().nth(1)?.parse::<u64>().ok()
-    });
-    total.map_or(16_000_000_000, |kilobytes| kilobytes * 1024)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disagreement_is_a_difference() {
+        let wrong = BenchError::Disagrees {
+            spec: "kd-ropes".to_owned(),
+            first: "kd-stack-direction".to_owned(),
+            rays: 1,
+            count: 10,
+            set: "random",
+        };
+        assert_eq!(to_cli(wrong).exit_code(), 1);
+    }
 }

@@ -14,6 +14,7 @@ use dapple::integrator::Transport;
 use dapple::material::BsdfForm;
 use dapple::math::{Affine3A, MaterialId, MeshId, Vec3, Vec4};
 use dapple::render::{Aov, Control, Rendered, Settings, render};
+use dapple::sampling::SamplePattern;
 use dapple::scene::{Instance, Material, Scene, Transform, World};
 use dapple::simd::Isa;
 
@@ -87,6 +88,7 @@ pub fn settings(side: u32, spp: u64, max_depth: u32) -> Settings {
         crop: Window::of_size(side as usize, side as usize),
         spp,
         seed: 0,
+        pattern: SamplePattern::default(),
         filter: PixelFilter::Box,
         transport: Transport { max_depth, roulette_depth: None, transparent: false },
         aovs: vec![Aov::Variance, Aov::Albedo, Aov::Depth, Aov::Normal, Aov::Position],

@@ -3,6 +3,7 @@
 //! What a header claims is checked against the length of the file before anything is allocated,
 //! and only the channels that are asked for are kept.
 
+use crate::files;
 use crate::film::picture::no_colours;
 use crate::film::{FilmError, Picture, Window};
 use ::exr::block::UncompressedBlock;
@@ -61,8 +62,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Picture, FilmError> {
 }
 
 fn open(path: &Path) -> Result<(BufReader<File>, u64), FilmError> {
-    let file = File::open(path).map_err(|source| FilmError::read(path, source))?;
-    let length = file.metadata().map_err(|source| FilmError::read(path, source))?.len();
+    let (file, length) = files::open(path).map_err(|source| FilmError::read(path, source))?;
     Ok((BufReader::new(file), length))
 }
 
