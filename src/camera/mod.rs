@@ -45,8 +45,8 @@ impl Camera {
     /// A camera at `eye` that looks at `target`; `yfov` in radians. An `up` along the line of sight
     /// or zero means any; a target at the eye means looking along -Z.
     pub fn look_at(eye: Vec3, target: Vec3, up: Vec3, yfov: f32) -> Self {
-        let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);
-        let right = up.cross(back).try_normalize();
+        let back = direction(eye - target).unwrap_or(Vec3::Z);
+        let right = direction(up.cross(back));
         let right = right.unwrap_or_else(|| Frame::from_normal(back).tangent);
         let turn = Mat3::from_cols(right, back.cross(right), back);
         Self {
@@ -122,6 +122,11 @@ impl Camera {
             Projection::Orthographic { xmag, ymag } => Some(xmag / ymag),
         }
     }
+}
+
+/// Unit length, also where the square of the length is beyond an f32; none for zero.
+fn direction(v: Vec3) -> Option<Vec3> {
+    v.try_normalize().or_else(|| (v / v.abs().max_element()).try_normalize())
 }
 
 /// A camera made ready for a film.
@@ -227,7 +232,7 @@ mod tests {
             (Vec3::new(0.0, 5.0, 0.0), 0.5),
             (Vec3::splat(1e-4), 1.0),
             (Vec3::new(1e-12, 2e-12, 1e-13), 1.0),
-            (Vec3::new(1e-15, 0.0, 0.0), 1.0),
+            (Vec3::new(1e-30, 0.0, 0.0), 1.0),
             (Vec3::splat(1e6), 2.0),
         ] {
             let corner = Vec3::new(10.0, -3.0, 7.0) * size.max_element();

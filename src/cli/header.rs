@@ -99,6 +99,18 @@ mod tests {
     }
 
     #[test]
+    fn a_golden_picture_tells_the_words_that_made_it() {
+        let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace.gltf");
+        let words = ["--resolution", "2x2", "--spp", "4", "--spp", "1", "--env", "1,0.5,1"];
+        let picture = render::picture(&scene, &words.map(str::to_owned)).expect("good words");
+        let command = &picture.strings["dapple/command"];
+        assert!(command.starts_with("dapple render "), "{command}");
+        assert!(command.ends_with("--spp 4 --spp 1 --env 1,0.5,1"), "{command}");
+        assert_eq!(picture.strings["dapple/spp"], "1");
+        assert_eq!(picture.strings["dapple/lost-samples"], "0");
+    }
+
+    #[test]
     fn every_flag_that_makes_the_picture_is_in_the_settings() {
         let words = "--spp 3 --seed 18446744073709551615 --resolution 20x10 --crop 1,2,3,4 \
                      --env 0.1,0.2,0.3 --env-scale 2.5 --env-rotate -30 --look-from 0.1,1,3 \
