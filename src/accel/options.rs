@@ -168,6 +168,14 @@ impl Options {
         }
     }
 
+    /// The value of an option that is declared as a size.
+    pub fn bytes(&self, name: &str) -> u64 {
+        match self.value(name) {
+            Value::Bytes(n) => n,
+            other => panic!("option {name} is declared as {other:?}"),
+        }
+    }
+
     /// Names and values in the order of the structure's row.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, Value)> + '_ {
         self.values.iter().copied()

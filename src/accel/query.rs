@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, SimdFloat};
 
 use super::{AnyHit, ClosestHit, Counters, Event, HitFilter};
-use crate::geom::{ShearRay, SlabRay, Triangle, TriangleBlock, verdict};
+use crate::geom::{BlockRef, ShearRay, SlabRay, Triangle, verdict};
 use crate::math::{Ray, TriangleId};
 
 /// A ray of a batch with all that its tests need.
@@ -151,7 +151,7 @@ pub fn test_triangle<Q: Query, C: Counters>(
 pub fn test_block<S, V, Q, C, const W: usize>(
     simd: S,
     shot: &Shot<'_>,
-    block: &TriangleBlock<W>,
+    block: BlockRef<'_, W>,
     query: &mut Q,
     counters: &mut C,
 ) -> ControlFlow<()>

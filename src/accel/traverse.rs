@@ -102,15 +102,14 @@ impl<T: Traverse> Shoot for Worker<'_, T, NotCounted> {
 impl<T: Traverse> Shoot for Worker<'_, T, Counts> {
     fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
         assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
-        if let Level::Fallback(simd) = Level::fallback() {
-            self.structure.shoot::<_, Q, _>(
-                simd,
-                batch,
-                answers,
-                &mut self.scratch,
-                &mut self.counters,
-            );
-        }
+        let simd = crate::simd::baseline();
+        self.structure.shoot::<_, Q, _>(
+            simd,
+            batch,
+            answers,
+            &mut self.scratch,
+            &mut self.counters,
+        );
     }
 }
 

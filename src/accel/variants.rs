@@ -40,6 +40,9 @@ pub struct BuildInput<'a> {
 pub static VARIANTS: &[Variant] = &[
     brute::VARIANT,
     bvh::binary::VARIANT,
+    bvh::wide::MBVH4,
+    bvh::wide::MBVH8,
+    bvh::wide::MBVH16,
     kd::SEQUENTIAL,
     kd::STACK_ORIGIN,
     kd::STACK_DIRECTION,

@@ -7,6 +7,7 @@ mod args;
 mod bench;
 mod diff;
 mod error;
+mod generate;
 mod golden;
 mod header;
 mod input;
@@ -48,6 +49,7 @@ enum Command {
     Trace(trace::TraceArgs),
     Validate(validate::ValidateArgs),
     Bench(bench::BenchArgs),
+    Generate(generate::GenerateArgs),
 }
 
 /// Runs the command that the process was started with.
@@ -74,6 +76,7 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
         Command::Trace(args) => trace::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Generate(args) => generate::run(&args),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Blocks of triangles that one vector instruction stream tests at once.
 //!
-//! [`TriangleBlock::candidates`] only filters: it may let a miss pass but never stops a triangle
+//! [`BlockRef::candidates`] only filters: it may let a miss pass but never stops a triangle
 //! that [`super::verdict()`] would take. Width, instruction set and rounding can't change a hit.
 //!
 //! # The bound
@@ -24,40 +24,68 @@ use crate::math::{Ray, TriangleId, Vec3};
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct TriangleBlock<const W: usize> {
-    /// Per vertex a, b, c and axis, the coordinates.
-    pub vertices: [[[f32; W]; 3]; 3],
+    /// For each vertex a, b, c and axis, in this order, the coordinates.
+    pub vertices: [[f32; W]; 9],
     /// Whose they are.
     pub ids: [TriangleId; W],
 }
 
 impl<const W: usize> TriangleBlock<W> {
+    /// Without triangles.
+    pub const EMPTY: Self = Self { vertices: [[0.0; W]; 9], ids: [TriangleId::NONE; W] };
+
     /// Packs up to `W` triangles.
     ///
     /// # Panics
     /// If there are none or more than `W`.
     pub fn new(triangles: &[(TriangleId, Triangle)]) -> Self {
         assert!((1..=W).contains(&triangles.len()), "a block holds 1 to {W} triangles");
-        let mut block = Self { vertices: [[[0.0; W]; 3]; 3], ids: [TriangleId::NONE; W] };
+        Self::fetch(triangles.len(), |lane| triangles[lane])
+    }
+
+    /// Packs the first `count` triangles that a function hands out, at least one and at most `W`.
+    #[inline]
+    pub fn fetch(count: usize, triangle: impl Fn(usize) -> (TriangleId, Triangle)) -> Self {
+        let mut block = Self::EMPTY;
         for lane in 0..W {
-            let (id, triangle) = triangles[lane.min(triangles.len() - 1)];
+            let (id, triangle) = triangle(lane.min(count - 1));
             for (vertex, p) in [triangle.a, triangle.b, triangle.c].into_iter().enumerate() {
                 for axis in 0..3 {
-                    block.vertices[vertex][axis][lane] = p[axis];
+                    block.vertices[3 * vertex + axis][lane] = p[axis];
                 }
             }
-            if lane < triangles.len() {
+            if lane < count {
                 block.ids[lane] = id;
             }
         }
         block
     }
 
+    /// By its parts.
+    #[inline(always)]
+    pub fn parts(&self) -> BlockRef<'_, W> {
+        BlockRef { vertices: &self.vertices, ids: &self.ids }
+    }
+}
+
+/// A [`TriangleBlock`] by its parts, wherever these lie.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockRef<'a, const W: usize> {
+    /// See [`TriangleBlock::vertices`].
+    pub vertices: &'a [[f32; W]; 9],
+    /// See [`TriangleBlock::ids`].
+    pub ids: &'a [TriangleId; W],
+}
+
+impl<const W: usize> BlockRef<'_, W> {
     /// The triangle of a lane.
     #[inline(always)]
     pub fn triangle(&self, lane: usize) -> Triangle {
-        let [a, b, c] = &self.vertices;
-        let at = |v: &[[f32; W]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-        Triangle { a: at(a), b: at(b), c: at(c) }
+        let at = |vertex: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.vertices[3 * vertex + axis][lane]);
+            Vec3::new(x, y, z)
+        };
+        Triangle { a: at(0), b: at(1), c: at(2) }
     }
 
     /// How many triangles it holds.
@@ -66,7 +94,7 @@ impl<const W: usize> TriangleBlock<W> {
         self.ids.iter().take_while(|&&id| id != TriangleId::NONE).count()
     }
 
-    /// Whether it holds none; never true.
+    /// Whether it holds none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -83,7 +111,7 @@ impl<const W: usize> TriangleBlock<W> {
         let (o, d) = (ray.origin(), ray.direction());
         let splat = |x: f32| V::splat(simd, x);
         let load =
-            |vertex: usize, axis: usize| V::load_array_ref(simd, &self.vertices[vertex][axis]);
+            |vertex: usize, axis: usize| V::load_array_ref(simd, &self.vertices[3 * vertex + axis]);
 
         let a = [load(0, 0), load(0, 1), load(0, 2)];
         let e1 = [load(1, 0) - a[0], load(1, 1) - a[1], load(1, 2) - a[2]];
@@ -186,7 +214,7 @@ mod tests {
             let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
             if let Some([t, ..]) = verdict(&SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
                 let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
-                let found = dispatch!(Level::new(), simd => block.candidates::<_, f32x4<_>>(simd, &ray, t));
+                let found = dispatch!(Level::new(), simd => block.parts().candidates::<_, f32x4<_>>(simd, &ray, t));
                 prop_assert_eq!(found, 0b1111);
             }
         }

@@ -1,12 +1,14 @@
 //! Meshes and triangles.
 
 pub mod block;
+mod clip;
 mod mesh;
 pub mod slab;
 mod source;
 pub mod verdict;
 
-pub use block::TriangleBlock;
+pub use block::{BlockRef, TriangleBlock};
+pub use clip::clipped_bounds;
 pub use mesh::Mesh;
 pub use slab::{SlabRay, own_box};
 pub use source::{Triangle, TriangleList, TriangleSource};

@@ -38,15 +38,11 @@ impl ShearRay {
     pub fn new(ray: &Ray) -> Self {
         let (o, d) = (ray.origin(), ray.direction());
         let a = d.abs();
-        let z = if a.x >= a.y && a.x >= a.z {
-            0
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
+        // The first of the largest. Without branches: which it is can't be guessed.
+        let (y_wins, z_wins) = (usize::from(a.y > a.x), usize::from(a.z > a.x.max(a.y)));
+        let z = y_wins + z_wins * (2 - y_wins);
         // The winding does not matter: either sign of the determinant is a hit.
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
         let scale = 1.0 / f64::from(d[z]);
         Self {
             origin: [f64::from(o.x), f64::from(o.y), f64::from(o.z)],

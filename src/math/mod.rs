@@ -7,6 +7,8 @@ mod ray;
 
 pub use aabb::Aabb;
 pub use frame::Frame;
-pub use glam::{Affine3A, DVec3, Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
+pub use glam::{
+    Affine3A, DAffine3, DMat3, DQuat, DVec2, DVec3, Mat3, Mat4, Quat, Vec2, Vec3, Vec4,
+};
 pub use index::{InstanceId, MaterialId, MeshId, NodeId, TextureId, TriangleId};
 pub use ray::Ray;

@@ -5,6 +5,7 @@ pub mod defaults;
 mod digest;
 mod environment;
 mod error;
+pub mod generate;
 pub mod gltf;
 mod instance;
 mod lights;

@@ -1,9 +1,16 @@
 //! The instruction sets: the only place that names them.
 
+pub mod order;
+mod prefetch;
+mod vectors;
+
 use std::fmt;
 use std::str::FromStr;
 
 use fearless_simd::Level;
+
+pub use prefetch::prefetch;
+pub use vectors::{Lanes, Vectors};
 
 /// An instruction set to compute with; never changes a result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,7 +18,7 @@ pub enum Isa {
     /// The best that the CPU has.
     #[default]
     Auto,
-    /// No vector instructions beyond what the compiler makes of plain code.
+    /// What every CPU of the target has.
     Portable,
     /// 128 bits.
     Sse2,
@@ -81,13 +88,44 @@ impl FromStr for Isa {
     }
 }
 
+/// The token of what every CPU of the target has: SSE2 on x86-64. (Vectors emulated by plain code
+/// would take the compiler many times as long.)
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub fn baseline() -> impl fearless_simd::Simd {
+    Level::new().as_sse2().expect("x86-64 has SSE2")
+}
+
+/// The token of what every CPU of the target has: plain code.
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(always)]
+pub fn baseline() -> impl fearless_simd::Simd {
+    match Level::fallback() {
+        Level::Fallback(simd) => simd,
+        _ => unreachable!("the fallback is the fallback"),
+    }
+}
+
+/// Whether code for this token is worth a loop of its own: not for the [`baseline`].
+#[inline(always)]
+pub fn is_wide<S: fearless_simd::Simd>(simd: S) -> bool {
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(_) | Level::Avx512(_) => true,
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon(_) => true,
+        _ => false,
+    }
+}
+
 /// Runs `$op` compiled for the instruction set of `$level`, with `$simd` as its token.
 ///
 /// Compiled three times only, since each time costs seconds of building and kilobytes of binary:
-/// for AVX-512, for AVX2, and as plain code for the target's baseline (SSE2 on x86-64), which also
-/// stands in for the sets between.
+/// for AVX-512, for AVX2, and for the target's [`baseline`], which also stands in for the sets
+/// between.
 macro_rules! vectorized {
     ($level:expr, $simd:ident => $op:expr) => {{
+        #[allow(unused_imports)]
         use fearless_simd::{Level, Simd};
         match $level {
             #[cfg(target_arch = "x86_64")]
@@ -105,10 +143,10 @@ macro_rules! vectorized {
                 #[inline(always)]
                 || $op,
             ),
-            _ => match Level::fallback() {
-                Level::Fallback($simd) => $op,
-                _ => unreachable!("the fallback is the fallback"),
-            },
+            _ => {
+                let $simd = crate::simd::baseline();
+                $op
+            }
         }
     }};
 }

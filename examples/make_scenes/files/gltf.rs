@@ -1,9 +1,11 @@
 //! Writes glTF 2.0: a JSON file and one buffer beside it.
 
-use std::collections::BTreeSet;
+use std::ops::{Deref, DerefMut};
 
-use dapple::math::{Mat3, Quat, Vec3};
+use dapple::scene::generate::Document;
 use serde_json::{Map, Value, json};
+
+pub use dapple::scene::generate::{perspective, rounded};
 
 use super::shapes::Shape;
 
@@ -11,24 +13,27 @@ use super::shapes::Shape;
 pub struct Gltf {
     name: String,
     bytes: Vec<u8>,
-    lists: Map<String, Value>,
-    lights: Vec<Value>,
-    roots: Vec<usize>,
+    document: Document,
+}
+
+impl Deref for Gltf {
+    type Target = Document;
+
+    fn deref(&self) -> &Document {
+        &self.document
+    }
+}
+
+impl DerefMut for Gltf {
+    fn deref_mut(&mut self) -> &mut Document {
+        &mut self.document
+    }
 }
 
 impl Gltf {
     /// An empty scene, to be `NAME.gltf` and `NAME.bin`.
     pub fn new(name: &str) -> Self {
-        let (bytes, lists) = (Vec::new(), Map::new());
-        Self { name: name.to_owned(), bytes, lists, lights: Vec::new(), roots: Vec::new() }
-    }
-
-    /// Appends to one of the file's lists.
-    pub fn push(&mut self, list: &str, value: Value) -> usize {
-        let list = self.lists.entry(list).or_insert_with(|| json!([]));
-        let list = list.as_array_mut().expect("is made as an array");
-        list.push(value);
-        list.len() - 1
+        Self { name: name.to_owned(), bytes: Vec::new(), document: Document::default() }
     }
 
     /// A mesh of one primitive.
@@ -39,7 +44,7 @@ impl Gltf {
 
     /// The same triangles as another mesh's, in another material.
     pub fn mesh_again(&mut self, mesh: usize, material: usize) -> usize {
-        let mut again = self.lists["meshes"][mesh].clone();
+        let mut again = self.list("meshes")[mesh].clone();
         again["primitives"][0]["material"] = material.into();
         self.push("meshes", again)
     }
@@ -49,8 +54,8 @@ impl Gltf {
         let (low, high) = shape.bounds();
         let count = shape.positions.len();
         let position = self.accessor(bytemuck::cast_slice(&shape.positions), 5126, count, "VEC3");
-        self.lists["accessors"][position]["min"] = json!(low);
-        self.lists["accessors"][position]["max"] = json!(high);
+        self.list("accessors")[position]["min"] = json!(low);
+        self.list("accessors")[position]["max"] = json!(high);
         attributes.insert("POSITION".into(), position.into());
         if !shape.normals.is_empty() {
             let bytes = bytemuck::cast_slice(&shape.normals);
@@ -76,39 +81,10 @@ impl Gltf {
         self.push("accessors", accessor)
     }
 
-    /// A node that is the child of none.
-    pub fn root(&mut self, node: Value) -> usize {
-        let node = self.push("nodes", node);
-        self.roots.push(node);
-        node
-    }
-
     /// A shape where it was modelled.
     pub fn place(&mut self, name: &str, shape: &Shape, material: usize) {
         let mesh = self.mesh(shape, material);
         self.root(json!({ "name": name, "mesh": mesh }));
-    }
-
-    /// A camera at `eye` that looks at `target`; `camera` is glTF's object.
-    pub fn camera(&mut self, eye: Vec3, target: Vec3, camera: Value) {
-        let camera = self.push("cameras", camera);
-        let back = (eye - target).normalize();
-        let right = Vec3::Y.cross(back).normalize();
-        let rotation = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
-        self.root(json!({
-            "name": "camera", "camera": camera,
-            "translation": rounded(eye.to_array()), "rotation": rounded(rotation.to_array()),
-        }));
-    }
-
-    /// A light of KHR_lights_punctual, which shines along -Z of the node.
-    pub fn light(&mut self, light: Value, at: Vec3, towards: Vec3) {
-        self.lights.push(light);
-        let turn = Quat::from_rotation_arc(Vec3::NEG_Z, (towards - at).normalize());
-        self.root(json!({
-            "translation": rounded(at.to_array()), "rotation": rounded(turn.to_array()),
-            "extensions": { "KHR_lights_punctual": { "light": self.lights.len() - 1 } },
-        }));
     }
 
     /// A texture of a picture beside the scene, looked up as `sampler` says.
@@ -119,51 +95,11 @@ impl Gltf {
     }
 
     /// The two files.
-    pub fn finish(mut self) -> Vec<(String, Vec<u8>)> {
+    pub fn finish(self) -> Vec<(String, Vec<u8>)> {
         let buffer = json!({ "uri": format!("{}.bin", self.name), "byteLength": self.bytes.len() });
-        self.push("buffers", buffer);
-        let mut root = self.lists;
-        root.insert("asset".into(), json!({ "version": "2.0", "generator": "dapple make_scenes" }));
-        root.insert("scene".into(), json!(0));
-        root.insert("scenes".into(), json!([{ "nodes": self.roots }]));
-        if !self.lights.is_empty() {
-            let lights = json!({ "KHR_lights_punctual": { "lights": self.lights } });
-            root.insert("extensions".into(), lights);
-        }
-        let mut root = Value::Object(root);
-        let mut used = BTreeSet::new();
-        extensions(&root, &mut used);
-        if !used.is_empty() {
-            root["extensionsUsed"] = json!(used);
-        }
+        let root = self.document.finish("dapple make_scenes", buffer);
         let mut text = serde_json::to_vec_pretty(&root).expect("keys are strings");
         text.push(b'\n');
         vec![(format!("{}.gltf", self.name), text), (format!("{}.bin", self.name), self.bytes)]
-    }
-}
-
-/// A camera of a vertical field of view in degrees, for pictures of `aspect`.
-pub fn perspective(yfov: f64, aspect: f64) -> Value {
-    let view = json!({ "yfov": yfov.to_radians(), "aspectRatio": aspect, "znear": 0.01 });
-    json!({ "type": "perspective", "perspective": view })
-}
-
-/// Six digits: short to read, and enough.
-pub fn rounded<const N: usize>(values: [f32; N]) -> Value {
-    let round = |value: f32| (f64::from(value) * 1e6).round() / 1e6 + 0.0;
-    json!(values.map(round).as_slice())
-}
-
-/// Collects the names of all extensions.
-fn extensions(value: &Value, used: &mut BTreeSet<String>) {
-    match value {
-        Value::Object(fields) => {
-            if let Some(Value::Object(inner)) = fields.get("extensions") {
-                used.extend(inner.keys().cloned());
-            }
-            fields.values().for_each(|field| extensions(field, used));
-        }
-        Value::Array(items) => items.iter().for_each(|item| extensions(item, used)),
-        _ => {}
     }
 }

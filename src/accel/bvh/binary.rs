@@ -8,10 +8,10 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
-use super::{BinaryTree, build_tree, sah};
+use super::{BinaryTree, Parts, build_tree_by, sah};
 use crate::accel::{
-    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec, Query, Shot,
-    Traverse, Value, Values, Variant, test_block,
+    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
+    Variant, test_block,
 };
 use crate::geom::{TriangleBlock, TriangleSource};
 
@@ -20,19 +20,14 @@ pub const VARIANT: Variant = Variant {
     id: "bvh2",
     summary: "binary bounding volume hierarchy, leaves of up to four triangles",
     paper: "Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007",
-    options: &[OptionSpec {
-        name: "build",
-        summary: "binned SAH, or a full SAH sweep over sorted centroids",
-        values: Values::Choice(&["binned", "sweep"]),
-        default: Value::Choice("binned"),
-    }],
+    options: &[super::BUILD, super::REFINE],
     build: |input| Ok(Box::new(Bvh2::build(input)?)),
 };
 
 /// Triangles of a leaf.
 const WIDTH: usize = 4;
 /// Cost of a step relative to that of a leaf.
-const COST: sah::Cost = sah::Cost { traversal: 0.4, width: WIDTH };
+const COST: sah::Cost = sah::Cost { traversal: 0.4, width: WIDTH, fill: sah::Fill::Any };
 /// A node puts at most one child aside.
 const STACK: usize = sah::MAX_DEPTH + 1;
 
@@ -62,13 +57,15 @@ pub struct Bvh2 {
     root: Option<Link>,
     nodes: Vec<Node>,
     leaves: Vec<TriangleBlock<WIDTH>>,
+    /// If leaves hold parts of triangles: the rays that the boxes are good for.
+    parts: Option<Parts>,
     level: Level,
     report: BuildReport,
 }
 
 impl Bvh2 {
     fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
-        let (tree, mut phases) = build_tree(&*input.source, input.options.choice("build"), COST);
+        let (tree, mut phases) = build_tree_by(input, COST);
         let start = std::time::Instant::now();
         let report = tree.report();
         if report.max_depth > sah::MAX_DEPTH {
@@ -82,7 +79,8 @@ impl Bvh2 {
         let (links, nodes, leaves) = lay_out(&tree, &*input.source);
         phases.push(("layout", start.elapsed().as_secs_f64()));
         let report = BuildReport { phases, ..report };
-        Ok(Self { root: links.first().copied(), nodes, leaves, level: input.level, report })
+        let (root, parts, level) = (links.first().copied(), tree.parts, input.level);
+        Ok(Self { root, nodes, leaves, parts, level, report })
     }
 }
 
@@ -147,6 +145,38 @@ impl Node {
     }
 }
 
+impl Bvh2 {
+    /// Tests all triangles: for the few rays that boxes of parts are not good for.
+    #[inline(never)]
+    fn walk_all<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        counters: &mut C,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for block in &self.leaves {
+                    counters.count(Event::Leaf);
+                    if test_block::<S, f32x4<S>, Q, C, WIDTH>(
+                        simd,
+                        shot,
+                        block.parts(),
+                        query,
+                        counters,
+                    )
+                    .is_break()
+                    {
+                        return;
+                    }
+                }
+            },
+        );
+    }
+}
+
 impl Traverse for Bvh2 {
     type Scratch = Box<[(Link, f32); STACK]>;
 
@@ -164,14 +194,21 @@ impl Traverse for Bvh2 {
         counters: &mut C,
     ) {
         let Some(mut link) = self.root else { return };
+        if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
+            return self.walk_all(simd, shot, query, counters);
+        }
         let mut pending = 0;
         loop {
             if let Some(leaf) = link.leaf() {
                 counters.count(Event::Leaf);
                 let block = &self.leaves[leaf];
-                if let ControlFlow::Break(()) =
-                    test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
-                {
+                if let ControlFlow::Break(()) = test_block::<S, f32x4<S>, Q, C, WIDTH>(
+                    simd,
+                    shot,
+                    block.parts(),
+                    query,
+                    counters,
+                ) {
                     return;
                 }
             } else {

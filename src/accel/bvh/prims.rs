@@ -1,14 +1,16 @@
-//! What builders sort: a triangle's box and its id.
+//! What builders sort: the box of a triangle, or of a part of it, and its id.
+
+use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
 use crate::geom::{TriangleSource, own_box};
 use crate::math::{Aabb, TriangleId, Vec3};
 
-/// A triangle, as a builder sees it.
+/// A triangle or a part of one, as a builder sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Prim {
-    /// Its own box.
+    /// Its own box, or a part's ([`super::parts`]).
     pub bounds: Aabb,
     /// Whose it is.
     pub id: TriangleId,
@@ -20,6 +22,12 @@ impl Prim {
     pub fn key(&self) -> Vec3 {
         // Halved first: two coordinates near the largest float must not add up to infinity.
         self.bounds.min * 0.5 + self.bounds.max * 0.5
+    }
+
+    /// The order along an axis: by keys, where they are equal by ids.
+    #[inline(always)]
+    pub fn order(&self, other: &Self, axis: usize) -> Ordering {
+        self.key()[axis].total_cmp(&other.key()[axis]).then(self.id.cmp(&other.id))
     }
 }
 

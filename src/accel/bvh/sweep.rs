@@ -32,7 +32,8 @@ pub fn build(prims: &[Prim], cost: Cost) -> BinaryTree {
     let mut nodes = Vec::new();
     let [x, y, z] = &mut lists;
     builder.build(Lists { axes: [x, y, z], scratch: &mut scratch }, 0, 0, &mut nodes);
-    BinaryTree { nodes, order: lists[0].iter().map(|&i| prims[i as usize].id).collect() }
+    let order = lists[0].iter().map(|&i| prims[i as usize].id).collect();
+    BinaryTree { nodes, order, parts: None }
 }
 
 struct Builder<'a> {
@@ -66,14 +67,15 @@ impl Builder<'_> {
         let bounds_of = |i: &u32| self.prims[*i as usize].bounds;
         let bounds = lists.axes[0].iter().map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
         let count = lists.len();
-        let split = if count == 1 {
+        let split = if self.cost.must_be_leaf(count) {
             Split::NONE
         } else if depth < DEPTH_OF_MIDDLE_SPLITS {
             self.best_split(&lists)
         } else {
-            Split { axis: bounds.longest_axis(), at: count / 2, ..Split::NONE }
+            let at = self.cost.nearest_place(count, count / 2);
+            Split { axis: bounds.longest_axis(), at, ..Split::NONE }
         };
-        if count == 1 || self.cost.prefers_leaf(count, &bounds, split.area) {
+        if self.cost.prefers_leaf(count, &bounds, split.area) {
             // All three lists hold the same triangles; the first one is the tree's order.
             return nodes.push(BinaryNode { bounds, first: first as u32, count: count as u32 });
         }
@@ -98,7 +100,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Tries every place in every list.
+    /// Tries every place in every list where the cost allows a split.
     fn best_split(&self, lists: &Lists<'_>) -> Split {
         let count = lists.len();
         let mut above = vec![0.0_f64; count];
@@ -113,6 +115,9 @@ impl Builder<'_> {
             let mut bounds = Aabb::EMPTY;
             for at in 1..count {
                 bounds = bounds.union(self.prims[list[at - 1] as usize].bounds);
+                if !self.cost.allows(count, at) {
+                    continue;
+                }
                 let (left, right) = ((bounds.half_area(), at), (above[at], count - at));
                 best = best.min(Split::new(axis, at, left, right));
             }

@@ -1,5 +1,6 @@
 //! The binary tree that builders make: plain data.
 
+use super::Parts;
 use crate::accel::BuildReport;
 use crate::math::{Aabb, TriangleId};
 
@@ -28,8 +29,10 @@ impl BinaryNode {
 pub struct BinaryTree {
     /// The root first.
     pub nodes: Vec<BinaryNode>,
-    /// Triangles, leaf by leaf.
+    /// Triangles, leaf by leaf; one may be in several if leaves hold parts.
     pub order: Vec<TriangleId>,
+    /// If some leaf holds a part of a triangle only: which rays the boxes are good for.
+    pub parts: Option<Parts>,
 }
 
 impl BinaryTree {
@@ -44,6 +47,11 @@ impl BinaryTree {
         }));
     }
 
+    /// How many triangles there are, each counted once however many leaves hold a part of it.
+    pub fn triangle_count(&self) -> usize {
+        self.order.iter().map(|id| id.index() + 1).max().unwrap_or(0)
+    }
+
     /// The triangles of a leaf.
     pub fn triangles(&self, leaf: &BinaryNode) -> &[TriangleId] {
         &self.order[leaf.first as usize..][..leaf.count as usize]
@@ -51,7 +59,8 @@ impl BinaryTree {
 
     /// Shape and expected cost, with a step and a leaf at the same price.
     pub fn report(&self) -> BuildReport {
-        let mut report = BuildReport { triangles: self.order.len(), ..BuildReport::default() };
+        // Each is in some leaf, so that the last one tells how many there are.
+        let mut report = BuildReport { triangles: self.triangle_count(), ..BuildReport::default() };
         let Some(root) = self.nodes.first() else { return report };
         let mut stack = vec![(0_u32, 0_usize)];
         let (mut area, mut depths) = (0.0, 0);
@@ -73,12 +82,13 @@ impl BinaryTree {
         report
     }
 
-    /// Checks that every triangle is in exactly one leaf and every box holds what is below it.
+    /// Checks that every box holds what is below it and every triangle is in exactly one leaf, or
+    /// if there are parts, that the leaves of a triangle hold its own box together.
     ///
     /// # Errors
     /// What is wrong.
     pub fn validate(&self, bounds_of: impl Fn(TriangleId) -> Aabb) -> Result<(), String> {
-        let mut seen = vec![false; self.order.len()];
+        let mut held = vec![Aabb::EMPTY; self.order.len()];
         let mut places = vec![false; self.order.len()];
         for (index, node) in self.nodes.iter().enumerate() {
             if !node.is_leaf() {
@@ -96,14 +106,18 @@ impl BinaryTree {
                 }
             }
             for &id in self.triangles(node) {
-                if std::mem::replace(&mut seen[id.index()], true) {
+                let held = &mut held[id.index()];
+                if self.parts.is_none() && !held.is_empty() {
                     return Err(format!("triangle {id:?} is in two leaves"));
                 }
-                if !node.bounds.contains(bounds_of(id)) {
-                    return Err(format!("leaf {index} does not hold triangle {id:?}"));
-                }
+                *held = held.union(node.bounds);
             }
         }
-        if seen.iter().all(|&s| s) { Ok(()) } else { Err("a triangle is in no leaf".to_owned()) }
+        if !places.iter().all(|&used| used) {
+            return Err("a place is in no leaf".to_owned());
+        }
+        let count = self.order.iter().map(|id| id.index() + 1).max().unwrap_or(0);
+        let missed = (0..count).find(|&i| !held[i].contains(bounds_of(TriangleId::from_index(i))));
+        missed.map_or(Ok(()), |i| Err(format!("no leaf holds all of triangle {i}")))
     }
 }

@@ -164,8 +164,8 @@ impl Leaves {
                 corners[lane] = self.corners(id);
             }
         }
-        let mut block = Block { vertices: [[[0.0; LANES]; 3]; 3], ids: lanes };
-        for (vertex, rows) in block.vertices.iter_mut().enumerate() {
+        let mut block = Block { vertices: [[0.0; LANES]; 9], ids: lanes };
+        for (vertex, rows) in block.vertices.as_chunks_mut().0.iter_mut().enumerate() {
             let row = |lane: usize| f32x4::load_array_ref(simd, &corners[lane][vertex]);
             let (p, q) = (row(0).zip_low(row(2)), row(1).zip_low(row(3)));
             let z = row(0).zip_high(row(2)).zip_low(row(1).zip_high(row(3)));

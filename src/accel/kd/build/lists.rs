@@ -5,11 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::clip::clipped_bounds;
 use super::{Arena, Costs, FORK_COUNT, FORK_LEVELS, Plane, Reference, Settings};
 use crate::accel::kd::slack::Slack;
 use crate::accel::kd::tree::halves;
-use crate::geom::TriangleSource;
+use crate::geom::{TriangleSource, clipped_bounds};
 use crate::math::{Aabb, TriangleId};
 
 /// Finds the best plane for a list of boxes in a cell.

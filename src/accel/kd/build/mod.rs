@@ -8,7 +8,6 @@
 mod arena;
 mod binned;
 mod bins;
-mod clip;
 mod cost;
 mod lists;
 mod minmax;

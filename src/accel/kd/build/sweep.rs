@@ -13,11 +13,10 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::clip::clipped_bounds;
 use super::{Arena, FORK_COUNT, FORK_LEVELS, Plane, Reference, Settings};
 use crate::accel::kd::slack::Slack;
 use crate::accel::kd::tree::halves;
-use crate::geom::TriangleSource;
+use crate::geom::{TriangleSource, clipped_bounds};
 use crate::math::{Aabb, TriangleId};
 
 /// Where a box begins or ends.

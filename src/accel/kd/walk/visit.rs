@@ -55,7 +55,7 @@ fn test_all<S: Simd, Q: Query, C: Counters>(
 ) -> ControlFlow<()> {
     for ids in ids.chunks(LANES) {
         let block = leaves.block(simd, ids);
-        test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, &block, query, counters)?;
+        test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, block.parts(), query, counters)?;
     }
     ControlFlow::Continue(())
 }

@@ -1,6 +1,6 @@
 //! The part of a triangle inside a box.
 
-use crate::geom::Triangle;
+use super::Triangle;
 use crate::math::{Aabb, DVec3, Vec3};
 
 /// Corners of a triangle cut by six planes, at most.

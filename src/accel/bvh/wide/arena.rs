@@ -1,0 +1,157 @@
+//! The memory of a wide tree: nodes and leaves as rows of `W` numbers.
+//!
+//! All in one piece, so that a link is a place in it whatever it leads to, and a walk can ask for
+//! that place ahead of time without a branch. A node is eight rows: the lower and the upper planes
+//! along x, y and z, the links, and one to spare, which keeps nodes on cache lines. A leaf that
+//! stores its triangles is nine rows of coordinates and one of ids; one that does not is its ids.
+
+use bytemuck::cast_slice;
+use memmap2::{Advice, MmapMut};
+
+use crate::geom::{BlockRef, TriangleBlock};
+use crate::math::{Aabb, TriangleId};
+
+/// Rows of a node.
+pub const NODE: usize = 8;
+/// Rows of a leaf that stores its triangles.
+pub const BLOCK: usize = 10;
+/// The row of a node that holds its links.
+const LINKS: usize = 6;
+
+/// A link to a row: that of a node, or with the highest bit set that of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Link(pub u32);
+
+impl Link {
+    /// So many rows can be linked to.
+    pub const LIMIT: usize = 1 << 31;
+    const LEAF: u32 = 1 << 31;
+
+    /// To a node.
+    pub fn to_node(row: usize) -> Self {
+        Self(row as u32)
+    }
+
+    /// To a leaf.
+    pub fn to_leaf(row: usize) -> Self {
+        Self(row as u32 | Self::LEAF)
+    }
+
+    /// Whether it leads to a leaf.
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// The first row of what it leads to.
+    #[inline(always)]
+    pub fn row(self) -> usize {
+        (self.0 & !Self::LEAF) as usize
+    }
+}
+
+/// Rows of `W` numbers.
+pub struct Arena<const W: usize> {
+    /// Mapped rather than allocated: on huge pages a walk waits less for addresses.
+    memory: MmapMut,
+}
+
+/// An arena as a walk reads it: the same rows as floats, as integers and as ids.
+#[derive(Clone, Copy)]
+pub struct Rows<'a, const W: usize> {
+    floats: &'a [[f32; W]],
+    bits: &'a [[u32; W]],
+    ids: &'a [[TriangleId; W]],
+}
+
+impl<const W: usize> Arena<W> {
+    /// So many rows of zeros.
+    ///
+    /// # Errors
+    /// If there is not as much memory.
+    pub fn new(rows: usize) -> std::io::Result<Self> {
+        let memory = MmapMut::map_anon((rows * size_of::<[f32; W]>()).max(1))?;
+        // Where the system has no huge pages, or not as many, small ones do.
+        #[cfg(target_os = "linux")]
+        let _ = memory.advise(Advice::HugePage);
+        Ok(Self { memory })
+    }
+
+    /// Bytes.
+    pub fn bytes(&self) -> usize {
+        self.memory.len()
+    }
+
+    /// To read.
+    pub fn rows(&self) -> Rows<'_, W> {
+        let whole = &self.memory[..self.memory.len() / 4 * 4];
+        Rows {
+            floats: cast_slice::<u8, f32>(whole).as_chunks().0,
+            bits: cast_slice::<u8, u32>(whole).as_chunks().0,
+            ids: cast_slice::<u8, TriangleId>(whole).as_chunks().0,
+        }
+    }
+
+    /// To write.
+    pub fn floats_mut(&mut self) -> &mut [[f32; W]] {
+        let whole = self.memory.len() / 4 * 4;
+        bytemuck::cast_slice_mut::<u8, f32>(&mut self.memory[..whole]).as_chunks_mut().0
+    }
+}
+
+/// Puts a node's children into its rows; lanes beyond them hold boxes turned inside out, which no
+/// ray enters.
+pub fn write_node<const W: usize>(rows: &mut [[f32; W]], children: &[(Aabb, Link)]) {
+    for axis in 0..3 {
+        rows[2 * axis] = [f32::INFINITY; W];
+        rows[2 * axis + 1] = [f32::NEG_INFINITY; W];
+        for (lane, (bounds, _)) in children.iter().enumerate() {
+            rows[2 * axis][lane] = bounds.min[axis];
+            rows[2 * axis + 1][lane] = bounds.max[axis];
+        }
+    }
+    for (lane, (_, link)) in children.iter().enumerate() {
+        rows[LINKS][lane] = f32::from_bits(link.0);
+    }
+}
+
+/// Puts triangles into a leaf's rows.
+pub fn write_block<const W: usize>(rows: &mut [[f32; W]], block: &TriangleBlock<W>) {
+    rows[..9].copy_from_slice(&block.vertices);
+    write_ids(&mut rows[9..], &block.ids);
+}
+
+/// Puts ids into a row.
+pub fn write_ids<const W: usize>(rows: &mut [[f32; W]], ids: &[TriangleId; W]) {
+    rows[0] = ids.map(|id| f32::from_bits(id.0));
+}
+
+impl<'a, const W: usize> Rows<'a, W> {
+    /// A node's planes, lower and upper by axis, and its links.
+    #[inline(always)]
+    pub fn node(&self, link: Link) -> (&'a [[f32; W]; LINKS], &'a [u32; W]) {
+        let row = link.row();
+        let planes = self.floats[row..row + LINKS].try_into().expect("six rows");
+        (planes, &self.bits[row + LINKS])
+    }
+
+    /// A leaf's triangles.
+    #[inline(always)]
+    pub fn block(&self, link: Link) -> BlockRef<'a, W> {
+        let row = link.row();
+        let vertices = self.floats[row..row + 9].try_into().expect("nine rows");
+        BlockRef { vertices, ids: &self.ids[row + 9] }
+    }
+
+    /// The ids of a leaf that does not store its triangles.
+    #[inline(always)]
+    pub fn ids(&self, link: Link) -> &'a [TriangleId; W] {
+        &self.ids[link.row()]
+    }
+
+    /// Asks for a node, or a leaf, ahead of time.
+    #[inline(always)]
+    pub fn prefetch(&self, link: Link) {
+        crate::simd::prefetch(self.floats, link.row(), BLOCK * size_of::<[f32; W]>());
+    }
+}

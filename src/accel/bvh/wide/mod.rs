@@ -1,0 +1,258 @@
+//! `mbvh4`, `mbvh8`, `mbvh16`: hierarchies of nodes with as many children as a vector has lanes.
+//!
+//! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008. A node's children are tested
+//! by one stream of vector instructions, and so are a leaf's triangles. A binary tree is built
+//! first and collapsed ([`collapse`]); a ray walks by algorithm 2 of the paper, its children
+//! ordered by distance rather than by octant, and a slice of rays is walked with sixteen of them in
+//! flight ([`flight`]).
+
+mod arena;
+mod collapse;
+mod flight;
+mod node;
+mod stack;
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use fearless_simd::{Level, Simd};
+
+use self::arena::{Arena, BLOCK, Link, Rows};
+use self::collapse::Collapsed;
+use self::stack::Stack;
+use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
+use super::sah::{Cost, Fill};
+use super::{BUILD, Parts, REFINE, build_tree_by};
+use crate::accel::{
+    Accel, Batch, BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec,
+    Query, Shot, Traverse, Value, Values, Variant, test_block,
+};
+use crate::simd::order::key_limit;
+use crate::simd::{Lanes, Vectors, is_wide};
+
+/// Four lanes, as in the paper.
+pub const MBVH4: Variant =
+    row("mbvh4", "four children a node, leaves of four triangles", |input| {
+        Ok(Box::new(Wide::<4>::build(input)?))
+    });
+
+/// Eight lanes.
+pub const MBVH8: Variant =
+    row("mbvh8", "eight children a node, leaves of eight triangles", |input| {
+        Ok(Box::new(Wide::<8>::build(input)?))
+    });
+
+/// Sixteen lanes.
+pub const MBVH16: Variant =
+    row("mbvh16", "sixteen children a node, leaves of sixteen triangles", |input| {
+        Ok(Box::new(Wide::<16>::build(input)?))
+    });
+
+const fn row(
+    id: &'static str,
+    summary: &'static str,
+    build: fn(&BuildInput<'_>) -> Result<Box<dyn Accel>, BuildError>,
+) -> Variant {
+    const OPTIONS: &[OptionSpec] = &[BUILD, REFINE, LEAVES, TRIANGLES, CACHE];
+    let paper = "Ernst and Greiner, Multi Bounding Volume Hierarchies, 2008";
+    Variant { id, summary, paper, options: OPTIONS, build }
+}
+
+/// The option that says how full leaves are.
+const LEAVES: OptionSpec = OptionSpec {
+    name: "leaves",
+    summary: "all full but one, as in the paper, or as the surface area heuristic likes them",
+    values: Values::Choice(&["full", "any"]),
+    default: Value::Choice("full"),
+};
+
+/// A hierarchy of width `W`.
+pub struct Wide<const W: usize> {
+    root: Option<Link>,
+    arena: Arena<W>,
+    /// `None` if the leaves store their triangles.
+    fetch: Option<Fetch>,
+    /// If leaves hold parts of triangles: the rays that the boxes are good for.
+    parts: Option<Parts>,
+    /// Row of the first leaf.
+    first_leaf: usize,
+    /// Entries that a walk may need, the sentinel included.
+    stack: usize,
+    level: Level,
+    report: BuildReport,
+}
+
+/// A thread's own.
+pub struct Scratch<const W: usize> {
+    stacks: Vec<Stack>,
+    fetched: Fetched<W>,
+}
+
+impl<const W: usize> Wide<W>
+where
+    Lanes: Vectors<W>,
+{
+    fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
+        let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
+        let (tree, mut phases) = build_tree_by(input, Cost { traversal: 0.4, width: W, fill });
+        let start = Instant::now();
+        let wide = Collapsed::<W>::new(&tree);
+        phases.push(("collapse", start.elapsed().as_secs_f64()));
+        let start = Instant::now();
+        let fetch = Fetch::new(input);
+        let rows = wide.rows(fetch.is_none());
+        if rows >= Link::LIMIT {
+            let (count, limit) = (tree.order.len(), tree.order.len() * Link::LIMIT / rows);
+            return Err(BuildError::TooManyTriangles { count, limit });
+        }
+        let arena = wide.write(&tree, &*input.source, fetch.is_none()).map_err(|_| {
+            let needed = (rows * size_of::<[f32; W]>()) as u64;
+            BuildError::TooLarge { needed, limit: 0 }
+        })?;
+        phases.push(("layout", start.elapsed().as_secs_f64()));
+        Ok(Self {
+            root: wide.root(),
+            arena,
+            fetch,
+            parts: tree.parts,
+            first_leaf: wide.first_leaf(),
+            // A level puts W aside and takes one of them; the last store is a whole vector.
+            stack: 1 + (wide.report.max_depth + 1) * W,
+            level: input.level,
+            report: BuildReport { phases, ..wide.report },
+        })
+    }
+
+    /// Tests a leaf's triangles.
+    #[inline(always)]
+    fn test_leaf<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        rows: Rows<'_, W>,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        link: Link,
+        fetched: &mut Fetched<W>,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        counters.count(Event::Leaf);
+        let block = match &self.fetch {
+            None => rows.block(link),
+            Some(fetch) => {
+                let leaf = link.row() - self.first_leaf;
+                fetched.block(fetch, leaf, rows.ids(link), counters)
+            }
+        };
+        test_block::<S, <Lanes as Vectors<W>>::Floats<S>, Q, C, W>(
+            simd, shot, block, query, counters,
+        )
+    }
+
+    /// Tests all leaves: for the few rays that boxes of parts are not good for.
+    #[inline(always)]
+    fn walk_all<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        fetched: &mut Fetched<W>,
+        counters: &mut C,
+    ) {
+        let (rows, of_leaf) = (self.arena.rows(), if self.fetch.is_some() { 1 } else { BLOCK });
+        for leaf in 0..self.report.leaves {
+            let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
+            if self.test_leaf(simd, rows, shot, query, link, fetched, counters).is_break() {
+                return;
+            }
+        }
+    }
+}
+
+impl<const W: usize> Traverse for Wide<W>
+where
+    Lanes: Vectors<W>,
+{
+    type Scratch = Scratch<W>;
+
+    fn scratch(&self) -> Scratch<W> {
+        let stacks = (0..flight::RAYS).map(|_| Stack::new(self.stack)).collect();
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.table(self.report.leaves));
+        Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none) }
+    }
+
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        scratch: &mut Scratch<W>,
+        counters: &mut C,
+    ) {
+        let Some(mut link) = self.root else { return };
+        let rows = self.arena.rows();
+        let Scratch { stacks, fetched } = scratch;
+        if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
+            return self.walk_all(simd, shot, query, fetched, counters);
+        }
+        let (stack, mut top) = (&mut stacks[0], 1);
+        loop {
+            if link.is_leaf() {
+                if self.test_leaf(simd, rows, shot, query, link, fetched, counters).is_break() {
+                    return;
+                }
+            } else {
+                counters.count(Event::InnerNode);
+                counters.count(Event::BoxTest);
+                let (planes, links) = rows.node(link);
+                let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
+                if let Some(nearest) = stack.descend(simd, &keys, hits, links, &mut top) {
+                    counters.add(Event::Push, u64::from(hits.count_ones()) - 1);
+                    link = nearest;
+                    continue;
+                }
+            }
+            match stack.next(&mut top, key_limit(query.t_max())) {
+                Some(next) => link = next,
+                None => return,
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn shoot<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        scratch: &mut Scratch<W>,
+        counters: &mut C,
+    ) {
+        let covered = |ray| self.parts.is_none_or(|parts| parts.covers(ray));
+        let in_flight = is_wide(simd) && !C::COUNTS && flight::pays(batch.rays());
+        if in_flight && batch.rays().iter().all(covered) {
+            self.fly::<S, Q, C>(simd, batch, answers, scratch, counters);
+            return;
+        }
+        for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
+            let mut query = Q::new(ray);
+            let shot = Shot::new(ray, index, batch.filter());
+            self.walk(simd, &shot, &mut query, scratch, counters);
+            *answer = query.answer();
+        }
+    }
+
+    fn level(&self) -> Level {
+        self.level
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let nodes = self.first_leaf * size_of::<[f32; W]>();
+        let leaves = if self.fetch.is_some() { "references" } else { "leaves" };
+        MemoryReport::new([("nodes", nodes), (leaves, self.arena.bytes() - nodes)])
+    }
+
+    fn report(&self) -> &BuildReport {
+        &self.report
+    }
+}

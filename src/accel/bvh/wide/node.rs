@@ -1,0 +1,44 @@
+//! The test of all of a node's children.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
+
+use crate::accel::Shot;
+use crate::simd::order::{BIAS, LANE};
+use crate::simd::{Lanes, Vectors};
+
+type Floats<S, const W: usize> = <Lanes as Vectors<W>>::Floats<S>;
+type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
+
+/// The keys of those children that the ray enters before `t_max` (see [`crate::simd::order`]),
+/// zero for the others, and a bit for each of the former. `planes` are a node's, lower and upper by
+/// axis.
+///
+/// The arithmetic is [`crate::geom::SlabRay::interval`]'s, lane by lane.
+#[inline(always)]
+pub fn enter<S: Simd, const W: usize>(
+    simd: S,
+    planes: &[[f32; W]; 6],
+    shot: &Shot<'_>,
+    t_max: f32,
+) -> ([u32; W], u32)
+where
+    Lanes: Vectors<W>,
+{
+    let slab = &shot.slab;
+    let distance = |axis: usize, side: usize, inverse: f32| {
+        let planes = Floats::<S, W>::load_array_ref(simd, &planes[2 * axis + side]);
+        (planes - slab.origin[axis]) * inverse
+    };
+    let mut enter = Floats::<S, W>::splat(simd, shot.ray.t_min());
+    let mut exit = Floats::<S, W>::splat(simd, t_max);
+    for axis in 0..3 {
+        let near = slab.negative[axis] & 1;
+        enter = distance(axis, near, slab.inv_near[axis]).max(enter);
+        exit = distance(axis, 1 - near, slab.inv_far[axis]).min(exit);
+    }
+    let hits = enter.simd_le(exit);
+    let lanes = Bits::<S, W>::from_fn(simd, |lane| lane as u32);
+    let keys = Floats::<S, W>::from_bits(((enter.to_bits() & !LANE) | lanes) + BIAS);
+    let keys = hits.select(keys, Floats::<S, W>::splat(simd, 0.0));
+    (keys.to_bits().to_array(), hits.to_bitmask() as u32)
+}
