@@ -38,6 +38,7 @@ pub struct BuildInput<'a> {
 ///
 /// A static, so that who uses it does not compile every structure anew.
 pub static VARIANTS: &[Variant] = &[
+    bvh::wide::AUTO,
     brute::VARIANT,
     bvh::binary::VARIANT,
     bvh::wide::MBVH4,

@@ -149,7 +149,7 @@ pub struct RenderArgs {
     #[arg(
         long,
         value_name = "ID[:option=value,…]",
-        default_value = "bvh2",
+        default_value = "auto",
         help_heading = "Speed"
     )]
     #[arg(value_parser = parsed::<AccelSpec>)]

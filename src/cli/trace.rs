@@ -38,7 +38,7 @@ pub struct TraceArgs {
     #[arg(long)]
     any: bool,
     /// The structure, `dapple accels` lists them
-    #[arg(long, value_name = "ID[:option=value,…]", default_value = "bvh2")]
+    #[arg(long, value_name = "ID[:option=value,…]", default_value = "auto")]
     accel: AccelSpec,
     /// The instruction set; never changes a hit
     #[arg(long, default_value_t)]

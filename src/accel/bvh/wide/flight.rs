@@ -60,6 +60,8 @@ struct Flight<'a, Q> {
     key: u32,
     link: Link,
     top: usize,
+    /// Which of the tracer's stacks is its own.
+    stack: usize,
 }
 
 impl<const W: usize> Wide<W>
@@ -80,21 +82,23 @@ where
             return batch.rays().iter().zip(answers).for_each(|(r, a)| *a = Q::new(r).answer());
         };
         let (rays, rows) = (batch.rays(), self.arena.rows());
-        let start = |index: usize| Flight {
+        let start = |index: usize, stack: usize| Flight {
             shot: Shot::new(&rays[index], index, batch.filter()),
             query: Q::new(&rays[index]),
             key: 1,
             link: root,
             top: 1,
+            stack,
         };
         let Scratch { stacks, fetched } = scratch;
         let mut next = rays.len().min(RAYS);
-        let mut flights: Vec<Flight<'_, Q>> = (0..next).map(start).collect();
+        let mut flights: Vec<Flight<'_, Q>> = (0..next).map(|index| start(index, index)).collect();
         while !flights.is_empty() {
             let mut turn = 0;
             while turn < flights.len() {
-                let Flight { shot, query, key, link, top } = &mut flights[turn];
-                let stack = &mut stacks[turn];
+                let Flight { shot, query, key, link, top, stack } = &mut flights[turn];
+                let own = *stack;
+                let stack = &mut stacks[own];
                 let limit = key_limit(query.t_max());
                 while *key > limit {
                     (*key, *link) = stack.pop(top);
@@ -111,14 +115,11 @@ where
                 }
                 answers[shot.index] = query.answer();
                 if next < rays.len() {
-                    flights[turn] = start(next);
+                    flights[turn] = start(next, own);
                     next += 1;
                     turn += 1;
                 } else {
-                    // The last one takes this turn, and with it the stack.
                     flights.swap_remove(turn);
-                    let last = flights.len();
-                    stacks.swap(turn, last);
                 }
             }
         }
@@ -133,7 +134,7 @@ where
         shot: &Shot<'_>,
         query: &mut Q,
         link: Link,
-        (stack, top): (&mut Stack, &mut usize),
+        (stack, top): (&mut Stack<W>, &mut usize),
     ) -> ControlFlow<()> {
         if link.is_leaf() {
             return self.test_leaf(simd, rows, shot, query, link, fetched, counters);

@@ -21,11 +21,11 @@ use self::arena::{Arena, BLOCK, Link, Rows};
 use self::collapse::Collapsed;
 use self::stack::Stack;
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
-use super::sah::{Cost, Fill};
+use super::sah::{self, Cost, Fill};
 use super::{BUILD, Parts, REFINE, build_tree_by};
 use crate::accel::{
     Accel, Batch, BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec,
-    Query, Shot, Traverse, Value, Values, Variant, test_block,
+    Options, Query, Shot, Traverse, Value, Values, Variant, test_block,
 };
 use crate::simd::order::key_limit;
 use crate::simd::{Lanes, Vectors, is_wide};
@@ -47,6 +47,24 @@ pub const MBVH16: Variant =
     row("mbvh16", "sixteen children a node, leaves of sixteen triangles", |input| {
         Ok(Box::new(Wide::<16>::build(input)?))
     });
+
+/// What measures best: eight lanes, triangles in the leaves, and a tree that is refined, its leaves
+/// as full as the heuristic likes them.
+pub const AUTO: Variant = Variant {
+    id: "auto",
+    summary: "what measures best: mbvh8 of a refined tree, leaves as the heuristic likes them",
+    paper: "see mbvh8",
+    options: &[],
+    build: |input| {
+        let options = Options::parse(MBVH8.id, MBVH8.options, "leaves=any,refine=on");
+        let options = &options.expect("declared by its row");
+        Ok(Box::new(Wide::<8>::build(&BuildInput {
+            options,
+            source: input.source.clone(),
+            ..*input
+        })?))
+    },
+};
 
 const fn row(
     id: &'static str,
@@ -76,15 +94,13 @@ pub struct Wide<const W: usize> {
     parts: Option<Parts>,
     /// Row of the first leaf.
     first_leaf: usize,
-    /// Entries that a walk may need, the sentinel included.
-    stack: usize,
     level: Level,
     report: BuildReport,
 }
 
 /// A thread's own.
 pub struct Scratch<const W: usize> {
-    stacks: Vec<Stack>,
+    stacks: Box<[Stack<W>]>,
     fetched: Fetched<W>,
 }
 
@@ -98,6 +114,10 @@ where
         let start = Instant::now();
         let wide = Collapsed::<W>::new(&tree);
         phases.push(("collapse", start.elapsed().as_secs_f64()));
+        if wide.report.max_depth > sah::MAX_DEPTH {
+            let (depth, limit) = (wide.report.max_depth, sah::MAX_DEPTH);
+            return Err(BuildError::TooDeep { depth, limit });
+        }
         let start = Instant::now();
         let fetch = Fetch::new(input);
         let rows = wide.rows(fetch.is_none());
@@ -116,8 +136,6 @@ where
             fetch,
             parts: tree.parts,
             first_leaf: wide.first_leaf(),
-            // A level puts W aside and takes one of them; the last store is a whole vector.
-            stack: 1 + (wide.report.max_depth + 1) * W,
             level: input.level,
             report: BuildReport { phases, ..wide.report },
         })
@@ -175,7 +193,7 @@ where
     type Scratch = Scratch<W>;
 
     fn scratch(&self) -> Scratch<W> {
-        let stacks = (0..flight::RAYS).map(|_| Stack::new(self.stack)).collect();
+        let stacks = (0..flight::RAYS).map(|_| Stack::new()).collect();
         let fetched = self.fetch.as_ref().map(|fetch| fetch.table(self.report.leaves));
         Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none) }
     }

@@ -3,23 +3,34 @@
 use fearless_simd::Simd;
 
 use super::arena::Link;
+use crate::accel::bvh::sah;
 use crate::simd::order::store_sorted;
 
+/// Rows of a stack. A level puts `W` aside and takes one of them, and the last store is a whole
+/// vector: with one row for the bottom, that is enough for any tree that builders make.
+const ROWS: usize = 128;
+const _: () = assert!(sah::MAX_DEPTH + 2 < ROWS);
+
 /// Keys and links of the same places. At the bottom lies a key of zero.
-pub struct Stack {
-    keys: Box<[u32]>,
-    links: Box<[u32]>,
+///
+/// Of a fixed size, and places are taken modulo that: so they need not be checked.
+pub struct Stack<const W: usize> {
+    keys: [[u32; W]; ROWS + 1],
+    links: [[u32; W]; ROWS + 1],
 }
 
-impl Stack {
-    /// Of so many places, the bottom's included.
-    pub fn new(size: usize) -> Self {
-        Self { keys: vec![0; size].into(), links: vec![0; size].into() }
+impl<const W: usize> Stack<W> {
+    /// Places, a power of two.
+    const SIZE: usize = ROWS * W;
+
+    /// With nothing but the bottom.
+    pub const fn new() -> Self {
+        Self { keys: [[0; W]; ROWS + 1], links: [[0; W]; ROWS + 1] }
     }
 
     /// Puts a node's children on top that the ray enters, the nearest uppermost.
     #[inline(always)]
-    pub fn push<S: Simd, const W: usize>(
+    pub fn push<S: Simd>(
         &mut self,
         simd: S,
         keys: [u32; W],
@@ -27,8 +38,11 @@ impl Stack {
         links: &[u32; W],
         top: &mut usize,
     ) {
-        let to_keys = (&mut self.keys[*top..*top + W]).try_into().expect("W keys");
-        let to_links = (&mut self.links[*top..*top + W]).try_into().expect("W links");
+        let place = *top % Self::SIZE;
+        let to_keys = &mut self.keys.as_flattened_mut()[place..place + W];
+        let to_links = &mut self.links.as_flattened_mut()[place..place + W];
+        let to_keys = to_keys.try_into().expect("W keys");
+        let to_links = to_links.try_into().expect("W links");
         store_sorted(simd, keys, hits, links, to_keys, to_links);
         *top += hits.count_ones() as usize;
     }
@@ -36,7 +50,7 @@ impl Stack {
     /// As [`Stack::push`], but hands out the nearest; `None` if the ray enters none. A ray by
     /// itself gains by branches for one child and two, which are most often all.
     #[inline(always)]
-    pub fn descend<S: Simd, const W: usize>(
+    pub fn descend<S: Simd>(
         &mut self,
         simd: S,
         keys: &[u32; W],
@@ -56,7 +70,8 @@ impl Stack {
             let second = others.trailing_zeros() as usize % W;
             let swapped = keys[second] < keys[first];
             let (near, far) = if swapped { (second, first) } else { (first, second) };
-            (self.keys[*top], self.links[*top]) = (keys[far], links[far]);
+            self.keys.as_flattened_mut()[*top % Self::SIZE] = keys[far];
+            self.links.as_flattened_mut()[*top % Self::SIZE] = links[far];
             *top += 1;
             return Some(Link(links[near]));
         }
@@ -68,7 +83,8 @@ impl Stack {
     #[inline(always)]
     pub fn pop(&self, top: &mut usize) -> (u32, Link) {
         *top -= 1;
-        (self.keys[*top], Link(self.links[*top]))
+        let place = *top % Self::SIZE;
+        (self.keys.as_flattened()[place], Link(self.links.as_flattened()[place]))
     }
 
     /// Takes the uppermost whose key is not above a limit; `None` at the bottom.
