@@ -49,7 +49,7 @@ pub fn write(
     temporary.rename_to(&target, flush)
 }
 
-/// Whether [`write`] could begin at `path`: makes the temporary file and removes it.
+/// Whether [`write()`] could begin at `path`: makes the temporary file and removes it.
 ///
 /// # Errors
 /// The system's reason. A pipe or device is not opened, which might wait for its other end.
