@@ -10,7 +10,7 @@
 //! | 3 | [`scene`] |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`film`] |
 //! | 1 | [`geom`], [`sampling`] |
-//! | 0 | [`math`], [`simd`] |
+//! | 0 | [`files`], [`math`], [`simd`] |
 //!
 //! A picture is a function of the scene, the settings and the version alone: the acceleration
 //! structure, the number of threads and the instruction set change the time that it takes and not
@@ -20,6 +20,7 @@ pub mod accel;
 pub mod bench;
 pub mod camera;
 pub mod cli;
+pub mod files;
 pub mod film;
 pub mod geom;
 pub mod integrator;

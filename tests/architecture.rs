@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Top-level modules by floor, from the bottom; see the crate's documentation.
 const FLOORS: [&[&str]; 7] = [
-    &["math", "simd"],
+    &["files", "math", "simd"],
     &["geom", "sampling"],
     &["accel", "material", "light", "camera", "film"],
     &["scene"],

@@ -1,22 +1,33 @@
-//! Files that are broken, odd or meant to break something: OBJ, MTL and NumPy.
+//! Files that are broken, odd or meant to break something: OBJ, MTL, NumPy and
+//! images.
 //!
 //! The corpora of the fuzz targets are replayed here, as they are, cut short and with bytes
 //! changed. A file whose name starts with `ok-` is to be read, `bad-` to be refused.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use dapple::scene::obj::{check_mtl, check_obj};
-use dapple::scene::{LoadError, LoadOptions, MissingTexture, npy, obj};
+use dapple::scene::{EnvironmentImage, Image, LoadError, LoadOptions, MissingTexture, npy, obj};
 use proptest::prelude::*;
 
 type Check = fn(&[u8]) -> Result<(), String>;
 
-const CHECKS: [(&str, Check); 3] = [
+const CHECKS: [(&str, Check); 4] = [
     ("obj", |bytes| check_obj(bytes).map_err(|error| error.to_string())),
     ("mtl", |bytes| check_mtl(bytes).map_err(|error| error.to_string())),
     ("npy", |bytes| {
         let read = npy::read_f32_from(bytes, bytes.len() as u64, Path::new("fuzz.npy"), 8);
+        read.map(drop).map_err(|error| error.to_string())
+    }),
+    ("image", |bytes| {
+        // As a texture, also by an ending: tga has no signature. An environment is stricter.
+        for name in ["fuzz.image", "fuzz.tga"] {
+            let _ = Image::decode(bytes, name);
+        }
+        let (source, length) = (Cursor::new(bytes), bytes.len() as u64);
+        let read = EnvironmentImage::decode(source, length, Path::new("fuzz.image"));
         read.map(drop).map_err(|error| error.to_string())
     }),
 ];

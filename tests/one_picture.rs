@@ -46,10 +46,11 @@ fn assert_same(a: &Picture, b: &Picture, what: &str) {
 #[test]
 fn every_structure_and_instruction_set_gives_the_same_picture() {
     let folder = tempfile::tempdir().expect("a folder");
-    for name in ["cornell.gltf", "alpha.gltf"] {
-        let expected = render(folder.path(), name, &["--accel", "brute"]);
+    for (name, isa) in [("cornell.gltf", "auto"), ("alpha.gltf", "portable")] {
+        let expected = render(folder.path(), name, &["--accel", "brute", "--threads", "1"]);
         for variant in VARIANTS {
-            let picture = render(folder.path(), name, &["--accel", variant.id]);
+            let words = ["--accel", variant.id, "--threads", "7", "--isa", isa];
+            let picture = render(folder.path(), name, &words);
             assert_same(&picture, &expected, &format!("{name} with {}", variant.id));
         }
         for isa in Isa::available() {

@@ -2,6 +2,7 @@
 
 mod files;
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::{env, fs, io};
 
@@ -10,7 +11,7 @@ fn main() -> io::Result<()> {
     for (name, bytes) in files::all() {
         let path = folder.join(name);
         fs::create_dir_all(path.parent().unwrap_or(&folder))?;
-        println!("{:>8} {}", bytes.len(), path.display());
+        writeln!(io::stdout(), "{:>8} {}", bytes.len(), path.display())?;
         fs::write(path, bytes)?;
     }
     Ok(())

@@ -84,7 +84,7 @@ impl Brute {
                 lanes &= lanes - 1;
                 let id = TriangleId::from_index((first + i) * 8 + lane);
                 counters.count(Event::TriangleTest);
-                test_triangle(shot, id, &self.source.triangle(id), query, counters)?;
+                test_triangle(simd, shot, id, &self.source.triangle(id), query, counters)?;
             }
         }
         ControlFlow::Continue(())

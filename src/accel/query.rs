@@ -132,7 +132,8 @@ impl Query for Any {
 
 /// Lets the verdict speak over one triangle and offers what it finds.
 #[inline(always)]
-pub fn test_triangle<Q: Query, C: Counters>(
+pub fn test_triangle<S: Simd, Q: Query, C: Counters>(
+    simd: S,
     shot: &Shot<'_>,
     id: TriangleId,
     triangle: &Triangle,
@@ -140,7 +141,7 @@ pub fn test_triangle<Q: Query, C: Counters>(
     counters: &mut C,
 ) -> ControlFlow<()> {
     counters.count(Event::Verdict);
-    match verdict(&shot.slab, &shot.shear, triangle) {
+    match verdict(simd, &shot.slab, &shot.shear, triangle) {
         Some([t, u, v]) => query.offer(shot, ClosestHit { t, u, v, triangle: id }),
         None => ControlFlow::Continue(()),
     }
@@ -171,7 +172,7 @@ where
         lanes &= lanes - 1;
         let id = block.ids[lane];
         if id != TriangleId::NONE {
-            test_triangle(shot, id, &block.triangle(lane), query, counters)?;
+            test_triangle(simd, shot, id, &block.triangle(lane), query, counters)?;
         }
     }
     ControlFlow::Continue(())

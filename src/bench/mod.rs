@@ -9,6 +9,7 @@
 //! | [`renders`] | whole renders: their figure 1 |
 //! | [`table`], [`bars`], [`plot`] | how it is shown |
 
+pub mod agreement;
 pub mod bars;
 pub mod kd;
 pub mod mbvh;

@@ -45,8 +45,8 @@ impl Camera {
     /// A camera at `eye` that looks at `target`; `yfov` in radians. An `up` along the line of sight
     /// or zero means any; a target at the eye means looking along -Z.
     pub fn look_at(eye: Vec3, target: Vec3, up: Vec3, yfov: f32) -> Self {
-        let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);
-        let right = up.cross(back).try_normalize();
+        let back = direction(eye - target).unwrap_or(Vec3::Z);
+        let right = direction(up.cross(back));
         let right = right.unwrap_or_else(|| Frame::from_normal(back).tangent);
         let turn = Mat3::from_cols(right, back.cross(right), back);
         Self {
@@ -64,7 +64,11 @@ impl Camera {
         let unit = Aabb { min: Vec3::splat(-0.5), max: Vec3::splat(0.5) };
         let bounds = if finite { *bounds } else { unit };
         let centre = bounds.centre();
-        let half = (bounds.max * 0.5 - bounds.min * 0.5).max(Vec3::splat(1e-6));
+        let half = bounds.max * 0.5 - bounds.min * 0.5;
+        // A single point has no size to go by, but perhaps a place: away from it by a part of that.
+        let least = [half.max_element() * 1e-6, centre.abs().max_element() * 1e-3];
+        let least = least.into_iter().find(|&least| least > 0.0).unwrap_or(1.0);
+        let half = half.max(Vec3::splat(least));
 
         let back = Vec3::new(0.45, 0.35, 1.0).normalize();
         let right = Vec3::Y.cross(back).normalize();
@@ -118,6 +122,11 @@ impl Camera {
             Projection::Orthographic { xmag, ymag } => Some(xmag / ymag),
         }
     }
+}
+
+/// Unit length, also where the square of the length is beyond an f32; none for zero.
+fn direction(v: Vec3) -> Option<Vec3> {
+    v.try_normalize().or_else(|| (v / v.abs().max_element()).try_normalize())
 }
 
 /// A camera made ready for a film.
@@ -222,6 +231,8 @@ mod tests {
             (Vec3::new(9.0, 0.1, 2.0), 1.8),
             (Vec3::new(0.0, 5.0, 0.0), 0.5),
             (Vec3::splat(1e-4), 1.0),
+            (Vec3::new(1e-12, 2e-12, 1e-13), 1.0),
+            (Vec3::new(1e-30, 0.0, 0.0), 1.0),
             (Vec3::splat(1e6), 2.0),
         ] {
             let corner = Vec3::new(10.0, -3.0, 7.0) * size.max_element();
@@ -240,5 +251,9 @@ mod tests {
         }
         let empty = Camera::framing(&Aabb::EMPTY, 0.8, 1.0);
         assert!(empty.to_world.translation.is_finite());
+        for place in [Vec3::ZERO, Vec3::splat(1e-20), Vec3::new(3e7, 0.0, 1.0)] {
+            let eye = Camera::framing(&Aabb { min: place, max: place }, 0.8, 1.0).to_world;
+            assert!(Vec3::from(eye.translation) != place && eye.is_finite(), "{place}");
+        }
     }
 }

@@ -1,9 +1,11 @@
 //! `dapple accels`: the table of structures.
 
+use std::fmt::Write;
 use std::process::ExitCode;
 
 use serde_json::json;
 
+use super::{CliError, table};
 use crate::accel::{VARIANTS, Variant};
 
 /// List the acceleration structures, with their options.
@@ -17,20 +19,29 @@ pub struct AccelsArgs {
 }
 
 /// Prints the table.
-pub fn run(args: &AccelsArgs) -> ExitCode {
-    if args.json {
+pub fn run(args: &AccelsArgs) -> Result<ExitCode, CliError> {
+    let text = if args.json {
         let rows: Vec<_> = VARIANTS.iter().map(as_json).collect();
-        println!("{:#}", serde_json::Value::from(rows));
-        return ExitCode::SUCCESS;
-    }
+        format!("{:#}\n", serde_json::Value::from(rows))
+    } else {
+        in_words()
+    };
+    table::print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn in_words() -> String {
     let width = VARIANTS.iter().map(|variant| variant.id.len()).max().unwrap_or(0);
+    let mut text = String::new();
     for variant in VARIANTS {
-        println!("{:width$}  {}", variant.id, variant.summary);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{:width$}  {}", variant.id, variant.summary);
         for option in variant.options {
-            println!("{:width$}    {}={}: {}", "", option.name, option.values, option.summary);
+            let (name, values) = (option.name, option.values);
+            let _ = writeln!(text, "{:width$}    {name}={values}: {}", "", option.summary);
         }
     }
-    ExitCode::SUCCESS
+    text
 }
 
 fn as_json(variant: &Variant) -> serde_json::Value {

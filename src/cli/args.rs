@@ -95,7 +95,8 @@ pub struct RenderArgs {
     pub env: Option<EnvironmentSource>,
     /// Multiplies it
     #[arg(long, value_name = "X", default_value_t = 1.0, help_heading = "Light")]
-    #[arg(value_parser = finite, requires = "env", hide_short_help = true)]
+    #[arg(value_parser = not_negative, requires = "env", hide_short_help = true)]
+    #[arg(allow_negative_numbers = true)]
     pub env_scale: f32,
     /// Turns it about +Y, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -169,7 +170,7 @@ pub struct RenderArgs {
     /// Says nothing but errors
     #[arg(short, long, help_heading = "Messages", conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Says more; twice: still more
+    /// Says what the scene holds, and how long reading and building take
     #[arg(short, long, action = ArgAction::Count, help_heading = "Messages")]
     pub verbose: u8,
     /// Prints a summary as one JSON object on standard output
@@ -230,12 +231,18 @@ fn positive(text: &str) -> Result<f32, String> {
     if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) }
 }
 
+fn not_negative(text: &str) -> Result<f32, String> {
+    let value = finite(text)?;
+    if value >= 0.0 { Ok(value) } else { Err("must not be below zero".to_owned()) }
+}
+
 fn field_of_view(text: &str) -> Result<f32, String> {
     let degrees = positive(text)?;
     if degrees < 180.0 { Ok(degrees) } else { Err("must be below 180 degrees".to_owned()) }
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+/// A number of threads; 0: one a core.
+pub fn threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().map_err(|_| "not a number of threads".to_owned())?;
     if threads <= 4096 { Ok(threads) } else { Err("4096 threads at most".to_owned()) }
 }
@@ -297,6 +304,14 @@ mod tests {
         }
         assert!(window("0,0,0,5").is_err());
         assert_eq!(window("1,2,3,4"), Ok(Window { x0: 1, y0: 2, x1: 3, y1: 4 }));
+    }
+
+    #[test]
+    fn numbers_have_their_ranges() {
+        assert_eq!((not_negative("0"), not_negative("2.5")), (Ok(0.0), Ok(2.5)));
+        assert!(not_negative("-1").is_err() && not_negative("nan").is_err());
+        assert!(positive("0").is_err() && field_of_view("180").is_err());
+        assert!(threads("4097").is_err() && threads("-1").is_err());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! `dapple diff`: how an image differs from a reference, as a table, as JSON or as a failure.
 
-use crate::cli::table;
+use crate::cli::outputs::{self, Output};
+use crate::cli::{CliError, table};
 use crate::film::compare::{self, Comparison, FlipKind, Named};
 use crate::film::{FilmError, png};
 use clap::Args;
@@ -102,8 +103,11 @@ impl Limit {
 /// Runs the command: the result goes to standard output.
 ///
 /// # Errors
-/// Files that cannot be read, compared or written; see [`FilmError::exit_code`].
-pub fn run(args: &DiffArgs) -> Result<ExitCode, FilmError> {
+/// Files that cannot be read, compared or written; see [`CliError::exit_code`].
+pub fn run(args: &DiffArgs) -> Result<ExitCode, CliError> {
+    let map = args.heatmap.as_deref();
+    let map = map.map(|path| Output { flag: "--heatmap", path, ending: "png" });
+    outputs::check(map.as_slice(), &[&args.image, &args.reference])?;
     let (image, reference) = (compare::read(&args.image)?, compare::read(&args.reference)?);
     let kind = if args.ldr { FlipKind::Ldr } else { FlipKind::Hdr };
     let found = compare::compare(

@@ -1,6 +1,8 @@
 //! What a command may fail with, and the exit code that says so.
 
-use std::process::ExitCode;
+use std::error::Error;
+use std::io;
+use std::path::Path;
 
 use crate::accel::BuildError;
 use crate::film::FilmError;
@@ -31,17 +33,51 @@ pub enum CliError {
     /// An output could not be written.
     #[error("{0}")]
     Output(String),
+    /// A limit, such as memory, forbids it.
+    #[error("{0}")]
+    Limit(String),
+    /// What was compared differs.
+    #[error("{0}")]
+    Differs(String),
+    /// Several things went wrong, each a line.
+    #[error("{}", lines(.0))]
+    Several(Vec<CliError>),
 }
 
 impl CliError {
-    /// 2 usage, 3 input, 4 output, 5 a limit.
-    pub fn exit_code(&self) -> ExitCode {
-        ExitCode::from(match self {
+    /// 1 a difference, 2 usage, 3 input, 4 output, 5 a limit.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Differs(_) => 1,
             Self::Usage(_) | Self::Build(BuildError::NoSuchIsa { .. }) => 2,
+            Self::Npy(NpyError::Write { .. }) | Self::Output(_) => 4,
             Self::Load(_) | Self::Npy(_) | Self::Input(_) => 3,
             Self::Film(error) => error.exit_code(),
-            Self::Output(_) => 4,
-            Self::Build(_) => 5,
-        })
+            Self::Build(_) | Self::Limit(_) => 5,
+            Self::Several(all) => all.iter().map(Self::exit_code).max().unwrap_or(0),
+        }
     }
+
+    /// An output that could not be written.
+    pub fn not_written(path: &Path, source: &io::Error) -> Self {
+        Self::Output(format!("{}: cannot be written: {source}", path.display()))
+    }
+}
+
+/// An error and its causes in a line, those left out that it has named itself.
+pub fn chain(error: &dyn Error) -> String {
+    let mut message = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let text = inner.to_string();
+        if !message.contains(&text) {
+            message = format!("{message}: {text}");
+        }
+        cause = inner.source();
+    }
+    message
+}
+
+fn lines(errors: &[CliError]) -> String {
+    errors.iter().map(|error| chain(error)).collect::<Vec<_>>().join("\n")
 }

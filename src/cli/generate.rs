@@ -7,9 +7,10 @@ use std::time::Instant;
 use clap::Subcommand;
 use serde_json::json;
 
-use super::CliError;
+use super::outputs::{self, Output};
 use super::progress::say;
-use crate::film::atomic;
+use super::{CliError, table};
+use crate::files::{self, Flush};
 use crate::scene::generate::{Generator, TRIANGLES};
 
 /// Make a scene by rule from a seed, of exactly as many triangles as asked for.
@@ -72,11 +73,13 @@ pub fn run(args: &GenerateArgs) -> Result<ExitCode, CliError> {
 
 fn generate(generator: Generator, args: &SceneArgs) -> Result<ExitCode, CliError> {
     let start = Instant::now();
+    outputs::check(&[Output { flag: "-o", path: &args.output, ending: "glb" }], &[])?;
     let mut written = None;
-    atomic::write(&args.output, |file| {
+    files::write(&args.output, Flush::ToDisk, |file| {
         written = Some(generator.write(args.triangles, args.seed, file)?);
         Ok(())
-    })?;
+    })
+    .map_err(|error| CliError::not_written(&args.output, &error))?;
     let written = written.expect("was written without an error");
     let seconds = start.elapsed().as_secs_f64();
     if !args.quiet {
@@ -97,7 +100,7 @@ fn generate(generator: Generator, args: &SceneArgs) -> Result<ExitCode, CliError
             "seed": args.seed,
             "seconds": seconds,
         });
-        println!("{summary}");
+        table::print(&format!("{summary}\n"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -42,8 +42,9 @@ Examples:
   dapple golden check golden
   dapple golden check golden --only cornell -- --accel kd-ropes
 
-Exit status: 0 all the same, 1 some differ, 3 some are missing or cannot be rendered.")]
-    Check(FolderArgs),
+Exit status: 0 all the same, 1 some differ, 2 arguments that cannot be, 3 some are missing or
+cannot be rendered, 5 a limit.")]
+    Check(CheckArgs),
     /// Render each scene and store the picture where it differs, with a table of old against new
     #[command(after_help = "\
 Examples:
@@ -65,7 +66,15 @@ pub struct FolderArgs {
     /// One JSON array instead of the table
     #[arg(long)]
     pub json: bool,
-    /// Arguments of `dapple render` to add to those of the manifest
+}
+
+/// Which scenes, and how they are rendered otherwise.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// The scenes
+    #[command(flatten)]
+    pub folder: FolderArgs,
+    /// Arguments of `dapple render` to add to those of the manifest, which they override
     #[arg(last = true, value_name = "RENDER ARGUMENTS")]
     pub render: Vec<String>,
 }
@@ -76,12 +85,13 @@ pub struct FolderArgs {
 /// A manifest that cannot be read, or a name that is not in it. A scene that cannot be rendered is
 /// no error but a line of the table, and an exit status.
 pub fn run(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmError> {
-    let (folder, updates) = match &args.command {
-        GoldenCommand::Check(folder) => (folder, false),
-        GoldenCommand::Update(folder) => (folder, true),
+    // What is stored is what the manifest says: no more words then.
+    let (folder, words, updates) = match &args.command {
+        GoldenCommand::Check(check) => (&check.folder, &check.render[..], false),
+        GoldenCommand::Update(folder) => (folder, &[][..], true),
     };
     let mut outcomes = Vec::new();
-    for scene in &chosen(folder)? {
+    for scene in &chosen(folder, words)? {
         // Where it takes long one wants to know; whether anybody reads it is no concern.
         let _ = writeln!(std::io::stderr(), "{}: rendering {}", scene.name, scene.file.display());
         let run = if updates { golden::update } else { golden::check };
@@ -92,8 +102,8 @@ pub fn run(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmErr
     Ok(ExitCode::from(status(&outcomes, updates)))
 }
 
-/// The scenes of the folder, less those that `--only` leaves out, with the arguments added.
-fn chosen(args: &FolderArgs) -> Result<Vec<GoldenScene>, FilmError> {
+/// The scenes of the folder, less those that `--only` leaves out, with `words` added.
+fn chosen(args: &FolderArgs, words: &[String]) -> Result<Vec<GoldenScene>, FilmError> {
     let mut scenes = golden::load(&args.folder)?;
     for name in &args.only {
         if !scenes.iter().any(|scene| scene.name == *name) {
@@ -107,7 +117,7 @@ fn chosen(args: &FolderArgs) -> Result<Vec<GoldenScene>, FilmError> {
     }
     scenes.retain(|scene| args.only.is_empty() || args.only.contains(&scene.name));
     for scene in &mut scenes {
-        scene.render.extend_from_slice(&args.render);
+        scene.render.extend_from_slice(words);
     }
     Ok(scenes)
 }

@@ -3,13 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::CliError;
+use super::{CliError, progress};
 use crate::accel::BuildError;
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::Vec3;
+use crate::scene::defaults::nothing_to_see;
 use crate::scene::{self, LoadOptions, MissingTexture, Triangles, npy};
 
-/// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order.
+/// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order. What
+/// there is to say of the scene is said.
 pub fn triangles(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
     if path.extension().is_some_and(|extension| extension == "npy") {
         return table(path);
@@ -18,6 +20,8 @@ pub fn triangles(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
     let options =
         LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
     let scene = scene::load(path, &options)?;
+    let file = path.display().to_string();
+    scene.notices.iter().chain(&nothing_to_see(&scene, &file)).for_each(progress::note);
     let triangles = Triangles::new(&scene).map_err(|count| BuildError::TooManyTriangles {
         count: usize::try_from(count).unwrap_or(usize::MAX),
         limit: u32::MAX as usize,

@@ -9,20 +9,25 @@ mod diff;
 mod error;
 mod generate;
 mod golden;
+mod header;
 mod input;
+mod memory;
+mod outputs;
 mod prepare;
 mod progress;
 mod render;
+mod shell;
 mod table;
 mod trace;
 mod validate;
 
-use std::error::Error;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 pub use error::CliError;
+
+use crate::film::golden::{GoldenScene, RenderError};
 
 /// Exit code of a bug of ours (`EX_SOFTWARE` of sysexits.h).
 const OUR_BUG: i32 = 70;
@@ -51,22 +56,23 @@ enum Command {
 pub fn main() -> ExitCode {
     own_up_to_panics();
     dispatch(Cli::parse().command).unwrap_or_else(|error| {
-        complain(&error);
-        error.exit_code()
+        progress::say(&format!("error: {}", error::chain(&error)));
+        ExitCode::from(error.exit_code())
     })
 }
 
 fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
         Command::Render(args) => render::run(&args),
-        Command::Diff(args) => Ok(diff::run(&args)?),
+        Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => {
-            let picture = |scene: &crate::film::golden::GoldenScene| {
-                Ok(render::picture(&scene.file, &scene.render)?)
+            let picture = |scene: &GoldenScene| {
+                render::picture(&scene.file, &scene.render)
+                    .map_err(|error| RenderError::new(error.exit_code(), &error))
             };
             Ok(golden::run(&args, &picture)?)
         }
-        Command::Accels(args) => Ok(accels::run(&args)),
+        Command::Accels(args) => accels::run(&args),
         Command::Trace(args) => trace::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Bench(args) => bench::run(&args),
@@ -74,27 +80,14 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     }
 }
 
-/// An error and its causes, those left out that it has named itself.
-fn complain(error: &dyn Error) {
-    let mut message = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        let text = inner.to_string();
-        if !message.contains(&text) {
-            message = format!("{message}: {text}");
-        }
-        cause = inner.source();
-    }
-    progress::say(&format!("error: {message}"));
-}
-
 /// A panic is a bug of ours: it says so and ends the process, on whatever thread it happens.
-/// Files that are being written are not yet in their place.
+/// Files that are being written are not yet in their place, and go.
 fn own_up_to_panics() {
     let report = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         report(panic);
         progress::say("error: this is a bug in dapple; please report it with the lines above");
+        crate::files::remove_pending();
         std::process::exit(OUR_BUG);
     }));
 }

@@ -5,12 +5,14 @@ use std::time::{Duration, Instant};
 
 use super::CliError;
 use super::args::{MissingTextureArg, RenderArgs};
-use crate::camera::{Camera, ThinLens};
+use crate::camera::{Camera, Projection, ThinLens};
 use crate::film::Window;
 use crate::integrator::Transport;
-use crate::math::Vec3;
+use crate::math::{DVec3, Vec3};
 use crate::render::{Aov, Settings};
-use crate::scene::defaults::{AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds};
+use crate::scene::defaults::{
+    AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds, nothing_to_see,
+};
 use crate::scene::{self, LoadError, LoadOptions, MissingTexture, Notice, Scene, World};
 
 /// All that a render needs, but for the structure.
@@ -61,6 +63,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
         scene.environment = Some(sky);
         notices.push(notice);
     }
+    notices.extend(nothing_to_see(&scene, &file));
     let (camera, aspect) = camera(&scene, args, &mut notices)?;
     let settings = settings(args, aspect)?;
     let world = World::new(Arc::new(scene), args.bsdf).map_err(|count| {
@@ -83,6 +86,7 @@ fn camera(
     let (mut camera, aspect) = if let Some(eye) = args.look_from {
         let target = args.look_at.unwrap_or(centre);
         let up = args.up.unwrap_or(Vec3::Y);
+        check_view(eye, target, args)?;
         (Camera::look_at(eye, target, up, fov.unwrap_or(AUTOMATIC_YFOV.to_radians())), None)
     } else if let Some(wanted) = &args.camera {
         let named = chosen(scene, wanted).ok_or_else(|| no_camera(scene, args, wanted))?;
@@ -100,6 +104,10 @@ fn camera(
         (camera, None)
     };
     if let Some(yfov) = fov {
+        if matches!(camera.projection, Projection::Orthographic { .. }) {
+            let message = "--fov makes the orthographic camera a perspective one".to_owned();
+            notices.push(Notice { place: args.scene_file.display().to_string(), message });
+        }
         camera = camera.with_yfov(yfov);
     }
     if let Some(aperture_radius) = args.aperture {
@@ -113,6 +121,25 @@ fn camera(
         camera = camera.with_lens(ThinLens { aperture_radius, focus_distance });
     }
     Ok((camera, aspect.unwrap_or(DEFAULT_ASPECT)))
+}
+
+/// Refuses a view that has no direction, or no upright one.
+fn check_view(eye: Vec3, target: Vec3, args: &RenderArgs) -> Result<(), CliError> {
+    // In f64: squares of what an f32 holds fit.
+    let ahead = (target.as_dvec3() - eye.as_dvec3()).normalize_or_zero();
+    if ahead == DVec3::ZERO {
+        let message = match args.look_at {
+            Some(_) => "--look-at is where --look-from is: there is no direction to look in",
+            None => "--look-from is the middle of the scene, which it looks at: give --look-at",
+        };
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let Some(up) = args.up else { return Ok(()) };
+    if up.as_dvec3().normalize_or_zero().cross(ahead).length() < 1e-6 {
+        let message = "--up is along the line of sight, or zero: give another direction";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    Ok(())
 }
 
 /// A camera by its name, or else by its number.
@@ -161,4 +188,38 @@ fn settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
         },
         aovs: args.aov.clone().unwrap_or_else(|| Aov::ALL.to_vec()),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::render;
+    use super::*;
+
+    fn prepared(scene: &str, words: &[&str]) -> Result<Job, CliError> {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let words: Vec<String> = words.iter().map(|&word| word.to_owned()).collect();
+        prepare(&render::parse(&folder.join(scene), &words)?)
+    }
+
+    #[test]
+    fn a_view_without_a_direction_is_a_slip() {
+        for (words, start) in [
+            (&["--look-from", "1,2,3", "--look-at", "1,2,3"][..], "--look-at is where"),
+            (&["--look-from", "1,2,3", "--look-at", "1,2,9", "--up", "0,0,-5"], "--up is along"),
+            (&["--look-from", "1,2,3", "--up", "0,0,0"], "--up is along"),
+        ] {
+            let Err(error) = prepared("furnace.gltf", words) else { panic!("{words:?}") };
+            assert_eq!(error.exit_code(), 2);
+            assert!(error.to_string().starts_with(start), "{error}");
+        }
+        let above = ["--look-from", "0,9,0", "--look-at", "0,0,0"];
+        assert!(prepared("furnace.gltf", &above).is_ok(), "straight down, whatever is up");
+    }
+
+    #[test]
+    fn what_an_orthographic_camera_loses_is_said() {
+        let notices = |words| prepared("orthographic.gltf", words).expect("a good scene").notices;
+        assert_eq!(notices(&[]), []);
+        assert!(notices(&["--fov", "30"])[0].message.starts_with("--fov makes"));
+    }
 }

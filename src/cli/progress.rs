@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 
 use super::args::ProgressStyle;
 use crate::render::Progress;
+use crate::scene::Notice;
 
 /// Tells on standard error how far a render is.
 pub struct Reporter {
@@ -118,6 +119,11 @@ fn json(progress: Progress) -> String {
         "left_s": progress.left().map(|left| left.as_secs_f64()),
     })
     .to_string()
+}
+
+/// What a scene asks for in vain, or what was decided for the user.
+pub fn note(notice: &Notice) {
+    say(&format!("note: {}: {}", notice.place, notice.message));
 }
 
 /// A line on standard error; that no one may be reading is no reason to stop.

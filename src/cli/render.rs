@@ -12,17 +12,24 @@ use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::args::{ProgressStyle, RenderArgs};
+use super::header::describe;
+use super::outputs::{self, Output};
 use super::prepare::{Job, prepare};
-use super::progress::{Reporter, say};
-use super::{CliError, input};
+use super::progress::{Reporter, note, say};
+use super::{CliError, input, memory, shell, table};
 use crate::accel;
 use crate::film::{Picture, exr, png};
-use crate::render::{Control, Rendered, render, replay};
+use crate::render::{Control, LostSample, Rendered, film_bytes, render, replay};
+use crate::scene::EnvironmentSource;
 
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
-    if args.output.is_none() && args.png.is_none() && args.debug_sample.is_none() {
+    let outputs = outputs(args);
+    if outputs.is_empty() && args.debug_sample.is_none() {
         return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
+    }
+    if args.debug_sample.is_none() {
+        outputs::check(&outputs, &inputs(args))?;
     }
     let interrupt = Interrupt::listen()?;
     let job = prepare(args)?;
@@ -33,14 +40,15 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
         return debug(args, &job, sample);
     }
     let (mut rendered, built) = on_pool(args, &job, &interrupt.raised, args.progress)?;
-    describe(&mut rendered.picture, args, &job, &rendered.elapsed);
+    let words = shell::own_words();
+    describe(&mut rendered, args, &job, &words);
+    report_lost(&rendered, &words);
     write(args, &rendered.picture)?;
     if !args.quiet {
-        report_lost(&rendered);
         say(&summary(args, &job, &rendered, built));
     }
     if args.json {
-        println!("{}", summary_json(args, &job, &rendered, built));
+        table::print(&format!("{}\n", summary_json(args, &job, &rendered, built)))?;
     }
     if rendered.cancelled {
         let (fewest, most) = rendered.samples;
@@ -50,33 +58,67 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The flags of a command line's words, for a scene.
+/// The flags of a scene and further words of a command line, of which a later one overrides an
+/// earlier one.
 ///
 /// # Errors
-/// Words that make no sense.
-pub fn parsed_words(scene: &Path, words: &[String]) -> Result<RenderArgs, CliError> {
+/// [`CliError::Usage`] for words that `dapple render` does not take.
+pub fn parse(scene: &Path, words: &[String]) -> Result<RenderArgs, CliError> {
     #[derive(Parser)]
+    #[command(args_override_self = true)]
     struct Words {
         #[command(flatten)]
         args: RenderArgs,
     }
-    let words = words.iter().map(OsStr::new);
-    let parsed =
-        Words::try_parse_from([OsStr::new("render"), scene.as_os_str()].into_iter().chain(words));
-    Ok(parsed.map_err(|error| CliError::Usage(error.to_string()))?.args)
+    let all = [OsStr::new("render"), scene.as_os_str()];
+    let parsed = Words::try_parse_from(all.into_iter().chain(words.iter().map(OsStr::new)));
+    let parsed = parsed.map_err(|error| {
+        // What follows the first paragraph is about a command that nobody has typed.
+        let text = error.to_string();
+        let text = text.split("\n\n").next().unwrap_or_default();
+        CliError::Usage(text.strip_prefix("error: ").unwrap_or(text).to_owned())
+    })?;
+    Ok(parsed.args)
 }
 
-/// Renders a scene by the words of a command line, without saying one and without writing a file:
-/// for `dapple golden`.
+/// Renders a scene by the words of a command line, without saying what it takes and without writing
+/// a file: for `dapple golden`.
 ///
 /// # Errors
-/// All that [`run`] may fail with.
+/// All that [`run`] may fail with, and flags that ask for other outputs.
 pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
-    let args = parsed_words(scene, words)?;
+    let args = parse(scene, words)?;
+    let misplaced = [
+        ("-o", args.output.is_some()),
+        ("--png", args.png.is_some()),
+        ("--debug-sample", args.debug_sample.is_some()),
+        ("--json", args.json),
+    ];
+    if let Some((flag, _)) = misplaced.iter().find(|(_, given)| *given) {
+        let message = format!("{flag} has no place here: the picture is compared, not written");
+        return Err(CliError::Usage(message));
+    }
     let job = prepare(&args)?;
     let (mut rendered, _) = on_pool(&args, &job, &AtomicBool::new(false), ProgressStyle::None)?;
-    describe(&mut rendered.picture, &args, &job, &rendered.elapsed);
+    let named = ["render".to_owned(), scene.display().to_string()];
+    let words: Vec<String> = named.into_iter().chain(words.iter().cloned()).collect();
+    describe(&mut rendered, &args, &job, &words);
+    report_lost(&rendered, &words);
     Ok(rendered.picture)
+}
+
+fn outputs(args: &RenderArgs) -> Vec<Output<'_>> {
+    let exr = args.output.as_deref().map(|path| Output { flag: "-o", path, ending: "exr" });
+    let png = args.png.as_deref().map(|path| Output { flag: "--png", path, ending: "png" });
+    exr.into_iter().chain(png).collect()
+}
+
+fn inputs(args: &RenderArgs) -> Vec<&Path> {
+    let environment = match &args.env {
+        Some(EnvironmentSource::File(path)) => Some(path.as_path()),
+        _ => None,
+    };
+    std::iter::once(args.scene_file.as_path()).chain(environment).collect()
 }
 
 /// Builds the structure and renders, on as many threads as asked for.
@@ -86,6 +128,9 @@ fn on_pool(
     cancel: &AtomicBool,
     style: ProgressStyle,
 ) -> Result<(Rendered, Duration), CliError> {
+    let crop = job.settings.crop;
+    let what = format!("a picture of {}x{}", crop.width(), crop.height());
+    memory::require(&what, film_bytes(&job.settings))?;
     input::on_threads(args.threads, || {
         let start = Instant::now();
         let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
@@ -103,9 +148,7 @@ fn on_pool(
 
 /// Tells what the scene asks in vain and what was decided for the user.
 fn tell(args: &RenderArgs, job: &Job) {
-    for notice in &job.notices {
-        say(&format!("note: {}: {}", notice.place, notice.message));
-    }
+    job.notices.iter().for_each(note);
     if args.verbose > 0 {
         let scene = &job.world.scene;
         say(&format!(
@@ -130,66 +173,39 @@ fn debug(args: &RenderArgs, job: &Job, sample: (u32, u32, u64)) -> Result<ExitCo
         return Err(CliError::Usage(message));
     }
     let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
-    print!("{}", replay(&job.world, &job.camera, &*accel, &job.settings, sample));
+    table::print(&replay(&job.world, &job.camera, &*accel, &job.settings, sample))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Puts into the header what the picture was made of.
-fn describe(picture: &mut Picture, args: &RenderArgs, job: &Job, elapsed: &Duration) {
-    let settings = &job.settings;
-    let transport = &settings.transport;
-    let roulette = transport.roulette_depth.map_or("\"off\"".to_owned(), |depth| depth.to_string());
-    let toml = format!(
-        "resolution = [{}, {}]\ncrop = [{}]\nspp = {}\nseed = {}\nsampler = \"{}\"\nfilter = \"{}\"\nbsdf = \"{}\"\n\
-         max-depth = {}\nrr-depth = {roulette}\ntransparent = {}\n",
-        settings.resolution.0,
-        settings.resolution.1,
-        settings.crop,
-        settings.spp,
-        settings.seed,
-        settings.pattern,
-        settings.filter,
-        args.bsdf,
-        transport.max_depth,
-        transport.transparent,
-    );
-    let command: Vec<String> = std::env::args().collect();
-    for (name, value) in [
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("command", command.join(" ")),
-        ("settings", toml),
-        ("seed", settings.seed.to_string()),
-        ("spp", settings.spp.to_string()),
-        ("accel", args.accel.to_string()),
-        ("scene", args.scene_file.display().to_string()),
-        ("scene-digest", format!("{:016x}", job.world.scene.digest())),
-        ("render-time", format!("{:.3} s", elapsed.as_secs_f64())),
-    ] {
-        picture.strings.insert(format!("dapple/{name}"), value);
-    }
-}
-
+/// Writes all outputs; where one fails the others are there still.
 fn write(args: &RenderArgs, picture: &Picture) -> Result<(), CliError> {
-    if let Some(path) = &args.output {
-        exr::write(path, picture)?;
-    }
-    if let Some(path) = &args.png {
-        png::write(path, picture, args.tonemap, args.exposure)?;
-    }
-    Ok(())
+    outputs::all(outputs(args).into_iter().map(|output| {
+        let written = match output.ending {
+            "png" => png::write(output.path, picture, args.tonemap, args.exposure),
+            _ => exr::write(output.path, picture),
+        };
+        written.map_err(CliError::from)
+    }))
 }
 
-/// Names the samples that were not finite, each with the command that follows it.
-fn report_lost(rendered: &Rendered) {
+/// Names the samples that were not finite, each with the command that follows it. `words` are those
+/// of the command line, the first of them `render`.
+fn report_lost(rendered: &Rendered, words: &[String]) {
     if rendered.lost_count == 0 {
         return;
     }
     say(&format!("warning: {} samples were not finite and are left out:", rendered.lost_count));
-    let words: Vec<String> = std::env::args().skip(1).collect();
     for lost in &rendered.lost {
-        let place = format!("{},{},{}", lost.x, lost.y, lost.sample);
-        say(&format!("  dapple {} --debug-sample {place}", words.join(" ")));
+        say(&format!("  {}", replay_command(lost, words)));
     }
+}
+
+/// The flag comes before all others: nothing is one after a `--`.
+fn replay_command(lost: &LostSample, words: &[String]) -> String {
+    let place = format!("{},{},{}", lost.x, lost.y, lost.sample);
+    let (command, rest) = words.split_at(words.len().min(1));
+    let (command, rest) = (shell::line(command), shell::line(rest));
+    format!("dapple {command} --debug-sample {place} {rest}")
 }
 
 /// The last line: what it took.
@@ -202,8 +218,8 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
         .flatten()
         .map(|path| path.display().to_string())
         .collect();
-    let memory =
-        peak_memory().map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
+    let memory = memory::peak()
+        .map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
     format!(
         "{}: {width}x{height}, {} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
          {:.2} µs a path; load {:.2} s, build {:.2} s{memory}",
@@ -232,18 +248,10 @@ fn summary_json(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Durati
         "build_s": built.as_secs_f64(),
         "mrays_s": rendered.rays.total() as f64 / rendered.elapsed.as_secs_f64().max(1e-9) / 1e6,
         "lost_samples": rendered.lost_count,
-        "peak_bytes": peak_memory(),
+        "peak_bytes": memory::peak(),
         "interrupted": rendered.cancelled,
     })
     .to_string()
-}
-
-/// The most memory that the process has had, where the system tells.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix(" kB")?.trim().parse().ok()?;
-    Some(kilobytes * 1024)
 }
 
 /// Ctrl-C and SIGTERM: the first ends the render early, a second one the process.
@@ -273,5 +281,34 @@ impl Interrupt {
     /// 130 after Ctrl-C, 143 after SIGTERM.
     fn exit_code(&self) -> ExitCode {
         ExitCode::from(128 + self.signal.load(Ordering::Relaxed) as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_that_follows_a_lost_sample_is_fit_for_a_shell() {
+        let lost = LostSample { x: 3, y: 4, sample: 5 };
+        let words = ["render", "-o", "it's.exr", "--", "my scene.gltf"].map(str::to_owned);
+        let command = replay_command(&lost, &words);
+        let expected = r"render --debug-sample 3,4,5 -o 'it'\''s.exr' -- 'my scene.gltf'";
+        assert_eq!(command, format!("dapple {expected}"));
+    }
+
+    #[test]
+    fn later_words_override_earlier_ones() {
+        let words = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>();
+        let args = parse(Path::new("a"), &words(&["--spp", "4", "--aov", "cost", "--spp", "8"]));
+        assert_eq!(args.expect("good words").spp, 8);
+        let error = parse(Path::new("a"), &words(&["--spq", "4"])).expect_err("no such flag");
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().starts_with("unexpected argument '--spq'"), "{error}");
+        for flags in [&["-o", "x"][..], &["--png", "x"], &["--json"], &["--debug-sample", "0,0,0"]]
+        {
+            let error = picture(Path::new("a"), &words(flags)).expect_err("misplaced");
+            assert!(error.exit_code() == 2 && error.to_string().starts_with(flags[0]), "{error}");
+        }
     }
 }

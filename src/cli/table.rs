@@ -3,7 +3,7 @@
 use crate::film::FilmError;
 use std::io::{self, Write};
 
-/// Writes a command's result to standard output. A reader that has gone away (`| head`) is fine.
+/// Writes to standard output, as every command does with its result. A reader that has gone away (`| head`) is fine.
 ///
 /// # Errors
 /// [`FilmError::Stdout`].

@@ -1,5 +1,7 @@
 //! `dapple trace`: a file of rays in, hits out.
 
+use std::fmt::Write;
+use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -7,7 +9,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::{CliError, input};
+use super::args::threads;
+use super::outputs::{self, Output};
+use super::{CliError, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;
 use crate::scene::npy;
@@ -40,11 +44,12 @@ pub struct TraceArgs {
     #[arg(long, default_value_t)]
     isa: Isa,
     /// Threads to build and shoot with; 0: one a core
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Timed passes; the median counts
     #[arg(long, value_name = "N", default_value_t = 1)]
-    repeat: usize,
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    repeat: u32,
     /// Ask ray by ray, in slices of one
     #[arg(long)]
     single: bool,
@@ -56,8 +61,8 @@ pub struct TraceArgs {
     json: bool,
 }
 
-/// Rays that a thread takes at once.
-const SLICE: usize = 4096;
+/// Rays that a thread takes at once; `validate` replays slices of up to as many.
+pub const SLICE: usize = 4096;
 
 /// The answers to all rays.
 enum Answers {
@@ -67,6 +72,12 @@ enum Answers {
 
 /// Runs the command.
 pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
+    let hits = args.hits.as_deref();
+    let hits = hits.map(|path| Output { flag: "--hits", path, ending: "npy" });
+    outputs::check(hits.as_slice(), &[&args.scene, &args.rays])?;
+    // A hit is half as long as a ray; the rows are in memory besides.
+    let length = fs::metadata(&args.rays).map_or(0, |found| found.len());
+    memory::require(&args.rays.display().to_string(), length / 2 * 3)?;
     let source = input::triangles(&args.scene)?;
     let rows = npy::read_f32(&args.rays, 8)?;
     let rays = rows.len() / 8;
@@ -79,7 +90,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
             Answers::Closest(vec![ClosestHit::MISS; rays])
         };
         shoot(&*accel, &rows, &mut answers, args.single, false);
-        let mut seconds: Vec<f64> = (0..args.repeat.max(1))
+        let mut seconds: Vec<f64> = (0..args.repeat)
             .map(|_| {
                 let start = Instant::now();
                 shoot(&*accel, &rows, &mut answers, args.single, false);
@@ -106,7 +117,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
             seconds: seconds[seconds.len() / 2],
             counts,
         };
-        summary.print(args, &*accel);
+        table::print(&summary.text(args, &*accel))?;
         Ok(ExitCode::SUCCESS)
     })?
 }
@@ -180,7 +191,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn print(&self, args: &TraceArgs, accel: &dyn Accel) {
+    fn text(&self, args: &TraceArgs, accel: &dyn Accel) -> String {
         let rate = self.rays as f64 / self.seconds.max(1e-9) * 1e-6;
         let (report, bytes) = (accel.report(), accel.memory().total());
         let query = if args.any { "any" } else { "closest" };
@@ -201,29 +212,34 @@ impl Summary {
                 "mrays_s": rate,
                 "counters": counts,
             });
-            println!("{object}");
-            return;
+            return format!("{object}\n");
         }
-        println!("{}: {} triangles, {bytes} bytes", args.accel, self.triangles);
-        println!(
-            "built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on average), SAH cost {:.2}",
+        let mut text = format!(
+            "{}: {} triangles, {bytes} bytes\n\
+             built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on average), \
+             SAH cost {:.2}\n\
+             {} {query} rays, {} hits, {:.4} s, {rate:.3} Mrays/s\n",
+            args.accel,
+            self.triangles,
             report.seconds(),
             report.nodes,
             report.leaves,
             report.mean_leaf,
             report.max_depth,
             report.mean_depth,
-            report.sah_cost
-        );
-        println!(
-            "{} {query} rays, {} hits, {:.4} s, {rate:.3} Mrays/s",
-            self.rays, self.hits, self.seconds
+            report.sah_cost,
+            self.rays,
+            self.hits,
+            self.seconds
         );
         if let Some(counts) = self.counts {
             let rays = self.rays.max(1) as f64;
             for event in Event::ALL.into_iter().filter(|&event| counts[event] > 0) {
-                println!("{:>10.3} {} a ray", counts[event] as f64 / rays, event.name());
+                let per_ray = counts[event] as f64 / rays;
+                // Writing to a string cannot fail.
+                let _ = writeln!(text, "{per_ray:>10.3} {} a ray", event.name());
             }
         }
+        text
     }
 }

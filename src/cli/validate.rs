@@ -3,11 +3,16 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::{CliError, input};
-use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, VARIANTS, build};
-use crate::bench::ray_sets::{RaySet, Target, to_rows};
+use super::args::threads;
+use super::outputs::{self, Output};
+use super::{CliError, input, memory, shell, table, trace};
+use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, VARIANTS, build};
+use crate::bench::agreement::{
+    Difference, LONGEST_SLICE, answers_in_time, first_difference, mixed_rays,
+};
+use crate::bench::ray_sets::{Target, to_rows};
 use crate::geom::TriangleSource;
 use crate::math::Ray;
 use crate::scene::npy;
@@ -29,10 +34,11 @@ pub struct ValidateArgs {
     accel: String,
     /// How many rays in all
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    rays: usize,
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    rays: u64,
     /// How many of them brute force answers, too [default: what it can in 30 seconds]
-    #[arg(long, value_name = "N")]
-    brute_rays: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    brute_rays: Option<u64>,
     /// Another seed, other rays
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -40,30 +46,34 @@ pub struct ValidateArgs {
     #[arg(long, default_value_t)]
     isa: Isa,
     /// Threads; 0: one a core
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
-    /// Where to leave the first ray that differs
+    /// Where to leave rays that differ; each structure's id is put in before the ending
     #[arg(long, value_name = "FILE", default_value = "differs.npy")]
     save: PathBuf,
 }
 
 /// How long brute force may take unless `--brute-rays` says how many rays it gets.
 const BRUTE_TIME: Duration = Duration::from_secs(30);
-/// Slices that structures are asked in, in turn.
-const SLICES: [usize; 6] = [4096, 1, 33, 8, 257, 1024];
 
-/// Answers to trust.
-struct Expected {
-    /// Which rays, from the first.
-    closest: Vec<ClosestHit>,
-    by: &'static str,
-}
+// What is left to be replayed is one slice there as it was here.
+const _: () = assert!(LONGEST_SLICE <= trace::SLICE);
 
 /// Runs the command; exit 1 if a structure differs.
 pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
     let specs = specs(&args.accel)?;
+    for spec in &specs {
+        let path = &save_path(args, &spec.to_string());
+        outputs::check(&[Output { flag: "--save", path, ending: "npy" }], &[&args.scene])?;
+    }
+    // Rays of all sets, those in turn, the answers of both oracles.
+    let each = 2 * (size_of::<Ray>() + size_of::<ClosestHit>()) as u64;
+    memory::require(&format!("--rays {}", args.rays), args.rays * each)?;
     let source = input::triangles(&args.scene)?;
-    input::on_threads(args.threads, || validate(args, &specs, &source))?
+    let build = |spec: &AccelSpec| build(spec, Arc::clone(&source), args.isa);
+    let say = |line: &str| Ok(table::print(&format!("{line}\n"))?);
+    let agree = input::on_threads(args.threads, || validate(args, &specs, &*source, &build, &say))?;
+    Ok(ExitCode::from(u8::from(!agree?)))
 }
 
 /// The structures of a list; options of one may hold commas, so a part without an id joins the one
@@ -88,110 +98,216 @@ pub fn specs(list: &str) -> Result<Vec<AccelSpec>, CliError> {
     texts.into_iter().map(parse).collect()
 }
 
+type Build<'a> = dyn Fn(&AccelSpec) -> Result<Box<dyn Accel>, BuildError> + Sync + 'a;
+type Say<'a> = dyn Fn(&str) -> Result<(), CliError> + Sync + 'a;
+
+/// Whether all structures agree with the oracles: brute force on the first rays, and on the rest
+/// `bvh2`, which first has to agree with brute force itself.
 fn validate(
     args: &ValidateArgs,
     specs: &[AccelSpec],
-    source: &Arc<dyn TriangleSource>,
-) -> Result<ExitCode, CliError> {
-    let named = |id: &str| build(&id.parse().expect("in the table"), Arc::clone(source), args.isa);
-    let (brute, second) = (named("brute")?, named("bvh2")?);
-    let rays = mixed_rays(&**source, &*second, args);
-    println!("{} triangles, {} rays", source.len(), rays.len());
+    source: &dyn TriangleSource,
+    build: &Build<'_>,
+    say: &Say<'_>,
+) -> Result<bool, CliError> {
+    const SECOND: &str = "bvh2";
+    let named = |id: &str| build(&id.parse().expect("in the table"));
+    let (brute, second) = (named("brute")?, named(SECOND)?);
+    let rays = mixed_rays(&Target::new(source, &*second), args.rays as usize, args.seed);
+    say(&format!("{} triangles, {} rays", source.len(), rays.len()))?;
 
-    let sure = by_brute_force(&*brute, &rays, args.brute_rays);
-    println!("brute force answered {} rays", sure.len());
-    let mut differs = false;
-    if let Some(ray) = first_difference(&*second, &rays, &sure) {
-        differs = true;
-        tell(args, "bvh2", &rays, ray, &sure[ray], "brute", &*second)?;
+    let brute_rays = args.brute_rays.map(|rays| rays as usize);
+    let mut expected = answers_in_time(&*brute, &rays, brute_rays, BRUTE_TIME);
+    let sure = expected.len();
+    let difference = first_difference(&*second, &rays, &expected);
+    let second_agrees = difference.is_none();
+    match difference {
+        None => say(&format!("{SECOND}: {sure} rays agree with brute force"))?,
+        Some(found) => {
+            tell(args, SECOND, &rays, &found, &expected, "brute force", say)?;
+            say(&format!("{SECOND} cannot be trusted with the rest: {sure} rays are compared"))?;
+        }
     }
-    let mut rest = vec![ClosestHit::MISS; rays.len()];
-    second.tracer().closest_hits(&Batch::new(&rays), &mut rest);
-    rest[..sure.len()].copy_from_slice(&sure);
-    let expected = Expected { closest: rest, by: "bvh2" };
+    let rest = rays.len() - sure;
+    if second_agrees && rest > 0 {
+        expected.resize(rays.len(), ClosestHit::MISS);
+        second.tracer().closest_hits(&Batch::new(&rays[sure..]), &mut expected[sure..]);
+    }
 
+    let mut all_agree = second_agrees;
     for spec in specs {
-        let accel = build(spec, Arc::clone(source), args.isa)?;
-        match first_difference(&*accel, &rays, &expected.closest) {
-            None => println!("{spec}: all {} rays agree", rays.len()),
-            Some(ray) => {
-                differs = true;
-                let by = if ray < sure.len() { "brute" } else { expected.by };
-                let name = spec.to_string();
-                tell(args, &name, &rays, ray, &expected.closest[ray], by, &*accel)?;
+        let name = spec.to_string();
+        if name == SECOND {
+            continue; // against its own answers it would be compared in vain
+        }
+        let accel = build(spec)?;
+        match first_difference(&*accel, &rays, &expected) {
+            None if expected.len() > sure => {
+                say(&format!("{name}: {sure} with brute force, {rest} with {SECOND}"))?;
+            }
+            None => say(&format!("{name}: {sure} rays agree with brute force"))?,
+            Some(found) => {
+                all_agree = false;
+                let by = if found.ray < sure { "brute force" } else { SECOND };
+                tell(args, &name, &rays, &found, &expected, by, say)?;
             }
         }
     }
-    Ok(if differs { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(all_agree)
 }
 
-/// Rays of all sets, taking turns, so that any prefix has of each.
-fn mixed_rays(source: &dyn TriangleSource, accel: &dyn Accel, args: &ValidateArgs) -> Vec<Ray> {
-    let target = Target::new(source, accel);
-    let each = args.rays.div_ceil(RaySet::ALL.len());
-    let sets = RaySet::ALL.map(|set| target.rays(set, each, args.seed));
-    (0..each).flat_map(|i| sets.iter().filter_map(move |set| set.get(i)).copied()).collect()
-}
-
-/// Brute force on the first rays: `count`, or as many as it gets done in its time.
-fn by_brute_force(brute: &dyn Accel, rays: &[Ray], count: Option<usize>) -> Vec<ClosestHit> {
-    let rays = &rays[..count.unwrap_or(rays.len()).min(rays.len())];
-    let start = Instant::now();
-    let mut answers = Vec::new();
-    let mut tracer = brute.tracer();
-    for slice in rays.chunks(2048) {
-        if count.is_none() && start.elapsed() > BRUTE_TIME {
-            break;
-        }
-        let first = answers.len();
-        answers.resize(first + slice.len(), ClosestHit::MISS);
-        tracer.closest_hits(&Batch::new(slice), &mut answers[first..]);
-    }
-    answers
-}
-
-/// The first ray whose answer differs, to either question, in slices of all lengths.
-fn first_difference(accel: &dyn Accel, rays: &[Ray], expected: &[ClosestHit]) -> Option<usize> {
-    let mut tracer = accel.tracer();
-    let (mut first, mut lengths) = (0, SLICES.into_iter().cycle());
-    while first < expected.len() {
-        let end = expected.len().min(first + lengths.next().unwrap_or(1));
-        let batch = Batch::new(&rays[first..end]);
-        let mut hits = vec![ClosestHit::MISS; end - first];
-        let mut any = vec![AnyHit(false); end - first];
-        tracer.closest_hits(&batch, &mut hits);
-        tracer.any_hits(&batch, &mut any);
-        let answers = hits.iter().zip(&any).zip(&expected[first..end]);
-        let same = |((hit, any), expected): ((&ClosestHit, &AnyHit), &ClosestHit)| {
-            hit.same_bits(expected) && any.0 == expected.is_hit()
-        };
-        if let Some(at) = answers.into_iter().position(|answer| !same(answer)) {
-            return Some(first + at);
-        }
-        first = end;
-    }
-    None
-}
-
-/// Prints a ray that differs, leaves it in a file and says how to shoot it again.
+/// Tells of a ray that differs, leaves it in a file, with its slice if it differs only there, and
+/// says how to shoot it again.
 fn tell(
     args: &ValidateArgs,
     name: &str,
     rays: &[Ray],
-    ray: usize,
-    expected: &ClosestHit,
+    found: &Difference,
+    expected: &[ClosestHit],
     by: &str,
-    accel: &dyn Accel,
+    say: &Say<'_>,
 ) -> Result<(), CliError> {
-    let batch = [rays[ray]];
-    let (mut hit, mut any) = ([ClosestHit::MISS], [AnyHit(false)]);
-    accel.tracer().closest_hits(&Batch::new(&batch), &mut hit);
-    accel.tracer().any_hits(&Batch::new(&batch), &mut any);
-    npy::write_f32(&args.save, 8, &to_rows(&batch))?;
-    println!("{name}: ray {ray} differs: {:?}", rays[ray]);
-    println!("  {by} says {expected:?}");
-    println!("  {name} says {:?}, any hit {}", hit[0], any[0].0);
-    let (scene, save) = (args.scene.display(), args.save.display());
-    println!("  to replay: dapple trace {scene} --rays {save} --single --accel {name}");
-    Ok(())
+    let ray = found.ray;
+    say(&format!("{name}: ray {ray} differs: {:?}", rays[ray]))?;
+    say(&format!("  {by} says {:?}", expected[ray]))?;
+    say(&format!("  {name} says {:?}, any hit {}", found.closest, found.any.0))?;
+    let saved = if found.alone { ray..ray + 1 } else { found.slice.clone() };
+    if !found.alone {
+        let (start, end) = (saved.start, saved.end - 1);
+        say(&format!("  alone it does not differ: in the slice of rays {start} to {end} it does"))?;
+    }
+    let save = save_path(args, name);
+    npy::write_f32(&save, 8, &to_rows(&rays[saved]))?;
+    let (scene, save) = (shell::quoted(&args.scene), shell::quoted(&save));
+    let any = if found.any_only { " --any" } else { "" };
+    let single = if found.alone { " --single" } else { " --threads 1" };
+    let (name, isa) = (shell::quoted(name), args.isa);
+    say(&format!(
+        "  to replay: dapple trace {scene} --rays {save}{any}{single} --accel {name} --isa {isa}"
+    ))
+}
+
+/// `differs.npy` is `differs-kd-ropes.npy` for that structure.
+fn save_path(args: &ValidateArgs, name: &str) -> PathBuf {
+    let id: String =
+        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
+    let mut file = args.save.file_stem().unwrap_or_default().to_owned();
+    file.push(format!("-{id}"));
+    if let Some(ending) = args.save.extension() {
+        file.push(".");
+        file.push(ending);
+    }
+    args.save.with_file_name(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use clap::Parser;
+
+    use super::*;
+    use crate::bench::agreement::tests::{Liar, honest, source};
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: ValidateArgs,
+    }
+
+    /// Whether all agree and what is said, where the structure `liar` lies about ray `ray`.
+    fn validated(words: &str, folder: &std::path::Path, liar: &str, ray: usize) -> (bool, String) {
+        let save = folder.join("it's.npy");
+        let words = words.split_whitespace().map(|word| {
+            if word == "SAVE" { save.to_str().expect("a name").to_owned() } else { word.to_owned() }
+        });
+        let args = Command::parse_from(std::iter::once("validate".to_owned()).chain(words)).args;
+        let source = source();
+        let rays = {
+            let second = honest(&source, "bvh2");
+            mixed_rays(&Target::new(&*source, &*second), args.rays as usize, args.seed)
+        };
+        let build = |spec: &AccelSpec| -> Result<Box<dyn Accel>, BuildError> {
+            let name = spec.to_string();
+            let honest = honest(&source, &name);
+            if name != liar {
+                return Ok(honest);
+            }
+            let (ray, any_only) = (rays[ray], name == "kd-restart");
+            Ok(Box::new(Liar { honest, ray, any_only, in_company: name == "kd-spill" }))
+        };
+        let said = Mutex::new(String::new());
+        let say = |line: &str| {
+            let mut said = said.lock().expect("one thread");
+            said.push_str(line);
+            said.push('\n');
+            Ok(())
+        };
+        let specs = specs(&args.accel).expect("rows of the table");
+        let agree = validate(&args, &specs, &*source, &build, &say).expect("it runs");
+        (agree, said.into_inner().expect("one thread"))
+    }
+
+    const WORDS: &str = "my.obj --rays 1000 --brute-rays 200 --save SAVE --isa portable --accel ";
+
+    fn saved_rays(folder: &std::path::Path, id: &str) -> usize {
+        let rows = npy::read_f32(&folder.join(format!("it's-{id}.npy")), 8).expect("it was saved");
+        rows.len() / 8
+    }
+
+    #[test]
+    fn what_was_compared_with_what_is_said() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (agree, said) = validated(&format!("{WORDS}bvh2,kd-ropes"), folder.path(), "none", 0);
+        let expected = "100 triangles, 1000 rays\nbvh2: 200 rays agree with brute force\n\
+                        kd-ropes: 200 with brute force, 800 with bvh2\n";
+        assert_eq!((agree, said.as_str()), (true, expected));
+        let (_, said) = validated(
+            &WORDS
+                .replace("200 --s", "2000 --accel kd-ropes --s")
+                .replace("portable --accel ", "portable"),
+            folder.path(),
+            "none",
+            0,
+        );
+        assert!(said.ends_with("kd-ropes: 1000 rays agree with brute force\n"), "{said}");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
+    }
+
+    #[test]
+    fn a_lie_about_one_ray_is_found_and_can_be_replayed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let lie = |id: &str, ray| validated(&format!("{WORDS}{id}"), folder.path(), id, ray);
+        let (agree, said) = lie("kd-ropes", 777);
+        assert!(!agree && said.contains("kd-ropes: ray 777 differs"), "{said}");
+        assert!(said.contains("bvh2 says"), "{said}");
+        assert!(said.contains("it'\\''s-kd-ropes.npy' --single --accel kd-ropes --isa portable"));
+        assert_eq!(saved_rays(folder.path(), "kd-ropes"), 1);
+
+        let (agree, said) = lie("kd-restart", 77);
+        assert!(!agree && said.contains("brute force says"), "{said}");
+        assert!(said.contains(".npy' --any --single --accel kd-restart"), "{said}");
+
+        let (agree, said) = lie("kd-spill", 77);
+        assert!(!agree && said.contains("in the slice of rays 0 to 999"), "{said}");
+        assert!(said.contains(".npy' --threads 1 --accel kd-spill"), "{said}");
+        assert_eq!(saved_rays(folder.path(), "kd-spill"), 1000);
+        assert_eq!(saved_rays(folder.path(), "kd-ropes"), 1, "each has its own file");
+    }
+
+    #[test]
+    fn a_second_oracle_that_lies_is_not_asked() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let words = format!("{WORDS}bvh2,kd-ropes");
+        let (agree, said) = validated(&words, folder.path(), "bvh2", 77);
+        assert!(!agree && said.contains("bvh2: ray 77 differs"), "{said}");
+        assert!(said.ends_with("kd-ropes: 200 rays agree with brute force\n"), "{said}");
+    }
+
+    #[test]
+    fn options_may_hold_commas() {
+        let list =
+            specs("bvh2:build=sweep,kd-stack-direction:build=binned,layout=compact").expect("rows");
+        assert_eq!(list.len(), 2);
+    }
 }

@@ -6,11 +6,9 @@
 //! | [`picture`] | frame, crop and float channels by name |
 //! | [`exr`], [`png`] | the two file formats |
 //! | [`tonemap`] | linear light to display values: AgX or clamped sRGB |
-//! | [`atomic`] | files that are whole or not there |
 //! | [`compare`] | all figures about two pictures; built of [`metrics`], [`flip`] and [`ztest`] |
 //! | [`golden`] | a folder of pictures that renders are held against |
 
-pub mod atomic;
 pub mod compare;
 mod error;
 pub mod exr;

@@ -1,7 +1,8 @@
 //! PNG files: 8 bits per channel for looking at, and read back for comparing.
 
 use super::tonemap::{Tonemap, linear_from_srgb};
-use super::{FilmError, Picture, Window, atomic};
+use super::{FilmError, Picture, Window};
+use crate::files::{self, Flush};
 use crate::math::Vec3;
 use image::{ExtendedColorType, ImageEncoder, ImageError, Limits};
 use std::io;
@@ -43,7 +44,7 @@ fn write_pixels(
     bytes: &[u8],
 ) -> Result<(), FilmError> {
     let side = |side: usize| u32::try_from(side).map_err(io::Error::other);
-    atomic::write(path, |file| {
+    files::write(path, Flush::ToDisk, |file| {
         image::codecs::png::PngEncoder::new(file)
             .write_image(bytes, side(width)?, side(height)?, kind)
             .map_err(|error| match error {
@@ -51,6 +52,7 @@ fn write_pixels(
                 error => io::Error::other(error),
             })
     })
+    .map_err(|source| FilmError::write(path, source))
 }
 
 fn display_bytes(
@@ -91,9 +93,9 @@ pub fn read(path: &Path) -> Result<Picture, FilmError> {
         }
         error => FilmError::invalid(path, format!("not a sound PNG file: {error}")),
     };
+    let (file, _) = files::open(path).map_err(|error| FilmError::read(path, error))?;
     let mut reader =
-        image::ImageReader::open(path).map_err(|error| FilmError::read(path, error))?;
-    reader.set_format(image::ImageFormat::Png);
+        image::ImageReader::with_format(io::BufReader::new(file), image::ImageFormat::Png);
     let mut limits = Limits::default();
     limits.max_alloc = Some(1 << 30);
     (limits.max_image_width, limits.max_image_height) = (Some(1 << 24), Some(1 << 24));

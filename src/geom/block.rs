@@ -212,7 +212,7 @@ mod tests {
             let ray = Ray::new(origin * scale, (target - origin) * scale, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
             let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
-            if let Some([t, ..]) = verdict(&SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
+            if let Some([t, ..]) = verdict(crate::simd::baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
                 let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
                 let found = dispatch!(Level::new(), simd => block.parts().candidates::<_, f32x4<_>>(simd, &ray, t));
                 prop_assert_eq!(found, 0b1111);

@@ -18,6 +18,8 @@
 //! box as the slab test sees it (see [`super::slab`]): `t` is clamped into that interval. This
 //! makes all boxes around it agree.
 
+use fearless_simd::{Simd, SimdBase, SimdMask, f64x4, mask64x4};
+
 use super::Triangle;
 use super::slab::{SlabRay, own_box};
 use crate::math::Ray;
@@ -51,39 +53,51 @@ impl ShearRay {
         }
     }
 
-    /// A vertex with the ray as third axis: first and second coordinate, and `t`.
+    /// The vertices with the ray as third axis: of each, a lane, first and second coordinate, and
+    /// `t`. `at` hands out an axis of all three.
     #[inline(always)]
-    fn project(&self, p: crate::math::Vec3) -> [f64; 3] {
-        let at = |axis: usize| f64::from(p[self.axes[axis]]) - self.origin[self.axes[axis]];
-        let z = at(2);
-        [at(0) - self.shear[0] * z, at(1) - self.shear[1] * z, self.shear[2] * z]
+    fn project<S: Simd>(&self, simd: S, at: impl Fn(usize) -> [f32; 3]) -> [f64x4<S>; 3] {
+        let along = |axis: usize| {
+            let [a, b, c] = at(axis).map(f64::from);
+            f64x4::load_array(simd, [a, b, c, 0.0]) - self.origin[axis]
+        };
+        let [x, y, z] = self.axes.map(|axis| axis % 3);
+        let (x, y, z) = (along(x), along(y), along(z));
+        [x - z * self.shear[0], y - z * self.shear[1], z * self.shear[2]]
     }
 }
 
 /// Where a ray meets a triangle: `t` and the barycentrics `u` and `v`, or nothing.
 ///
-/// Not limited by the ray's own interval, apart from `t` being finite.
-#[inline]
-pub fn verdict(slab: &SlabRay, shear: &ShearRay, triangle: &Triangle) -> Option<[f32; 3]> {
-    let a = shear.project(triangle.a);
-    let b = shear.project(triangle.b);
-    let c = shear.project(triangle.c);
+/// Not limited by the ray's own interval, apart from `t` being finite. The three vertices are
+/// computed with side by side: additions and multiplications of one lane each, which round alike
+/// at every instruction set.
+#[inline(always)]
+pub fn verdict<S: Simd>(
+    simd: S,
+    slab: &SlabRay,
+    shear: &ShearRay,
+    triangle: &Triangle,
+) -> Option<[f32; 3]> {
+    let corners = [triangle.a, triangle.b, triangle.c].map(|p| p.to_array());
+    let [x, y, t] = shear.project(simd, |axis| corners.map(|p| p[axis]));
     // Twice the signed areas that the ray's foot spans with each edge: weights of a, b and c.
-    let (cb, bc) = (c[0] * b[1], c[1] * b[0]);
-    let (ac, ca) = (a[0] * c[1], a[1] * c[0]);
-    let (ba, ab) = (b[0] * a[1], b[1] * a[0]);
-    let (wa, wb, wc) = (cb - bc, ac - ca, ba - ab);
-    if (wa < 0.0 || wb < 0.0 || wc < 0.0) && (wa > 0.0 || wb > 0.0 || wc > 0.0) {
+    let next = |v: f64x4<S>| f64x4::load_array(simd, [v[1], v[2], v[0], 0.0]);
+    let after = |v: f64x4<S>| f64x4::load_array(simd, [v[2], v[0], v[1], 0.0]);
+    let (p, q) = (after(x) * next(y), after(y) * next(x));
+    let weights = p - q;
+    let sign = |mask: mask64x4<S>| mask.to_bitmask() != 0;
+    if sign(weights.simd_lt(0.0)) && sign(weights.simd_gt(0.0)) {
         return None;
     }
-    let det = wa + wb + wc;
-    let magnitude = cb.abs() + bc.abs() + ac.abs() + ca.abs() + ba.abs() + ab.abs();
+    let sum = |v: f64x4<S>| v[0] + v[1] + v[2];
+    let (det, magnitude) = (sum(weights), sum(p.abs() + q.abs()));
     const EDGE_ON: f64 = 9.313225746154785e-10; // 2^-30
     if det.abs() <= EDGE_ON * magnitude {
         return None;
     }
-    let distance = wa * a[2] + wb * b[2] + wc * c[2];
-    let depth = a[2].abs().max(b[2].abs()).max(c[2].abs());
+    let distance = sum(weights * t);
+    let depth = t[0].abs().max(t[1].abs()).max(t[2].abs());
     if distance.abs() <= 32.0 * f64::EPSILON * magnitude * depth {
         return None;
     }
@@ -94,20 +108,22 @@ pub fn verdict(slab: &SlabRay, shear: &ShearRay, triangle: &Triangle) -> Option<
     if !(enter <= exit && t < f32::INFINITY) {
         return None;
     }
-    Some([t.max(enter).min(exit), (wb * inv_det) as f32, (wc * inv_det) as f32])
+    let [u, v] = [1, 2].map(|lane| (weights[lane] * inv_det) as f32);
+    Some([t.max(enter).min(exit), u, v])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::Vec3;
+    use crate::simd::baseline;
 
     const WALL: Triangle =
         Triangle { a: Vec3::ZERO, b: Vec3::new(4.0, 0.0, 0.0), c: Vec3::new(0.0, 4.0, 0.0) };
 
     fn ask(origin: [f32; 3], direction: [f32; 3], triangle: &Triangle) -> Option<[f32; 3]> {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, f32::INFINITY);
-        verdict(&SlabRay::new(&ray), &ShearRay::new(&ray), triangle)
+        verdict(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), triangle)
     }
 
     #[test]

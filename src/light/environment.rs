@@ -92,6 +92,14 @@ impl Environment {
         matches!(self.source, Source::Constant(_))
     }
 
+    /// Rows of radiance from the top, the scale multiplied in; none if it is constant.
+    pub fn pixels(&self) -> &[[f32; 3]] {
+        match &self.source {
+            Source::Constant(_) => &[],
+            Source::Image(image) => &image.pixels,
+        }
+    }
+
     /// Mean radiance over all directions.
     pub fn mean(&self) -> Vec3 {
         self.mean

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::settings::{Aov, Settings};
 use super::stream::{RayCounts, Stream};
-use super::tile::{LostSample, PixelSums, SIDE, Tile, first_lost};
+use super::tile::{LostSample, Means, PixelSums, SIDE, Tile, first_lost};
 use crate::accel::Accel;
 use crate::camera::Camera;
 use crate::film::{Picture, Window};
@@ -176,63 +176,67 @@ fn with_ticks(tick: &(dyn Fn() + Sync), work: impl FnOnce() + Send) {
     });
 }
 
+/// Bytes that a picture of such settings takes while it is rendered, beside scene and structure.
+pub fn film_bytes(settings: &Settings) -> u64 {
+    let channels = channels(settings).len() as u64;
+    let pixel = PixelSums::bytes(settings.spp) + channels * size_of::<f32>() as u64;
+    pixel.saturating_mul(settings.crop.area() as u64)
+}
+
+/// A channel of the picture, and what a pixel has in it.
+type Channel = (String, Box<dyn Fn(&Means) -> f32>);
+
+/// All channels that the settings ask for.
+fn channels(settings: &Settings) -> Vec<Channel> {
+    let mut channels: Vec<Channel> = Vec::new();
+    let mut vector = |layer: &str, suffixes: &str, of: fn(&Means) -> [f64; 3]| {
+        for (axis, suffix) in suffixes.chars().enumerate() {
+            let name = if layer.is_empty() { String::new() } else { format!("{layer}.") };
+            let value = move |means: &Means| of(means)[axis] as f32;
+            channels.push((format!("{name}{suffix}"), Box::new(value)));
+        }
+    };
+    vector("", "RGB", |means| means.radiance);
+    for aov in &settings.aovs {
+        match aov {
+            Aov::Albedo => vector(aov.id(), "RGB", |means| means.albedo),
+            Aov::Normal => vector(aov.id(), "XYZ", |means| means.normal),
+            Aov::Position => vector(aov.id(), "XYZ", |means| means.position),
+            Aov::Variance => vector(aov.id(), "RGB", |means| means.variance),
+            Aov::Depth | Aov::Samples | Aov::Cost => {}
+        }
+    }
+    for aov in &settings.aovs {
+        let (suffix, of): (_, fn(&Means) -> f32) = match aov {
+            Aov::Depth => ("Z", |means| means.distance as f32),
+            Aov::Samples => ("Y", |means| means.count as f32),
+            Aov::Cost => ("Y", |means| means.cost as f32),
+            _ => continue,
+        };
+        channels.push((format!("{}.{suffix}", aov.id()), Box::new(of)));
+    }
+    let transparent = settings.transport.transparent;
+    let alpha = move |means: &Means| if transparent { means.alpha as f32 } else { 1.0 };
+    channels.push(("A".to_owned(), Box::new(alpha)));
+    channels
+}
+
 /// The layers of what has been sampled.
 fn picture(tiles: &[Tile], settings: &Settings) -> Picture {
     let frame = Window::of_size(settings.resolution.0 as usize, settings.resolution.1 as usize);
     let crop = settings.crop;
-    let mut picture = Picture::new(frame, crop);
-    let scalar = |of: &dyn Fn(&PixelSums) -> f32| {
-        let mut values = vec![0.0; crop.area()];
-        for (x, y, sums) in tiles.iter().flat_map(Tile::iter) {
-            values[(y - crop.y0 as u32) as usize * crop.width() + (x - crop.x0 as u32) as usize] =
-                of(sums);
+    let channels = channels(settings);
+    let mut planes = vec![vec![0.0; crop.area()]; channels.len()];
+    for (x, y, sums) in tiles.iter().flat_map(Tile::iter) {
+        let (row, column) = ((y - crop.y0 as u32) as usize, (x - crop.x0 as u32) as usize);
+        let (at, means) = (row * crop.width() + column, sums.means());
+        for (plane, (_, value)) in planes.iter_mut().zip(&channels) {
+            plane[at] = value(&means);
         }
-        values
-    };
-    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
-        picture.set_channel(name, scalar(&|sums| sums.radiance.mean()[channel] as f32));
     }
-    let transparent = settings.transport.transparent;
-    let alpha = |sums: &PixelSums| if transparent { sums.radiance.mean()[3] as f32 } else { 1.0 };
-    picture.set_channel("A", scalar(&alpha));
-    for &aov in &settings.aovs {
-        let name = |channel: &str| format!("{}.{channel}", aov.id());
-        for axis in 0..3 {
-            let (colour, space) = (["R", "G", "B"][axis], ["X", "Y", "Z"][axis]);
-            match aov {
-                Aov::Albedo => picture.set_channel(
-                    name(colour),
-                    scalar(&|sums| sums.first.albedo[axis] / sums.radiance.count().max(1) as f32),
-                ),
-                Aov::Normal => picture.set_channel(
-                    name(space),
-                    scalar(&|sums| sums.first.normal[axis] / sums.radiance.count().max(1) as f32),
-                ),
-                Aov::Position => picture.set_channel(
-                    name(space),
-                    scalar(&|sums| sums.first.position[axis] / sums.first.count.max(1.0)),
-                ),
-                Aov::Variance => picture.set_channel(
-                    name(colour),
-                    scalar(&|sums| sums.radiance.variance_of_mean()[axis] as f32),
-                ),
-                Aov::Depth | Aov::Samples | Aov::Cost => {}
-            }
-        }
-        match aov {
-            Aov::Depth => picture.set_channel(
-                name("Z"),
-                scalar(&|sums| sums.first.distance / sums.first.count.max(1.0)),
-            ),
-            Aov::Samples => {
-                picture.set_channel(name("Y"), scalar(&|sums| sums.radiance.count() as f32));
-            }
-            Aov::Cost => picture.set_channel(
-                name("Y"),
-                scalar(&|sums| (sums.nanoseconds / sums.radiance.range().end.max(1) as f64) as f32),
-            ),
-            _ => {}
-        }
+    let mut picture = Picture::new(frame, crop);
+    for ((name, _), plane) in channels.into_iter().zip(planes) {
+        picture.set_channel(name, plane);
     }
     picture
 }

@@ -13,7 +13,7 @@ mod settings;
 mod stream;
 mod tile;
 
-pub use frame::{Control, Progress, Rendered, render};
+pub use frame::{Control, Progress, Rendered, film_bytes, render};
 pub use replay::replay;
 pub use settings::{Aov, Settings};
 pub use stream::RayCounts;

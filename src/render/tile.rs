@@ -44,29 +44,80 @@ pub(super) struct Tile {
 /// The sums of one pixel.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PixelSums {
-    /// Radiance and the share of camera rays that hit something.
-    pub radiance: BlockSums<4>,
-    pub first: FirstSums,
-    pub nanoseconds: f64,
+    /// By [`channel`]; those of the first surface add nothing where a camera ray hits none.
+    sums: BlockSums<{ channel::COUNT }, 3>,
+    nanoseconds: f64,
 }
 
-/// Sums over those samples whose camera ray hit something.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct FirstSums {
-    pub albedo: Vec3,
-    pub normal: Vec3,
-    pub position: Vec3,
-    pub distance: f32,
-    pub count: f32,
+/// The first of each quantity's channels among those that are summed.
+mod channel {
+    pub const RADIANCE: usize = 0;
+    /// One where the camera ray hit something, else zero: its sum counts hits, exactly.
+    pub const HIT: usize = 3;
+    pub const ALBEDO: usize = 4;
+    pub const NORMAL: usize = 7;
+    pub const POSITION: usize = 10;
+    pub const DISTANCE: usize = 13;
+    pub const COUNT: usize = 14;
 }
 
-impl FirstSums {
-    fn add(&mut self, hit: &FirstHit) {
-        self.albedo += hit.albedo;
-        self.normal += hit.normal;
-        self.position += hit.position;
-        self.distance += hit.distance;
-        self.count += 1.0;
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Means {
+    pub radiance: [f64; 3],
+    /// Estimated, of the mean.
+    pub variance: [f64; 3],
+    /// The share of camera rays that hit something.
+    pub alpha: f64,
+    pub albedo: [f64; 3],
+    pub normal: [f64; 3],
+    /// This and the distance: over those samples that hit something.
+    pub position: [f64; 3],
+    pub distance: f64,
+    /// Samples in the mean.
+    pub count: u64,
+    /// Nanoseconds a sample.
+    pub cost: f64,
+}
+
+impl PixelSums {
+    fn add(&mut self, radiance: Vec3, first: Option<&FirstHit>) {
+        let mut sample = [0.0; channel::COUNT];
+        let mut put =
+            |at: usize, value: Vec3| sample[at..at + 3].copy_from_slice(&value.to_array());
+        put(channel::RADIANCE, radiance);
+        if let Some(hit) = first {
+            put(channel::ALBEDO, hit.albedo);
+            put(channel::NORMAL, hit.normal);
+            put(channel::POSITION, hit.position);
+            sample[channel::DISTANCE] = hit.distance;
+            sample[channel::HIT] = 1.0;
+        }
+        self.sums.add(sample);
+    }
+
+    /// What the samples so far come to.
+    pub fn means(&self) -> Means {
+        let (sum, count) = (self.sums.sum(), self.sums.count());
+        let (all, hits) = (count.max(1) as f64, sum[channel::HIT].max(1.0));
+        let three = |at: usize, by: f64| [sum[at] / by, sum[at + 1] / by, sum[at + 2] / by];
+        Means {
+            radiance: three(channel::RADIANCE, all),
+            variance: self.sums.variance_of_mean(),
+            alpha: sum[channel::HIT] / all,
+            albedo: three(channel::ALBEDO, all),
+            normal: three(channel::NORMAL, all),
+            position: three(channel::POSITION, hits),
+            distance: sum[channel::DISTANCE] / hits,
+            count,
+            cost: self.nanoseconds / self.sums.range().end.max(1) as f64,
+        }
+    }
+
+    /// Bytes that a pixel takes once it has so many samples.
+    pub const fn bytes(samples: u64) -> u64 {
+        let sums = BlockSums::<{ channel::COUNT }, 3>::bytes(samples);
+        sums + size_of::<Self>() as u64 - BlockSums::<{ channel::COUNT }, 3>::bytes(0)
     }
 }
 
@@ -106,18 +157,14 @@ impl Tile {
                 let result = &stream.samples()[slot];
                 sums.nanoseconds += f64::from(stream.nanoseconds(slot));
                 if !result.radiance.is_finite() {
-                    sums.radiance.skip();
+                    sums.sums.skip();
                     self.lost.push(LostSample { y, x, sample: first + u64::from(sample) });
                     self.lost_count += 1;
                     continue;
                 }
-                let [r, g, b] = result.radiance.to_array();
-                sums.radiance.add([r, g, b, f32::from(result.first.is_some())]);
-                if let Some(hit) = &result.first {
-                    sums.first.add(hit);
-                }
+                sums.add(result.radiance, result.first.as_ref());
             }
-            sums.radiance.shrink(); // there are millions of them
+            sums.sums.shrink(); // there are millions of them
         }
         self.lost.sort_unstable();
         self.lost.truncate(LISTED);
@@ -131,4 +178,33 @@ pub(super) fn first_lost<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Vec<LostS
     lost.sort_unstable();
     lost.truncate(LISTED);
     lost
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_of_the_first_surface_are_exact_over_many_samples() {
+        // Two positions 2^24 apart a million times: running f32 sums would lose their last bits,
+        // and a f32 count would end at 2^24.
+        let hit = |x: f32| FirstHit {
+            albedo: Vec3::splat(0.1),
+            normal: Vec3::Y,
+            position: Vec3::new(x, 0.0, 0.0),
+            distance: x,
+        };
+        let mut sums = PixelSums::default();
+        assert_eq!((sums.means().count, sums.means().position), (0, [0.0; 3]));
+        for _ in 0..500_000 {
+            sums.add(Vec3::ONE, Some(&hit(1.0)));
+            sums.add(Vec3::ONE, Some(&hit(16_777_215.0)));
+            sums.add(Vec3::ZERO, None);
+        }
+        let means = sums.means();
+        assert_eq!((means.position[0], means.distance), (8_388_608.0, 8_388_608.0));
+        assert_eq!((means.normal[1], means.alpha), (2.0 / 3.0, 2.0 / 3.0));
+        assert!((means.albedo[0] - f64::from(0.1_f32) * 2.0 / 3.0).abs() < 1e-12);
+        assert_eq!((means.count, means.radiance), (1_500_000, [2.0 / 3.0; 3]));
+    }
 }

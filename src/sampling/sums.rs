@@ -23,14 +23,14 @@ pub struct NotAdjacent {
 
 /// Sum, sum of squares and number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Moments<const C: usize> {
+struct Moments<const C: usize, const V: usize> {
     sum: [f64; C],
-    squares: [f64; C],
+    squares: [f64; V],
     count: u64,
 }
 
-impl<const C: usize> Moments<C> {
-    const ZERO: Self = Self { sum: [0.0; C], squares: [0.0; C], count: 0 };
+impl<const C: usize, const V: usize> Moments<C, V> {
+    const ZERO: Self = Self { sum: [0.0; C], squares: [0.0; V], count: 0 };
 
     fn add(&self, other: &Self) -> Self {
         Self {
@@ -43,31 +43,32 @@ impl<const C: usize> Moments<C> {
 
 /// A whole subtree: the blocks `index << level .. (index + 1) << level`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Node<const C: usize> {
+struct Node<const C: usize, const V: usize> {
     level: u32,
     index: u64,
-    moments: Moments<C>,
+    moments: Moments<C, V>,
 }
 
-/// The sums of one pixel over a run of samples, in `C` channels.
+/// The sums of one pixel over a run of samples, in `C` channels; the first `V` of them, which must
+/// not be more, have a variance.
 ///
 /// Memory is two nodes per doubling of the run's length at most.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BlockSums<const C: usize> {
+pub struct BlockSums<const C: usize, const V: usize> {
     first: u64,
     next: u64,
-    nodes: Vec<Node<C>>,
+    nodes: Vec<Node<C, V>>,
     /// The block that is being filled.
-    open: Moments<C>,
+    open: Moments<C, V>,
 }
 
-impl<const C: usize> Default for BlockSums<C> {
+impl<const C: usize, const V: usize> Default for BlockSums<C, V> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const C: usize> BlockSums<C> {
+impl<const C: usize, const V: usize> BlockSums<C, V> {
     /// No samples yet; the first to come is sample 0.
     pub const fn new() -> Self {
         Self::starting_at_block(0)
@@ -85,7 +86,9 @@ impl<const C: usize> BlockSums<C> {
         for (channel, value) in sample.into_iter().enumerate() {
             let value = f64::from(value);
             self.open.sum[channel] += value;
-            self.open.squares[channel] += value * value;
+            if channel < V {
+                self.open.squares[channel] += value * value;
+            }
         }
         self.open.count += 1;
         self.advance();
@@ -107,7 +110,7 @@ impl<const C: usize> BlockSums<C> {
     }
 
     /// Appends a node, adding siblings as carries ripple through a binary counter.
-    fn push(&mut self, mut node: Node<C>) {
+    fn push(&mut self, mut node: Node<C, V>) {
         while node.index % 2 == 1
             && let Some(left) = self.nodes.pop_if(|left| left.level == node.level)
         {
@@ -156,6 +159,17 @@ impl<const C: usize> BlockSums<C> {
         self.total().count
     }
 
+    /// The sum of the samples taken.
+    pub fn sum(&self) -> [f64; C] {
+        self.total().sum
+    }
+
+    /// Bytes that the sums of so many samples from the first on take, the heap included.
+    pub const fn bytes(samples: u64) -> u64 {
+        let nodes = (samples / BLOCK).count_ones() as u64;
+        size_of::<Self>() as u64 + nodes * size_of::<Node<C, V>>() as u64
+    }
+
     /// The mean of the samples taken; zero if there are none.
     pub fn mean(&self) -> [f64; C] {
         let total = self.total();
@@ -165,10 +179,10 @@ impl<const C: usize> BlockSums<C> {
 
     /// The estimated variance of the mean, as if samples were independent: stratified ones have
     /// less. Zero for fewer than two samples.
-    pub fn variance_of_mean(&self) -> [f64; C] {
+    pub fn variance_of_mean(&self) -> [f64; V] {
         let total = self.total();
         if total.count < 2 {
-            return [0.0; C];
+            return [0.0; V];
         }
         let n = total.count as f64;
         std::array::from_fn(|c| {
@@ -178,7 +192,7 @@ impl<const C: usize> BlockSums<C> {
     }
 
     /// All nodes, added from the right: small ones first.
-    fn total(&self) -> Moments<C> {
+    fn total(&self) -> Moments<C, V> {
         self.nodes.iter().rfold(self.open, |sum, node| node.moments.add(&sum))
     }
 }
@@ -194,7 +208,7 @@ mod tests {
         [x.x * 1e3, x.y / (x.x + 1e-3)]
     }
 
-    fn run(range: std::ops::Range<u64>) -> BlockSums<2> {
+    fn run(range: std::ops::Range<u64>) -> BlockSums<2, 2> {
         let mut sums = BlockSums::starting_at_block(range.start / BLOCK);
         for index in range {
             if index % 37 == 5 { sums.skip() } else { sums.add(sample(index)) }
@@ -204,7 +218,7 @@ mod tests {
 
     #[test]
     fn mean_and_variance_by_hand() {
-        let mut sums = BlockSums::new();
+        let mut sums = BlockSums::<1, 1>::new();
         for x in [1.0, 2.0, 3.0, 6.0] {
             sums.add([x]);
         }
@@ -213,8 +227,19 @@ mod tests {
         assert_eq!(sums.mean(), [3.0]);
         // Squared deviations 4, 1, 0, 9 over 3, and over 4 for the mean.
         assert!((sums.variance_of_mean()[0] - 14.0 / 12.0).abs() < 1e-12);
-        assert_eq!(BlockSums::<1>::new().mean(), [0.0]);
-        assert_eq!(BlockSums::<1>::new().variance_of_mean(), [0.0]);
+        assert_eq!(BlockSums::<1, 1>::new().mean(), [0.0]);
+        assert_eq!(BlockSums::<1, 1>::new().variance_of_mean(), [0.0]);
+    }
+
+    #[test]
+    fn channels_without_a_variance_have_the_same_means() {
+        let (mut some, mut all) = (BlockSums::<2, 1>::new(), BlockSums::<2, 2>::new());
+        for index in 0..100 {
+            some.add(sample(index));
+            all.add(sample(index));
+        }
+        assert_eq!((some.mean(), some.sum()), (all.mean(), all.sum()));
+        assert_eq!(some.variance_of_mean()[0], all.variance_of_mean()[0]);
     }
 
     #[test]
@@ -222,6 +247,10 @@ mod tests {
         assert_eq!(run(0..16 * 64).nodes.len(), 1);
         assert_eq!(run(0..16 * 63).nodes.len(), 6);
         assert!(run(16 * 3..16 * 61).nodes.len() <= 12);
+        let one = size_of::<BlockSums<2, 2>>() as u64;
+        assert_eq!(BlockSums::<2, 2>::bytes(15), one);
+        let node = size_of::<Node<2, 2>>() as u64;
+        assert_eq!(BlockSums::<2, 2>::bytes(16 * 63), one + 6 * node);
     }
 
     #[test]

@@ -28,11 +28,23 @@ pub fn automatic_camera(scene: &Scene, aspect: f32, file: &str) -> (Camera, Noti
     let bounds = bounds(scene);
     let camera = Camera::framing(&bounds, AUTOMATIC_YFOV.to_radians(), aspect);
     let eye = camera.to_world.translation;
+    // To the last bit: who goes on from there starts with the same picture.
     let message = format!(
-        "no camera: looking at all of it from {:.3}, {:.3}, {:.3} (--look-from, --look-at)",
+        "no camera: looking at all of it, as with --look-from {},{},{}",
         eye.x, eye.y, eye.z
     );
     (camera, Notice { place: file.to_owned(), message })
+}
+
+/// What to say of a scene without a triangle; none if it has one.
+pub fn nothing_to_see(scene: &Scene, file: &str) -> Option<Notice> {
+    let has_triangles =
+        |instance: &super::Instance| !scene.meshes[instance.mesh.index()].indices.is_empty();
+    if scene.instances.iter().any(has_triangles) {
+        return None;
+    }
+    let message = "no triangles: there is nothing to see or to hit".to_owned();
+    Some(Notice { place: file.to_owned(), message })
 }
 
 /// A neutral sky for a scene without any light, and how to say so; none if something shines.
@@ -89,6 +101,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn who_pastes_the_automatic_cameras_place_stands_there() {
+        let scene = scene(1e-3, Vec3::new(0.1, 1e-7, -77.3));
+        let (camera, notice) = automatic_camera(&scene, 1.5, "a.obj");
+        let (_, place) = notice.message.split_once("--look-from ").expect("it says where");
+        let place: Vec<f32> = place.split(',').map(|x| x.parse().expect("a number")).collect();
+        assert_eq!(place, camera.to_world.translation.to_array());
+        let centre = bounds(&scene).centre();
+        let yfov = AUTOMATIC_YFOV.to_radians();
+        assert_eq!(Camera::look_at(Vec3::from_slice(&place), centre, Vec3::Y, yfov), camera);
+    }
+
+    #[test]
+    fn a_scene_without_triangles_is_told_of() {
+        assert_eq!(nothing_to_see(&scene(1.0, Vec3::ZERO), "a.obj"), None);
+        let notice = nothing_to_see(&Scene::default(), "a.obj").expect("it is empty");
+        assert!(notice.message.starts_with("no triangles"), "{notice:?}");
     }
 
     #[test]

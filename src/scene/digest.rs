@@ -1,8 +1,10 @@
 //! A number that tells scenes apart.
 
+use std::collections::HashMap;
 use std::fmt::Write;
+use std::sync::Arc;
 
-use super::Scene;
+use super::{Image, Scene, Texels};
 
 /// A running hash over bytes, eight at a time; good enough to tell scenes apart, not to guard
 /// against someone who wants two to look alike.
@@ -24,6 +26,16 @@ impl Digest {
     }
 }
 
+impl Digest {
+    fn image(&mut self, image: &Image) {
+        match image.texels() {
+            Texels::Rgba8(texels) => self.bytes(bytemuck::cast_slice(texels)),
+            Texels::Rgba16(texels) => self.bytes(bytemuck::cast_slice(texels)),
+            Texels::Rgba32F(texels) => self.bytes(bytemuck::cast_slice(texels)),
+        }
+    }
+}
+
 impl Write for Digest {
     fn write_str(&mut self, text: &str) -> std::fmt::Result {
         self.bytes(text.as_bytes());
@@ -32,8 +44,7 @@ impl Write for Digest {
 }
 
 impl Scene {
-    /// A hash of shapes, places, materials and lights; of textures and the environment the sizes
-    /// and means only.
+    /// A hash of shapes, places, materials, lights, texels and the environment's pixels.
     pub fn digest(&self) -> u64 {
         let mut digest = Digest(0);
         for mesh in &self.meshes {
@@ -50,10 +61,23 @@ impl Scene {
             let _ = write!(described, "{mesh} {material} {:?}", instance.transform.to_world);
             digest.bytes(described.as_bytes());
         }
-        let sizes: Vec<[u32; 2]> = self.textures.iter().map(super::Texture::size).collect();
-        let sky = self.environment.as_ref().map(crate::light::Environment::mean);
-        // Writing to a digest cannot fail.
-        let _ = write!(digest, "{:?} {sizes:?} {:?} {sky:?}", self.materials, self.lights);
+        // Textures share images: each is hashed once.
+        let mut images = HashMap::new();
+        for texture in &self.textures {
+            let image = texture.image();
+            let next = images.len();
+            let number = *images.entry(Arc::as_ptr(image)).or_insert_with(|| {
+                digest.image(image);
+                next
+            });
+            // It tells its image's size only. Writing to a digest cannot fail.
+            let _ = write!(digest, "{number} {texture:?}");
+        }
+        if let Some(environment) = &self.environment {
+            digest.bytes(bytemuck::cast_slice(environment.pixels()));
+            let _ = write!(digest, "{:?}", environment.mean());
+        }
+        let _ = write!(digest, "{:?} {:?}", self.materials, self.lights);
         digest.0
     }
 }
@@ -61,8 +85,9 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::Environment;
     use crate::math::Vec3;
-    use crate::scene::Material;
+    use crate::scene::{ColorSpace, Filter, Material, Texture, Wrap};
 
     #[test]
     fn a_change_of_any_material_changes_the_digest() {
@@ -71,5 +96,31 @@ mod tests {
         assert_eq!(before, scene.digest());
         scene.materials[0].emissive = Vec3::X;
         assert_ne!(before, scene.digest());
+    }
+
+    #[test]
+    fn a_change_of_any_texel_or_pixel_changes_the_digest() {
+        let digest = |texel: u8, pixel: f32, repeat: Wrap| {
+            let texels = Texels::Rgba8(vec![[0, 0, 0, 255], [0, texel, 0, 255]]);
+            let image = Arc::new(Image::new(2, 1, texels));
+            let texture =
+                |filter| Texture::new(image.clone(), ColorSpace::Srgb, [repeat; 2], filter);
+            let pixels = vec![[1.0; 3], [pixel, 2.0 - pixel, 1.0]];
+            let scene = Scene {
+                textures: vec![texture(Filter::Nearest), texture(Filter::Bilinear)],
+                environment: Some(Environment::image(2, 1, pixels, 1.0, 0.0)),
+                ..Scene::default()
+            };
+            scene.digest()
+        };
+        let one = digest(7, 0.5, Wrap::Repeat);
+        assert_eq!(one, digest(7, 0.5, Wrap::Repeat));
+        for other in [
+            digest(8, 0.5, Wrap::Repeat),
+            digest(7, 0.25, Wrap::Repeat),
+            digest(7, 0.5, Wrap::Clamp),
+        ] {
+            assert_ne!(one, other);
+        }
     }
 }

@@ -1,17 +1,17 @@
 //! Surroundings that the command line asks for: a colour, or a latitude-longitude image.
 
 use std::convert::Infallible;
-use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use ::image::codecs::hdr::HdrDecoder;
 use ::image::{ImageDecoder, ImageFormat, ImageReader};
 
+use super::texture_image::Texels;
 use super::{Image, LoadError, Notice, srgb_to_linear};
-use super::{load::read_regular, texture_image::Texels};
-use crate::film::{FilmError, read_rgb};
+use crate::files;
+use crate::film::{FilmError, exr::decode_rgb};
 use crate::light::Environment;
 use crate::math::Vec3;
 
@@ -19,6 +19,8 @@ use crate::math::Vec3;
 const MAX_PIXELS: u64 = 1 << 27;
 /// The most pixels of others, which take more memory on their way.
 const MAX_LOW_RANGE_PIXELS: u64 = 1 << 25;
+/// The longest file of them: more than eight bytes for each of so many pixels.
+const MAX_LOW_RANGE_BYTES: u64 = 1 << 30;
 
 /// What `--env` asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,15 +89,36 @@ impl EnvironmentImage {
     /// by 8192 pixels (8192 by 4096 where it is no image of floats), or holds a value that is not
     /// finite.
     pub fn read(path: &Path) -> Result<(Self, Vec<Notice>), LoadError> {
+        let (file, length) = files::open(path).map_err(|source| {
+            let missing = "no such file, nor is it a colour as R,G,B";
+            let source = match source.kind() {
+                io::ErrorKind::NotFound => io::Error::other(missing),
+                _ => source,
+            };
+            LoadError::read(path, source)
+        })?;
+        Self::decode(BufReader::new(file), length, path)
+    }
+
+    /// The same of `length` bytes from anywhere; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`EnvironmentImage::read`].
+    pub fn decode(
+        mut source: impl BufRead + Seek,
+        length: u64,
+        path: &Path,
+    ) -> Result<(Self, Vec<Notice>), LoadError> {
         let mut notices = Vec::new();
         let mut notice = |message: String| {
             notices.push(Notice { place: path.display().to_string(), message });
         };
-        let mut image = match format(path)? {
-            Format::Exr => exr(path)?,
-            Format::Hdr => hdr(path)?,
+        let format = format(&mut source).map_err(|source| LoadError::read(path, source))?;
+        let mut image = match format {
+            Format::Exr => exr(source, length, path)?,
+            Format::Hdr => hdr(source, length, path)?,
             Format::Other => {
-                let image = low_range(path, &mut notice)?;
+                let image = low_range(source, length, path, &mut notice)?;
                 notice("is an image of low dynamic range: it cannot hold the sun".to_owned());
                 image
             }
@@ -144,20 +167,11 @@ enum Format {
     Other,
 }
 
-fn format(path: &Path) -> Result<Format, LoadError> {
-    let failed = |source| LoadError::read(path, source);
-    let metadata = std::fs::metadata(path).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => {
-            failed(io::Error::other("no such file, nor is it a colour as R,G,B"))
-        }
-        _ => failed(source),
-    })?;
-    if !metadata.is_file() {
-        return Err(failed(io::Error::other("is not a regular file")));
-    }
+/// By the first bytes; the next to be read is the first again.
+fn format(source: &mut (impl Read + Seek)) -> io::Result<Format> {
     let mut start = Vec::new();
-    let file = File::open(path).map_err(failed)?;
-    file.take(10).read_to_end(&mut start).map_err(failed)?;
+    source.by_ref().take(10).read_to_end(&mut start)?;
+    source.rewind()?;
     Ok(if start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         Format::Exr
     } else if start.starts_with(b"#?RADIANCE") || start.starts_with(b"#?RGBE") {
@@ -175,26 +189,30 @@ fn too_large(path: &Path, width: u64, height: u64, most: u64) -> Result<(), Load
     Err(LoadError::invalid(path, "", message))
 }
 
-fn exr(path: &Path) -> Result<EnvironmentImage, LoadError> {
+fn exr(
+    mut source: impl Read + Seek,
+    length: u64,
+    path: &Path,
+) -> Result<EnvironmentImage, LoadError> {
     // A header alone can claim any size; what follows is checked by the reader.
-    let meta = ::exr::meta::MetaData::read_from_file(path, false);
+    let meta = ::exr::meta::MetaData::read_from_unbuffered(&mut source, false);
+    source.rewind().map_err(|source| LoadError::read(path, source))?;
     for header in meta.iter().flat_map(|meta| &meta.headers) {
         let size = header.layer_size;
         too_large(path, size.x() as u64, size.y() as u64, MAX_PIXELS)?;
     }
-    let (width, height, pixels) = read_rgb(path).map_err(|error| match error {
-        FilmError::Invalid { path, message } => LoadError::invalid(&path, "", message),
-        FilmError::Read { path, source } => LoadError::read(&path, source),
-        other => LoadError::invalid(path, "", other.to_string()),
-    })?;
+    let (width, height, pixels) =
+        decode_rgb(source, length, path).map_err(|error| match error {
+            FilmError::Invalid { path, message } => LoadError::invalid(&path, "", message),
+            FilmError::Read { path, source } => LoadError::read(&path, source),
+            other => LoadError::invalid(path, "", other.to_string()),
+        })?;
     Ok(EnvironmentImage { width, height, pixels })
 }
 
-fn hdr(path: &Path) -> Result<EnvironmentImage, LoadError> {
+fn hdr(source: impl BufRead, length: u64, path: &Path) -> Result<EnvironmentImage, LoadError> {
     let failed = |error: ::image::ImageError| LoadError::invalid(path, "", error.to_string());
-    let file = File::open(path).map_err(|source| LoadError::read(path, source))?;
-    let length = file.metadata().map_err(|source| LoadError::read(path, source))?.len();
-    let decoder = HdrDecoder::new(BufReader::new(file)).map_err(failed)?;
+    let decoder = HdrDecoder::new(source).map_err(failed)?;
     let (width, height) = decoder.dimensions();
     too_large(path, width.into(), height.into(), MAX_PIXELS)?;
     // A run of 127 equal values takes two bytes in each of four channels.
@@ -211,9 +229,18 @@ fn hdr(path: &Path) -> Result<EnvironmentImage, LoadError> {
     Ok(EnvironmentImage { width, height, pixels })
 }
 
-fn low_range(path: &Path, notice: &mut impl FnMut(String)) -> Result<EnvironmentImage, LoadError> {
-    let bytes = read_regular(path).map_err(|source| LoadError::read(path, source))?;
+fn low_range(
+    mut source: impl Read,
+    length: u64,
+    path: &Path,
+    notice: &mut impl FnMut(String),
+) -> Result<EnvironmentImage, LoadError> {
     let failed = |message: String| LoadError::invalid(path, "", message);
+    if length > MAX_LOW_RANGE_BYTES {
+        return Err(failed("is larger than 1 GiB".to_owned()));
+    }
+    let mut bytes = Vec::new();
+    source.read_to_end(&mut bytes).map_err(|source| LoadError::read(path, source))?;
     let known = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
     let known = known.map_err(|_| failed("not an image (.hdr, .exr, .png or .jpg)".to_owned()))?;
     let size = ImageReader::with_format(io::Cursor::new(&bytes), known).into_dimensions();
@@ -243,6 +270,7 @@ fn low_range(path: &Path, notice: &mut impl FnMut(String)) -> Result<Environment
 mod tests {
     use ::image::codecs::hdr::HdrEncoder;
     use ::image::{Rgb, RgbImage};
+    use std::fs::File;
 
     use super::*;
 

@@ -1,10 +1,10 @@
 //! The way in: from a path to a scene.
 
-use std::fs;
 use std::io;
 use std::path::Path;
 
 use super::{LoadError, Scene, gltf, obj};
+use crate::files;
 
 /// What to do about a texture that is missing or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -65,15 +65,5 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, LoadError> {
 
 /// [`read_file`] with the bare reason.
 pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
-    let metadata = fs::metadata(path)?;
-    if metadata.is_dir() {
-        return Err(io::Error::other("is a folder, not a file"));
-    }
-    if !metadata.is_file() {
-        return Err(io::Error::other("is not a regular file"));
-    }
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(io::Error::other("is larger than 8 GiB"));
-    }
-    fs::read(path)
+    files::read(path, MAX_FILE_BYTES)
 }

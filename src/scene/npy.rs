@@ -7,11 +7,12 @@
 
 mod header;
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use header::{Header, HeaderError, header_bytes};
+
+use crate::files::{self, Flush};
 
 /// What can be wrong with a file of numbers.
 #[derive(Debug, thiserror::Error)]
@@ -59,8 +60,7 @@ pub enum NpyError {
 /// against the file's length before anything of its size is allocated.
 pub fn read_f32(path: &Path, columns: usize) -> Result<Vec<f32>, NpyError> {
     let read_error = |source| NpyError::Read { path: path.into(), source };
-    let file = File::open(path).map_err(read_error)?;
-    let length = file.metadata().map_err(read_error)?.len();
+    let (file, length) = files::open(path).map_err(read_error)?;
     read_f32_from(file, length, path, columns)
 }
 
@@ -138,40 +138,20 @@ pub fn write_u8(path: &Path, values: &[u8]) -> Result<(), NpyError> {
     })
 }
 
-type Content<'a> = &'a dyn Fn(&mut dyn Write) -> io::Result<()>;
-
-fn write_whole(
-    path: &Path,
-    content: impl Fn(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), NpyError> {
-    let written = match fs::metadata(path) {
-        // Pipes and devices are written to; renaming would replace them.
-        Ok(target) if !target.is_file() => write_into(path, &content),
-        _ => write_beside(path, &content),
-    };
-    written.map_err(|source| NpyError::Write { path: path.into(), source })
-}
-
 /// Unlike pictures, hits are not flushed to the disk: they are quick to make again, and whoever
 /// times a run would time the disk.
-fn write_beside(path: &Path, content: Content) -> io::Result<()> {
-    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_string_lossy();
-    let beside = path.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    let written = write_into(&beside, content).and_then(|()| fs::rename(&beside, path));
-    if written.is_err() {
-        let _ = fs::remove_file(&beside); // the first error is the one to report
-    }
-    written
-}
-
-fn write_into(path: &Path, content: Content) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 16, File::create(path)?);
-    content(&mut out)?;
-    out.flush()
+fn write_whole(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), NpyError> {
+    files::write(path, Flush::WhenIdle, |file| content(file))
+        .map_err(|source| NpyError::Write { path: path.into(), source })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use proptest::prelude::*;
 
     use super::header::MAGIC;

@@ -1,5 +1,6 @@
 //! Textures: an image, how to read colours out of it, and what lies beyond its edges.
 
+use std::fmt;
 use std::sync::{Arc, LazyLock};
 
 use super::texture_image::{Image, Texels};
@@ -37,7 +38,7 @@ pub enum Filter {
 }
 
 /// An image as a material looks it up.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Texture {
     image: Arc<Image>,
     color_space: ColorSpace,
@@ -47,6 +48,14 @@ pub struct Texture {
     decode: &'static [f32],
     /// The same for alpha.
     decode_alpha: &'static [f32],
+}
+
+impl fmt::Debug for Texture {
+    /// Without the tables, which follow from the rest.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { image, color_space, wrap, filter, .. } = self;
+        write!(f, "Texture({image:?}, {color_space:?}, {wrap:?}, {filter:?})")
+    }
 }
 
 impl Texture {

@@ -33,7 +33,7 @@ use parts::Cutter;
 use crate::accel::{BuildInput, OptionSpec, Value, Values};
 use crate::geom::TriangleSource;
 
-/// The option that names the builder, for [`build_tree`].
+/// The option that names the builder, for `build_tree`.
 pub const BUILD: OptionSpec = OptionSpec {
     name: "build",
     summary: "binned SAH, a full sweep, binned after early split clipping, or spatial splits",
@@ -41,7 +41,7 @@ pub const BUILD: OptionSpec = OptionSpec {
     default: Value::Choice("binned"),
 };
 
-/// The option that says whether the tree is refined, for [`build_tree_by`].
+/// The option that says whether the tree is refined, for `build_tree_by`.
 pub const REFINE: OptionSpec = OptionSpec {
     name: "refine",
     summary: "whether subtrees of the finished tree are moved to where boxes get smaller",
@@ -49,7 +49,7 @@ pub const REFINE: OptionSpec = OptionSpec {
     default: Value::Choice("off"),
 };
 
-/// Builds a binary tree by the options [`BUILD`] and [`REFINE`]; see [`build_tree`].
+/// Builds a binary tree by the options [`BUILD`] and [`REFINE`]; see `build_tree`.
 fn build_tree_by(
     input: &BuildInput<'_>,
     cost: sah::Cost,

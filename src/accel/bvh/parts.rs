@@ -194,7 +194,7 @@ mod tests {
             let ray = Ray::new(origin, target - origin, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
             let (slab, shear) = (SlabRay::new(&ray), ShearRay::new(&ray));
-            if let Some([t, ..]) = verdict(&slab, &shear, &triangle) {
+            if let Some([t, ..]) = verdict(crate::simd::baseline(), &slab, &shear, &triangle) {
                 let holds = |bounds: &Aabb| {
                     let (enter, exit) = slab.interval(bounds);
                     enter <= t && t <= exit

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::super::input;
+use super::super::{CliError, input, memory};
 use super::output::{OutputArgs, Results};
-use super::{Failed, memory_limit};
+use super::{memory_limit, ray_bytes};
 use crate::bench::bars::bars;
 use crate::bench::kd::{self, Row, SETS, Settings};
 use crate::bench::measure::Measured;
@@ -22,7 +22,8 @@ pub struct KdArgs {
     scene: PathBuf,
     /// Rays of each set
     #[arg(long, value_name = "N", default_value_t = 100_000)]
-    rays: usize,
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    rays: u64,
     /// The instruction set
     #[arg(long, default_value_t)]
     isa: Isa,
@@ -34,10 +35,14 @@ pub struct KdArgs {
 }
 
 /// Runs the command.
-pub fn run(args: &KdArgs) -> Result<(), Failed> {
+pub fn run(args: &KdArgs) -> Result<(), CliError> {
+    // All sets and answers, and those that are compared with them.
+    let needed = ray_bytes(args.rays, SETS.len() as u64 + 1);
+    memory::require(&format!("{} rays of each set", args.rays), needed)?;
+    args.output.probe()?;
     let source = input::triangles(&args.scene)?;
     let memory = memory_limit(args.memory);
-    let settings = Settings { rays: args.rays, memory, isa: args.isa };
+    let settings = Settings { rays: args.rays as usize, memory, isa: args.isa };
     let walks = kd::walks(&source, &settings)?;
     let builds = kd::builds_and_layouts(&source, &settings)?;
     let name = args.scene.display();
@@ -62,7 +67,7 @@ pub fn run(args: &KdArgs) -> Result<(), Failed> {
             ("builds".to_owned(), chart(&titles[1], &builds)),
         ],
     };
-    Ok(results.publish(&args.output)?)
+    results.publish(&args.output)
 }
 
 fn chart(title: &str, rows: &[Row]) -> String {

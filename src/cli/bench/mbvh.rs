@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-use super::super::input;
 use super::super::progress::say;
+use super::super::{CliError, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::scenes;
-use super::{Failed, memory_limit};
+use super::{memory_limit, ray_bytes};
 use crate::accel::bvh::BUILD;
 use crate::accel::{BuildError, Values};
 use crate::bench::mbvh::{self, Settings};
 use crate::simd::Isa;
 
-/// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, its figures beside ours.
+/// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, its figures beside.
 ///
 /// On one thread: construction (table 1), random rays with and without a cache of triangles (2),
 /// the size of that cache, on the largest scene (3), width (4), and packets of rays that lose their
@@ -35,7 +35,8 @@ pub struct MbvhArgs {
     files: Vec<PathBuf>,
     /// Rays of each kind; a tenth of them at each point of figure 4
     #[arg(long, value_name = "N", default_value_t = 10_000_000)]
-    rays: usize,
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    rays: u64,
     /// Timed passes of each structure
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
@@ -67,9 +68,12 @@ fn builder(text: &str) -> Result<&'static str, String> {
 }
 
 /// Runs the command.
-pub fn run(args: &MbvhArgs) -> Result<(), Failed> {
+pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
+    // A set, its answers, and those that are compared with them.
+    memory::require(&format!("{} rays", args.rays), ray_bytes(args.rays, 2))?;
+    args.output.probe()?;
     let settings = Settings {
-        rays: args.rays,
+        rays: args.rays as usize,
         rounds: args.rounds,
         build: args.build,
         refine: args.refine,
@@ -110,5 +114,5 @@ pub fn run(args: &MbvhArgs) -> Result<(), Failed> {
         json: mbvh::json(&measured, &settings),
         plots: plots.chain(measured.iter().map(plot)).collect(),
     };
-    Ok(results.publish(&args.output)?)
+    results.publish(&args.output)
 }

@@ -12,15 +12,14 @@ mod output;
 mod render;
 mod scenes;
 
-use std::fs;
 use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::CliError;
-use super::progress::say;
-use crate::accel::BuildError;
+use super::{CliError, memory};
+use crate::accel::ClosestHit;
 use crate::bench::measure::BenchError;
+use crate::math::Ray;
 
 /// Measure structures side by side; all answers are compared first.
 #[derive(clap::Args, Debug)]
@@ -36,35 +35,21 @@ enum What {
     Render(render::BenchRenderArgs),
 }
 
-/// Why there are no figures.
-#[derive(Debug, thiserror::Error)]
-enum Failed {
-    #[error(transparent)]
-    Command(#[from] CliError),
-    #[error(transparent)]
-    Bench(#[from] BenchError),
-}
-
-impl From<BuildError> for Failed {
-    fn from(error: BuildError) -> Self {
-        Self::Command(error.into())
-    }
-}
-
 /// Runs the command; exit 1 if structures disagree.
 pub fn run(args: &BenchArgs) -> Result<ExitCode, CliError> {
-    let done = match &args.what {
-        What::Kd(args) => kd::run(args),
-        What::Mbvh(args) => mbvh::run(args),
-        What::Render(args) => render::run(args),
-    };
-    match done {
-        Ok(()) => Ok(ExitCode::SUCCESS),
-        Err(Failed::Command(error)) => Err(error),
-        Err(Failed::Bench(BenchError::Build(error))) => Err(error.into()),
-        Err(Failed::Bench(wrong)) => {
-            say(&format!("error: {wrong}"));
-            Ok(ExitCode::from(1))
+    match &args.what {
+        What::Kd(args) => kd::run(args)?,
+        What::Mbvh(args) => mbvh::run(args)?,
+        What::Render(args) => render::run(args)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl From<BenchError> for CliError {
+    fn from(error: BenchError) -> Self {
+        match error {
+            BenchError::Build(error) => Self::Build(error),
+            wrong => Self::Differs(wrong.to_string()),
         }
     }
 }
@@ -72,16 +57,29 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, CliError> {
 /// Bytes that `--memory` allows: so many megabytes, or three quarters of the machine's memory.
 fn memory_limit(megabytes: u64) -> u64 {
     match megabytes {
-        0 => machine_memory() / 4 * 3,
+        0 => memory::limit() / 4 * 3,
         megabytes => megabytes.saturating_mul(1_000_000),
     }
 }
 
-/// Bytes of memory, or 16 GB where the system does not say.
-fn machine_memory() -> u64 {
-    let total = fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
-        let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
-        line.split_whitespace().nth(1)?.parse::<u64>().ok()
-    });
-    total.map_or(16_000_000_000, |kilobytes| kilobytes * 1024)
+/// Bytes of some sets of rays and their answers.
+fn ray_bytes(rays: u64, sets: u64) -> u64 {
+    rays * sets * (size_of::<Ray>() + size_of::<ClosestHit>()) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disagreement_is_a_difference() {
+        let wrong = BenchError::Disagrees {
+            spec: "kd-ropes".to_owned(),
+            first: "kd-stack-direction".to_owned(),
+            rays: 1,
+            count: 10,
+            set: "random",
+        };
+        assert_eq!(CliError::from(wrong).exit_code(), 1);
+    }
 }

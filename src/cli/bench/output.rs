@@ -1,12 +1,14 @@
 //! Where the results of a bench go.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use super::super::{CliError, table};
 use crate::bench::table::Table;
+use crate::files::{self, Flush};
 
 /// Flags of all benches.
 #[derive(clap::Args, Debug)]
@@ -17,6 +19,19 @@ pub struct OutputArgs {
     /// Print one JSON object in place of the tables
     #[arg(long)]
     json: bool,
+}
+
+impl OutputArgs {
+    /// Makes the folder of the report, before the work.
+    ///
+    /// # Errors
+    /// If it could not be written to.
+    pub fn probe(&self) -> Result<(), CliError> {
+        let Some(folder) = &self.report else { return Ok(()) };
+        fs::create_dir_all(folder)
+            .and_then(|()| files::probe(&folder.join("report")))
+            .map_err(|error| CliError::not_written(folder, &error))
+    }
 }
 
 /// What a bench found.
@@ -39,7 +54,6 @@ impl Results {
     pub fn publish(&self, args: &OutputArgs) -> Result<(), CliError> {
         let object = format!("{:#}\n", self.json);
         if let Some(folder) = &args.report {
-            fs::create_dir_all(folder).map_err(|error| not_written(folder, &error))?;
             write(folder, &format!("{}.md", self.name), &self.markdown())?;
             write(folder, &format!("{}.json", self.name), &object)?;
             for (stem, svg) in &self.plots {
@@ -85,11 +99,8 @@ fn wrapped(paragraph: &str) -> String {
 
 fn write(folder: &Path, name: &str, text: &str) -> Result<(), CliError> {
     let path = folder.join(name);
-    fs::write(&path, text).map_err(|error| not_written(&path, &error))
-}
-
-fn not_written(path: &Path, error: &std::io::Error) -> CliError {
-    CliError::Output(format!("{}: {error}", path.display()))
+    files::write(&path, Flush::ToDisk, |file| file.write_all(text.as_bytes()))
+        .map_err(|error| CliError::not_written(&path, &error))
 }
 
 #[cfg(test)]

@@ -8,16 +8,16 @@ use serde_json::json;
 
 use super::super::prepare::{Job, prepare};
 use super::super::progress::say;
+use super::super::render::parse;
 use super::super::validate::specs;
-use super::super::{CliError, input, render::parsed_words};
-use super::Failed;
+use super::super::{CliError, args::threads, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, scenes};
 use crate::accel::{Accel, AccelSpec, build};
 use crate::bench::bars::bars;
 use crate::bench::renders::{self, Rendered, Scene};
 use crate::geom::TriangleSource;
-use crate::render::{Aov, Control, render};
+use crate::render::{Aov, Control, film_bytes, render};
 use crate::simd::Isa;
 
 /// Whole renders per structure: figure 1 of Ernst and Greiner's paper, its speed-ups beside ours.
@@ -46,13 +46,14 @@ pub struct BenchRenderArgs {
     resolution: String,
     /// Samples a pixel
     #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     spp: u64,
     /// Renders of each structure
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
     /// Threads to build and render with; 0: one a core
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     threads: usize,
     /// The instruction set
     #[arg(long, default_value_t)]
@@ -68,12 +69,13 @@ pub struct BenchRenderArgs {
 const DEPTH: u32 = 20;
 
 /// Runs the command.
-pub fn run(args: &BenchRenderArgs) -> Result<(), Failed> {
+pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
     let specs = specs(&args.accel)?;
     if specs.iter().any(|spec| spec.variant.id == "brute") {
         let message = "--accel: brute force takes forever here; leave it out".to_owned();
-        return Err(CliError::Usage(message).into());
+        return Err(CliError::Usage(message));
     }
+    args.output.probe()?;
     let measured = input::on_threads(args.threads, || {
         let measure = |scene: &BenchScene| measure(args, &specs, scene);
         scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
@@ -100,7 +102,7 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), Failed> {
         }),
         plots: vec![("speed-ups".to_owned(), chart(&measured))],
     };
-    Ok(results.publish(&args.output)?)
+    results.publish(&args.output)
 }
 
 /// Loads a scene, builds all structures and renders by turns.
@@ -108,7 +110,7 @@ fn measure(
     args: &BenchRenderArgs,
     specs: &[AccelSpec],
     scene: &BenchScene,
-) -> Result<Scene, Failed> {
+) -> Result<Scene, CliError> {
     let tell = |what: &str| {
         if !args.quiet {
             say(&format!("{}: {what}", scene.name()));
@@ -126,7 +128,10 @@ fn measure(
         ["--aov", &layers],
     ];
     let words = words.concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
-    let job = scene.with_file(|path| prepare(&parsed_words(path, &words)?))?;
+    let job = scene.with_file(|path| prepare(&parse(path, &words)?))?;
+    // One to compare with, and one under way.
+    let what = format!("two pictures of {}", args.resolution);
+    memory::require(&what, film_bytes(&job.settings) * 2)?;
     let mut structures: Vec<(String, f64)> = Vec::new();
     let mut accels: Vec<Box<dyn Accel>> = Vec::new();
     for spec in specs {

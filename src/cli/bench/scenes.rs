@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::CliError;
 use crate::bench::mbvh::paper;
-use crate::film::atomic;
+use crate::files::{self, Flush};
 use crate::scene::generate::Generator;
 
 /// A scene.
@@ -50,9 +50,10 @@ impl BenchScene {
             Self::Assembly(triangles) => {
                 let name = format!("dapple-{}-{}.glb", std::process::id(), self.name());
                 let file = Temporary(std::env::temp_dir().join(name));
-                atomic::write(&file.0, |out| {
+                files::write(&file.0, Flush::WhenIdle, |out| {
                     Generator::Assembly.write(*triangles, 0, out).map(|_| ())
-                })?;
+                })
+                .map_err(|error| CliError::not_written(&file.0, &error))?;
                 load(&file.0)
             }
         }

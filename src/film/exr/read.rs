@@ -3,6 +3,7 @@
 //! What a header claims is checked against the length of the file before anything is allocated,
 //! and only the channels that are asked for are kept.
 
+use crate::files;
 use crate::film::picture::no_colours;
 use crate::film::{FilmError, Picture, Window};
 use ::exr::block::UncompressedBlock;
@@ -47,8 +48,20 @@ pub fn read(path: &Path) -> Result<Picture, FilmError> {
 /// As [`read`], and [`FilmError::Invalid`] if there are no colours.
 pub fn read_rgb(path: &Path) -> Result<(usize, usize, Vec<[f32; 3]>), FilmError> {
     let (file, length) = open(path)?;
-    let picture =
-        decode_channels(file, length, path, |name| matches!(name, "R" | "G" | "B" | "Y"))?;
+    decode_rgb(file, length, path)
+}
+
+/// The colours of a file of `length` bytes from anywhere, as [`read_rgb`]; `path` is for messages.
+///
+/// # Errors
+/// As [`read_rgb`].
+pub fn decode_rgb(
+    source: impl Read + Seek,
+    length: u64,
+    path: &Path,
+) -> Result<(usize, usize, Vec<[f32; 3]>), FilmError> {
+    let colours = |name: &str| matches!(name, "R" | "G" | "B" | "Y");
+    let picture = decode_channels(source, length, path, colours)?;
     Ok((picture.width(), picture.height(), picture.rgb(path)?))
 }
 
@@ -61,8 +74,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Picture, FilmError> {
 }
 
 fn open(path: &Path) -> Result<(BufReader<File>, u64), FilmError> {
-    let file = File::open(path).map_err(|source| FilmError::read(path, source))?;
-    let length = file.metadata().map_err(|source| FilmError::read(path, source))?.len();
+    let (file, length) = files::open(path).map_err(|source| FilmError::read(path, source))?;
     Ok((BufReader::new(file), length))
 }
 

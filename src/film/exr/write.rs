@@ -4,7 +4,8 @@
 //! because the crate keeps custom attributes in a hash map and would write them in another order
 //! each time. Ours are sorted, so that one picture is one sequence of bytes.
 
-use crate::film::{FilmError, Picture, Window, atomic};
+use crate::files::{self, Flush};
+use crate::film::{FilmError, Picture, Window};
 use ::exr::block::chunk::Chunk;
 use ::exr::block::lines::LineRefMut;
 use ::exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
@@ -30,14 +31,15 @@ const REC_709: Chromaticities = Chromaticities {
 };
 
 /// Writes a picture: one part, scanlines, ZIP over 16 lines, float32; the display window is the
-/// frame, the data window the crop. The file is whole or not there ([`atomic`]).
+/// frame, the data window the crop. The file is whole or not there ([`files::write()`]).
 ///
 /// # Errors
 /// [`FilmError::Write`]; [`FilmError::Invalid`] if the crop is empty, a channel is missing or a
 /// string's name does not fit the format.
 pub fn write(path: &Path, picture: &Picture) -> Result<(), FilmError> {
     let bytes = encode(picture).map_err(|message| FilmError::invalid(path, message))?;
-    atomic::write_bytes(path, &bytes)
+    files::write(path, Flush::ToDisk, |file| file.write_all(&bytes))
+        .map_err(|source| FilmError::write(path, source))
 }
 
 /// The bytes of the file that [`write()`] writes: the same for the same picture.

@@ -9,7 +9,22 @@ use std::error::Error;
 use std::path::Path;
 
 /// Renders a scene of a manifest by its [`GoldenScene::file`] and [`GoldenScene::render`].
-pub type RenderFn<'a> = dyn Fn(&GoldenScene) -> Result<Picture, Box<dyn Error + Send + Sync>> + 'a;
+pub type RenderFn<'a> = dyn Fn(&GoldenScene) -> Result<Picture, RenderError> + 'a;
+
+/// Why a scene could not be rendered.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+pub struct RenderError {
+    message: String,
+    exit_code: u8,
+}
+
+impl RenderError {
+    /// An error, and the exit status that a command would end with for it.
+    pub fn new(exit_code: u8, error: &dyn Error) -> Self {
+        Self { message: chain(error), exit_code }
+    }
+}
 
 /// How far a render is from its golden picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -59,14 +74,21 @@ impl Outcome {
         Self { name: scene.name.clone(), verdict, figures, reason, exit_code: 0 }
     }
 
-    fn failed(scene: &GoldenScene, error: &(dyn Error + 'static)) -> Self {
-        let exit_code = error.downcast_ref::<FilmError>().map_or(3, FilmError::exit_code);
-        Self { exit_code, ..Self::of(scene, Verdict::Failed, None, chain(error)) }
+    fn failed(scene: &GoldenScene, error: &FilmError) -> Self {
+        Self { exit_code: error.exit_code(), ..Self::not_done(scene, error) }
+    }
+
+    fn not_rendered(scene: &GoldenScene, error: &RenderError) -> Self {
+        Self { exit_code: error.exit_code, ..Self::not_done(scene, error) }
+    }
+
+    fn not_done(scene: &GoldenScene, error: &dyn Error) -> Self {
+        Self::of(scene, Verdict::Failed, None, chain(error))
     }
 }
 
 /// An error and its sources, in one line.
-fn chain(error: &(dyn Error + 'static)) -> String {
+fn chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(error) = source {
@@ -89,7 +111,7 @@ pub fn check(scene: &GoldenScene, render: &RenderFn<'_>) -> Outcome {
     };
     match render(scene) {
         Ok(picture) => judge(scene, &picture, &golden),
-        Err(error) => Outcome::failed(scene, &*error),
+        Err(error) => Outcome::not_rendered(scene, &error),
     }
 }
 
@@ -100,7 +122,7 @@ pub fn update(scene: &GoldenScene, render: &RenderFn<'_>) -> Outcome {
     let old = if scene.golden.exists() { Some(exr::read(&scene.golden)) } else { None };
     let mut picture = match render(scene) {
         Ok(picture) => picture,
-        Err(error) => return Outcome::failed(scene, &*error),
+        Err(error) => return Outcome::not_rendered(scene, &error),
     };
     picture.retain_channels(|name| {
         matches!(name, "R" | "G" | "B" | "A") || name.starts_with("variance.")
@@ -280,9 +302,10 @@ mod tests {
         let scene = scene(folder.path(), Rule::Pixels);
         update(&scene, &|_| Ok(picture(0.5, 0)));
         let failed = check(&scene, &|_| {
-            Err(FilmError::read(Path::new("a.gltf"), std::io::ErrorKind::NotFound.into()).into())
+            let error = FilmError::read(Path::new("a.gltf"), std::io::ErrorKind::NotFound.into());
+            Err(RenderError::new(5, &error))
         });
-        assert_eq!((failed.verdict, failed.exit_code), (Verdict::Failed, 3));
+        assert_eq!((failed.verdict, failed.exit_code), (Verdict::Failed, 5));
         assert_eq!(failed.reason, "a.gltf: cannot be read: entity not found");
         let small = Picture::new(Window::of_size(2, 2), Window::of_size(2, 2));
         let resized = check(&scene, &move |_| {

@@ -1,13 +1,16 @@
 //! The manifest of a folder of golden pictures.
 
+use crate::files;
 use crate::film::FilmError;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The manifest's name in its folder.
 pub const MANIFEST: &str = "golden.toml";
+
+/// The largest manifest that is read: a limit against what is no manifest at all.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// One entry of a manifest, with paths that can be opened.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,7 +126,9 @@ struct SceneEntry {
 /// that occurs twice, or no scene at all.
 pub fn load(folder: &Path) -> Result<Vec<GoldenScene>, FilmError> {
     let path = folder.join(MANIFEST);
-    let text = fs::read_to_string(&path).map_err(|source| FilmError::read(&path, source))?;
+    let bytes = files::read(&path, MAX_BYTES).map_err(|source| FilmError::read(&path, source))?;
+    let text =
+        String::from_utf8(bytes).map_err(|_| FilmError::invalid(&path, "is not text in UTF-8"))?;
     let manifest: ManifestFile = toml::from_str(&text)
         .map_err(|error| FilmError::invalid(&path, error.to_string().trim_end()))?;
     let limits = manifest.limits.over(Limits::default());
@@ -153,6 +158,7 @@ pub fn load(folder: &Path) -> Result<Vec<GoldenScene>, FilmError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn load_text(text: &str) -> Result<Vec<GoldenScene>, FilmError> {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,9 +1,9 @@
 //! Scenes made by rule from a seed, of exactly as many triangles as asked for.
 //!
-//! A generator is one module that makes a [`Model`]: shapes at their places, materials, cameras and
+//! A generator is one module that makes a `Model`: shapes at their places, materials, cameras and
 //! lights, nothing of which depends on how finely it will be tessellated but for the parts there
-//! are ([`Generator::model`]). What follows is the same for all: each part is given its share of
-//! the triangles ([`budget`]), and the file is written ([`glb`]).
+//! are (`Generator::model`). What follows is the same for all: each part is given its share of
+//! the triangles (`budget`), and the file is written (`glb`).
 //!
 //! Arithmetic is +, -, ×, ÷, √ and `libm`, in one order: the same file on every machine.
 

@@ -2,9 +2,9 @@
 //!
 //! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008. A node's children are tested
 //! by one stream of vector instructions, and so are a leaf's triangles. A binary tree is built
-//! first and collapsed ([`collapse`]); a ray walks by algorithm 2 of the paper, its children
+//! first and collapsed (`collapse`); a ray walks by algorithm 2 of the paper, its children
 //! ordered by distance rather than by octant, and a slice of rays is walked with sixteen of them in
-//! flight ([`flight`]).
+//! flight (`flight`).
 
 mod arena;
 mod collapse;

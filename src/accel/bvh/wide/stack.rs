@@ -66,7 +66,7 @@ impl<const W: usize> Stack<W> {
         if others == 0 {
             return Some(Link(links[first]));
         }
-        if others & (others - 1) == 0 {
+        if others.is_power_of_two() {
             let second = others.trailing_zeros() as usize % W;
             let swapped = keys[second] < keys[first];
             let (near, far) = if swapped { (second, first) } else { (first, second) };

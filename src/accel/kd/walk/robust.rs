@@ -10,6 +10,7 @@ use super::super::layout::{Nodes, View};
 use super::Visit;
 use super::todo::LEVELS;
 use crate::accel::{Counters, Event, Query, test_triangle};
+use crate::simd::baseline;
 use crate::geom::own_box;
 use crate::math::{NodeId, TriangleId};
 
@@ -93,7 +94,7 @@ fn all<Q: Query, C: Counters>(visit: &mut Visit<'_, Q, C>) -> ControlFlow<()> {
         visit.counters.count(Event::BoxTest);
         let (enter, exit) = visit.shot.slab.interval(&own_box(&triangle));
         if enter <= exit && enter <= visit.query.t_max() {
-            test_triangle(visit.shot, id, &triangle, visit.query, visit.counters)?;
+            test_triangle(baseline(), visit.shot, id, &triangle, visit.query, visit.counters)?;
         }
     }
     ControlFlow::Continue(())

@@ -1,0 +1,121 @@
+//! Outputs, looked at before the work is done: they destroy nothing, and can be written.
+
+use std::path::Path;
+
+use super::CliError;
+use crate::files;
+
+/// A file that a command is to write.
+#[derive(Clone, Copy, Debug)]
+pub struct Output<'a> {
+    /// The flag that names it.
+    pub flag: &'static str,
+    /// Where it goes.
+    pub path: &'a Path,
+    /// The ending of what is written.
+    pub ending: &'static str,
+}
+
+/// Endings that say what a file holds. Any other ending, or none, says nothing.
+const ENDINGS: [&str; 19] = [
+    "exr", "png", "npy", "jpg", "jpeg", "hdr", "tif", "tiff", "bmp", "tga", "webp", "gif", "gltf",
+    "glb", "obj", "mtl", "toml", "json", "pdf",
+];
+
+/// Makes sure of the outputs of a command that reads `inputs`.
+///
+/// # Errors
+/// [`CliError::Usage`] if an ending belongs to another format, or an output is another output or
+/// an input; [`CliError::Output`] for each that cannot be written.
+pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
+    for (i, output) in outputs.iter().enumerate() {
+        let Output { flag, path, ending } = *output;
+        let shown = path.display();
+        let found = path.extension().map(|found| found.to_string_lossy().to_ascii_lowercase());
+        if let Some(found) = found.filter(|found| found != ending)
+            && ENDINGS.contains(&&*found)
+        {
+            let advice = if flag == "-o" && found == "png" {
+                "; --png writes a PNG".to_owned()
+            } else {
+                format!("; name it {}", path.with_extension(ending).display())
+            };
+            let kind = ending.to_ascii_uppercase();
+            return Err(CliError::Usage(format!("{flag} {shown}: writes {kind}{advice}")));
+        }
+        if let Some(other) = outputs[..i].iter().find(|other| files::same(other.path, path)) {
+            let other = other.flag;
+            return Err(CliError::Usage(format!("{other} and {flag} are the same file: {shown}")));
+        }
+        if inputs.iter().any(|input| files::same(input, path)) {
+            let message = format!("{flag} {shown}: is an input, which it would replace");
+            return Err(CliError::Usage(message));
+        }
+    }
+    all(outputs.iter().map(|output| {
+        files::probe(output.path).map_err(|source| CliError::not_written(output.path, &source))
+    }))
+}
+
+/// Does all of it, whatever fails on the way.
+///
+/// # Errors
+/// Every error, if there are any.
+pub fn all(steps: impl IntoIterator<Item = Result<(), CliError>>) -> Result<(), CliError> {
+    let mut errors: Vec<CliError> = steps.into_iter().filter_map(Result::err).collect();
+    match errors.len() {
+        0 => Ok(()),
+        1 => Err(errors.remove(0)),
+        _ => Err(CliError::Several(errors)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn output<'a>(flag: &'static str, path: &'a Path, ending: &'static str) -> Output<'a> {
+        Output { flag, path, ending }
+    }
+
+    #[test]
+    fn outputs_destroy_neither_each_other_nor_an_input() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        let (a, b, input) = (place("a"), place("b"), place("in.npy"));
+        std::fs::write(&input, []).expect("written");
+        let (first, second) = (output("-o", &a, "exr"), output("--png", &b, "png"));
+        assert!(check(&[first, second], &[&input]).is_ok());
+        let twice = check(&[first, output("--png", &a, "png")], &[]).expect_err("one file");
+        assert_eq!(twice.exit_code(), 2);
+        assert!(twice.to_string().starts_with("-o and --png are the same file"), "{twice}");
+        let over = check(&[output("--hits", &input, "npy")], &[&input]).expect_err("an input");
+        assert!(over.exit_code() == 2 && over.to_string().contains("is an input"), "{over}");
+    }
+
+    #[test]
+    fn an_ending_of_another_format_is_told_with_what_to_do() {
+        let message = |flag, name: &str, ending| {
+            let error = check(&[output(flag, Path::new(name), ending)], &[]).expect_err("another");
+            assert_eq!(error.exit_code(), 2);
+            error.to_string()
+        };
+        assert_eq!(message("-o", "x.png", "exr"), "-o x.png: writes EXR; --png writes a PNG");
+        assert_eq!(message("-o", "x.tiff", "exr"), "-o x.tiff: writes EXR; name it x.exr");
+        assert_eq!(message("--png", "x.JPG", "png"), "--png x.JPG: writes PNG; name it x.png");
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["x.EXR", "x", "x.2"] {
+            assert!(check(&[output("-o", &folder.path().join(name), "exr")], &[]).is_ok());
+        }
+    }
+
+    #[test]
+    fn every_output_that_cannot_be_written_is_told() {
+        let (a, b) = (Path::new("no/such/a.exr"), Path::new("no/such/b.png"));
+        let error = check(&[output("-o", a, "exr"), output("--png", b, "png")], &[]);
+        let error = error.expect_err("no such folder");
+        assert_eq!(error.exit_code(), 4);
+        let text = error.to_string();
+        assert!(text.contains("a.exr: cannot be") && text.contains("\nno/such/b.png"), "{text}");
+    }
+}
