@@ -56,7 +56,7 @@ pub const AUTO: Variant = Variant {
     paper: "see mbvh8",
     options: &[],
     build: |input| {
-        let options = Options::parse(MBVH8.id, MBVH8.options, "leaves=any,refine=on");
+        let options = Options::parse(MBVH8.id, MBVH8.options, "leaves=any");
         let options = &options.expect("declared by its row");
         Ok(Box::new(Wide::<8>::build(&BuildInput {
             options,
@@ -71,10 +71,13 @@ const fn row(
     summary: &'static str,
     build: fn(&BuildInput<'_>) -> Result<Box<dyn Accel>, BuildError>,
 ) -> Variant {
-    const OPTIONS: &[OptionSpec] = &[BUILD, REFINE, LEAVES, TRIANGLES, CACHE];
+    const OPTIONS: &[OptionSpec] = &[BUILD, REFINED, LEAVES, TRIANGLES, CACHE];
     let paper = "Ernst and Greiner, Multi Bounding Volume Hierarchies, 2008";
     Variant { id, summary, paper, options: OPTIONS, build }
 }
+
+/// Refined unless said otherwise.
+const REFINED: OptionSpec = OptionSpec { default: Value::Choice("on"), ..REFINE };
 
 /// The option that says how full leaves are.
 const LEAVES: OptionSpec = OptionSpec {
