@@ -4,12 +4,12 @@ use super::super::measure::{hit_rate, speed_up};
 use super::super::plot::{Curve, lines};
 use super::super::table::{Table, cell};
 use super::paper::{self, MACHINE};
-use super::{AUTO, INCOHERENT, Mode, Rates, Scene, Structure};
+use super::{AUTO, INCOHERENT, Mode, Rates, Scene, Settings, Structure};
 use crate::accel::Event;
 
 /// Tables 1 to 4 and figure 4 as one.
-pub fn tables(scenes: &[Scene]) -> Vec<Table> {
-    let mut tables = vec![build(scenes), rates(scenes)];
+pub fn tables(scenes: &[Scene], settings: &Settings) -> Vec<Table> {
+    let mut tables = vec![build(scenes, settings), rates(scenes)];
     tables.extend(scenes.iter().filter(|scene| !scene.caches.is_empty()).map(caches));
     tables.extend([widths(scenes), incoherence(scenes)]);
     tables
@@ -41,13 +41,15 @@ fn thousands(count: usize) -> String {
     format!("{:.1}", count as f64 * 1e-3)
 }
 
-fn build(scenes: &[Scene]) -> Table {
+fn build(scenes: &[Scene], settings: &Settings) -> Table {
+    let refined = if settings.refine { ", refined" } else { "" };
     let note = format!(
-        "T_B: seconds for the binary tree, T_C: to collapse it, layout: to write it out, one \
+        "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, layout: to write it out, one \
          thread. N_L: thousands of leaves, N_E: thousands of places for children left empty \
          (the paper: empty leaves). L: mean leaf, D: mean depth. `cache`: leaves hold references \
          (of bvh2, too, four places a leaf); /bvh2: memory over that of bvh2 in the same mode. \
          C_T is {} for all. P: {MACHINE}.",
+        settings.build,
         crate::accel::bvh::sah::TRAVERSAL
     );
     let heading = [

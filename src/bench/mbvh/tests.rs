@@ -29,7 +29,7 @@ fn scene() -> Scene {
 #[test]
 fn every_table_has_its_rows_and_the_papers_columns() {
     let scenes = [scene()];
-    let tables = tables(&scenes);
+    let tables = tables(&scenes, &SETTINGS);
     let rows: Vec<_> = tables.iter().map(|table| table.rows.len()).collect();
     let figure = 1 + INCOHERENCE.len();
     assert_eq!(rows, [1 + STRUCTURES.len(), 1 + 2 * STRUCTURES.len(), 5, 1, figure]);
@@ -48,7 +48,8 @@ fn the_papers_figures_stand_beside_a_scene_of_its_size() {
     let mut scene = scene();
     scene.triangles = 334_080;
     scene.caches.clear();
-    let text: String = tables(&[scene]).iter().map(crate::bench::table::Table::markdown).collect();
+    let text: String =
+        tables(&[scene], &SETTINGS).iter().map(crate::bench::table::Table::markdown).collect();
     assert!(!text.contains("Table 3"));
     for theirs in ["(P: Mirror)", " 8.4 ", " 6.6 ", " 0.79 ", " 99.8 ", " 423 ", " 2.06 ", " 2.52 "]
     {
@@ -99,7 +100,7 @@ fn json_and_plots_hold_every_structure() {
 #[test]
 fn a_scene_without_triangles_is_measured_too() {
     let scene = measure("empty", &source(0), false, &SETTINGS, &|_| {}).expect("all agree");
-    assert!(tables(&[scene]).len() == 4);
+    assert!(tables(&[scene], &SETTINGS).len() == 4);
 }
 
 #[test]

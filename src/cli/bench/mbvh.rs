@@ -44,7 +44,7 @@ pub struct MbvhArgs {
     /// How trees are built; `dapple accels` tells
     #[arg(long, default_value = "binned", value_parser = builder)]
     build: &'static str,
-    /// Refine trees by reinsertion, as `auto` does
+    /// Refine all trees by reinsertion, bvh2's too; auto's always is
     #[arg(long)]
     refine: bool,
     /// The instruction set
@@ -110,7 +110,7 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
     let plots = std::iter::once(("scaling".to_owned(), mbvh::scaling_plot(&measured)));
     let results = Results {
         name: "mbvh",
-        tables: mbvh::tables(&measured),
+        tables: mbvh::tables(&measured, &settings),
         json: mbvh::json(&measured, &settings),
         plots: plots.chain(measured.iter().map(plot)).collect(),
     };
