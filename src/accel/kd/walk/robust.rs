@@ -10,9 +10,9 @@ use super::super::layout::{Nodes, View};
 use super::Visit;
 use super::todo::LEVELS;
 use crate::accel::{Counters, Event, Query, test_triangle};
-use crate::simd::baseline;
 use crate::geom::own_box;
 use crate::math::{NodeId, TriangleId};
+use crate::simd::baseline;
 
 /// Nodes for later, with the spans to cross them.
 #[derive(Debug)]
