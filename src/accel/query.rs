@@ -7,6 +7,7 @@ use fearless_simd::{Simd, SimdFloat};
 use super::{AnyHit, ClosestHit, Counters, Event, HitFilter};
 use crate::geom::{BlockRef, ShearRay, SlabRay, Triangle, verdict};
 use crate::math::{Ray, TriangleId};
+use crate::simd::baseline;
 
 /// A ray of a batch with all that its tests need.
 #[derive(Clone, Copy)]
@@ -174,6 +175,21 @@ where
         if id != TriangleId::NONE {
             test_triangle(simd, shot, id, &block.triangle(lane), query, counters)?;
         }
+    }
+    ControlFlow::Continue(())
+}
+
+/// Lets the verdict speak over all triangles of a block, unfiltered: small, for rays that are
+/// hardly ever met.
+pub fn test_each<Q: Query, C: Counters, const W: usize>(
+    shot: &Shot<'_>,
+    block: BlockRef<'_, W>,
+    query: &mut Q,
+    counters: &mut C,
+) -> ControlFlow<()> {
+    counters.count(Event::TriangleTest);
+    for (lane, &id) in block.ids.iter().enumerate().filter(|(_, id)| **id != TriangleId::NONE) {
+        test_triangle(baseline(), shot, id, &block.triangle(lane), query, counters)?;
     }
     ControlFlow::Continue(())
 }

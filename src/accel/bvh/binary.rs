@@ -4,17 +4,15 @@
 //! tested together, the nearer child comes first, what waits on the stack remembers where the ray
 //! enters it, and leaves are blocks of four triangles in a leaf's cache lines.
 
-use std::ops::ControlFlow;
-
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
 use super::{BinaryTree, Parts, build_tree_by, sah};
 use crate::accel::{
     BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
-    Variant, test_block,
+    Variant, test_block, test_each,
 };
-use crate::geom::{TriangleBlock, TriangleSource};
+use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
 use crate::math::TriangleId;
 
 /// The row of the table.
@@ -163,45 +161,36 @@ impl Node {
 }
 
 impl Bvh2 {
-    /// Tests a leaf's triangles.
+    /// A leaf's triangles.
     #[inline(always)]
-    fn test_leaf<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        shot: &Shot<'_>,
-        query: &mut Q,
+    fn block<'a, C: Counters>(
+        &'a self,
         leaf: usize,
-        fetched: &mut Fetched<WIDTH>,
+        fetched: &'a mut Fetched<WIDTH>,
         counters: &mut C,
-    ) -> ControlFlow<()> {
+    ) -> BlockRef<'a, WIDTH> {
         counters.count(Event::Leaf);
-        let block = match &self.fetch {
+        match &self.fetch {
             None => self.leaves.blocks[leaf].parts(),
             Some(fetch) => fetched.block(fetch, leaf, &self.leaves.ids[leaf], counters),
-        };
-        test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
+        }
     }
 
     /// Tests all triangles: for the few rays that boxes of parts are not good for.
     #[inline(never)]
-    fn walk_all<S: Simd, Q: Query, C: Counters>(
+    fn walk_all<Q: Query, C: Counters>(
         &self,
-        simd: S,
         shot: &Shot<'_>,
         query: &mut Q,
         fetched: &mut Fetched<WIDTH>,
         counters: &mut C,
     ) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                for leaf in 0..self.report.leaves {
-                    if self.test_leaf(simd, shot, query, leaf, fetched, counters).is_break() {
-                        return;
-                    }
-                }
-            },
-        );
+        for leaf in 0..self.report.leaves {
+            let block = self.block(leaf, fetched, counters);
+            if test_each(shot, block, query, counters).is_break() {
+                return;
+            }
+        }
     }
 }
 
@@ -225,12 +214,15 @@ impl Traverse for Bvh2 {
     ) {
         let Some(mut link) = self.root else { return };
         if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
-            return self.walk_all(simd, shot, query, fetched, counters);
+            return self.walk_all(shot, query, fetched, counters);
         }
         let mut pending = 0;
         loop {
             if let Some(leaf) = link.leaf() {
-                if self.test_leaf(simd, shot, query, leaf, fetched, counters).is_break() {
+                let block = self.block(leaf, fetched, counters);
+                if test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
+                    .is_break()
+                {
                     return;
                 }
             } else {

@@ -198,8 +198,10 @@ mod tests {
     fn check<const W: usize>(count: usize, inline: bool) {
         let source = triangles(count);
         let mut prims = prims::prims(&source);
-        let tree =
-            binned::build(&mut prims, sah::Cost { traversal: 0.4, width: W, fill: sah::Fill::Any });
+        let tree = binned::build(
+            &mut prims,
+            sah::Cost { traversal: sah::TRAVERSAL, width: W, fill: sah::Fill::Any },
+        );
         let wide = Collapsed::<W>::new(&tree);
         let arena = wide.write(&tree, &source, inline).expect("memory");
         let mut seen = vec![false; count];

@@ -21,12 +21,13 @@ use self::arena::{Arena, BLOCK, Link, Rows};
 use self::collapse::Collapsed;
 use self::stack::Stack;
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
-use super::sah::{self, Cost, Fill};
+use super::sah::{self, Cost, Fill, TRAVERSAL};
 use super::{BUILD, Parts, REFINE, build_tree_by};
 use crate::accel::{
     Accel, Batch, BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec,
-    Options, Query, Shot, Traverse, Value, Values, Variant, test_block,
+    Options, Query, Shot, Traverse, Value, Values, Variant, test_block, test_each,
 };
+use crate::geom::BlockRef;
 use crate::simd::order::key_limit;
 use crate::simd::{Lanes, Vectors, is_wide};
 
@@ -113,7 +114,8 @@ where
 {
     fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
-        let (tree, mut phases) = build_tree_by(input, Cost { traversal: 0.4, width: W, fill });
+        let (tree, mut phases) =
+            build_tree_by(input, Cost { traversal: TRAVERSAL, width: W, fill });
         let start = Instant::now();
         let wide = Collapsed::<W>::new(&tree);
         phases.push(("collapse", start.elapsed().as_secs_f64()));
@@ -144,6 +146,25 @@ where
         })
     }
 
+    /// A leaf's triangles.
+    #[inline(always)]
+    fn block<'a, C: Counters>(
+        &self,
+        rows: Rows<'a, W>,
+        link: Link,
+        fetched: &'a mut Fetched<W>,
+        counters: &mut C,
+    ) -> BlockRef<'a, W> {
+        counters.count(Event::Leaf);
+        match &self.fetch {
+            None => rows.block(link),
+            Some(fetch) => {
+                let leaf = link.row() - self.first_leaf;
+                fetched.block(fetch, leaf, rows.ids(link), counters)
+            }
+        }
+    }
+
     /// Tests a leaf's triangles.
     #[inline(always)]
     fn test_leaf<S: Simd, Q: Query, C: Counters>(
@@ -156,24 +177,16 @@ where
         fetched: &mut Fetched<W>,
         counters: &mut C,
     ) -> ControlFlow<()> {
-        counters.count(Event::Leaf);
-        let block = match &self.fetch {
-            None => rows.block(link),
-            Some(fetch) => {
-                let leaf = link.row() - self.first_leaf;
-                fetched.block(fetch, leaf, rows.ids(link), counters)
-            }
-        };
+        let block = self.block(rows, link, fetched, counters);
         test_block::<S, <Lanes as Vectors<W>>::Floats<S>, Q, C, W>(
             simd, shot, block, query, counters,
         )
     }
 
     /// Tests all leaves: for the few rays that boxes of parts are not good for.
-    #[inline(always)]
-    fn walk_all<S: Simd, Q: Query, C: Counters>(
+    #[inline(never)]
+    fn walk_all<Q: Query, C: Counters>(
         &self,
-        simd: S,
         shot: &Shot<'_>,
         query: &mut Q,
         fetched: &mut Fetched<W>,
@@ -182,7 +195,8 @@ where
         let (rows, of_leaf) = (self.arena.rows(), if self.fetch.is_some() { 1 } else { BLOCK });
         for leaf in 0..self.report.leaves {
             let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
-            if self.test_leaf(simd, rows, shot, query, link, fetched, counters).is_break() {
+            let block = self.block(rows, link, fetched, counters);
+            if test_each(shot, block, query, counters).is_break() {
                 return;
             }
         }
@@ -214,7 +228,7 @@ where
         let rows = self.arena.rows();
         let Scratch { stacks, fetched } = scratch;
         if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
-            return self.walk_all(simd, shot, query, fetched, counters);
+            return self.walk_all(shot, query, fetched, counters);
         }
         let (stack, mut top) = (&mut stacks[0], 1);
         loop {
