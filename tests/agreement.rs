@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use dapple::accel::{AccelSpec, AnyHit, Batch, ClosestHit, VARIANTS, Values, build};
+use dapple::accel::{
+    Accel, AccelSpec, AnyHit, Batch, ClosestHit, HitFilter, Tracer, VARIANTS, Values, build,
+};
 use dapple::bench::ray_sets::{Random, RaySet, Target};
 use dapple::geom::{Triangle, TriangleList, TriangleSource};
 use dapple::math::{Ray, Vec3};
@@ -108,10 +110,17 @@ fn every_structure_answers_as_brute_force_does() {
             .into_iter()
             .flat_map(|set| target.rays(set, if set == RaySet::Hostile { 3000 } else { 400 }, 1))
             .collect();
-        let mut expected = vec![ClosestHit::MISS; rays.len()];
-        oracle.tracer().closest_hits(&Batch::new(&rays), &mut expected);
+        let expected = [false, true].map(|sieved| {
+            let mut hits = vec![ClosestHit::MISS; rays.len()];
+            let sieve = Sieve { first: 0 };
+            let filter = sieved.then_some(&sieve as &dyn HitFilter);
+            oracle.tracer().closest_hits(&Batch::new(&rays).with_filter(filter), &mut hits);
+            hits
+        });
         if !["none", "flat", "exponential"].contains(&name) {
-            assert!(expected.iter().any(ClosestHit::is_hit), "no ray hits {name}");
+            let [all, sieved] = &expected;
+            assert!(all.iter().any(ClosestHit::is_hit), "no ray hits {name}");
+            assert_ne!(all, sieved, "no hit of {name} is taken back");
         }
         specs().par_iter().for_each(|spec| {
             // The product of options and instruction sets is left to rows at their defaults.
@@ -145,26 +154,58 @@ fn every_structure_answers_as_brute_force_does() {
     }
 }
 
+/// Takes back every third hit or so, by ray and triangle; the ray's number is that of all rays.
+struct Sieve {
+    /// Number of the slice's first ray.
+    first: usize,
+}
+
+impl HitFilter for Sieve {
+    fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
+        let mixed = ((self.first + ray) as u32).wrapping_mul(0x9e37_79b9) ^ hit.triangle.0;
+        mixed.wrapping_mul(0x85eb_ca6b) >> 8 & 3 != 0
+    }
+}
+
+/// Holds a structure's answers against brute force's to all rays: without and with the sieve.
 fn check(
     what: &str,
-    accel: &dyn dapple::accel::Accel,
+    accel: &dyn Accel,
     rays: &[Ray],
-    expected: &[ClosestHit],
+    expected: &[Vec<ClosestHit>; 2],
     slice: usize,
 ) {
     // Short slices over a part only; what they could break does not depend on the ray.
     let count = rays.len().min(slice * 60);
-    let (mut hits, mut any) = (vec![ClosestHit::MISS; count], vec![AnyHit(true); count]);
     for mut tracer in [accel.tracer(), accel.counting_tracer()] {
-        let slices = rays[..count].chunks(slice);
-        for ((rays, hits), any) in slices.zip(hits.chunks_mut(slice)).zip(any.chunks_mut(slice)) {
-            tracer.closest_hits(&Batch::new(rays), hits);
-            tracer.any_hits(&Batch::new(rays), any);
+        for (sieved, expected) in [false, true].into_iter().zip(expected) {
+            let what = &format!("{what}, sieved {sieved}");
+            check_answers(what, &mut *tracer, &rays[..count], expected, slice, sieved);
         }
-        for (i, hit) in hits.iter().enumerate() {
-            let (ray, expected) = (&rays[i], &expected[i]);
+    }
+}
+
+fn check_answers(
+    what: &str,
+    tracer: &mut dyn Tracer,
+    rays: &[Ray],
+    expected: &[ClosestHit],
+    slice: usize,
+    sieved: bool,
+) {
+    let (mut hits, mut any) = (vec![ClosestHit::MISS; slice], vec![AnyHit(true); slice]);
+    for (number, rays) in rays.chunks(slice).enumerate() {
+        let sieve = Sieve { first: number * slice };
+        let filter = sieved.then_some(&sieve as &dyn HitFilter);
+        let batch = Batch::new(rays).with_filter(filter);
+        tracer.closest_hits(&batch, &mut hits[..rays.len()]);
+        tracer.any_hits(&batch, &mut any[..rays.len()]);
+        for (i, (ray, expected)) in rays.iter().zip(&expected[sieve.first..]).enumerate() {
+            let hit = &hits[i];
+            let i = sieve.first + i;
             assert!(hit.same_bits(expected), "{what}: ray {i} {ray:?}: {hit:?}, not {expected:?}");
-            assert_eq!(any[i].0, expected.is_hit(), "{what}: any hit of ray {i} {ray:?}");
+            let any = any[i - sieve.first].0;
+            assert_eq!(any, expected.is_hit(), "{what}: any hit of ray {i} {ray:?}");
         }
     }
 }

@@ -37,7 +37,9 @@ impl Ray {
             && (1.0 / Self::DIRECTION_LIMIT..=Self::DIRECTION_LIMIT).contains(&longest)
             && !t_min.is_nan()
             && !t_max.is_nan();
-        if valid { Self { origin, t_min: t_min.max(0.0), direction, t_max } } else { Self::MISS }
+        // A comparison, not `max`: that may return either of two zeros, and this one has no sign.
+        let t_min = if t_min > 0.0 { t_min } else { 0.0 };
+        if valid { Self { origin, t_min, direction, t_max } } else { Self::MISS }
     }
 
     /// Where it starts.
@@ -89,6 +91,8 @@ mod tests {
             assert_eq!(Ray::new(origin, direction, 0.0, inf), Ray::MISS);
         }
         assert_eq!(Ray::new(Vec3::ZERO, Vec3::X, f32::NAN, inf), Ray::MISS);
-        assert_eq!(Ray::new(Vec3::ZERO, Vec3::X, -1.0, inf).t_min(), 0.0);
+        for t_min in [-1.0, -0.0] {
+            assert_eq!(Ray::new(Vec3::ZERO, Vec3::X, t_min, inf).t_min().to_bits(), 0);
+        }
     }
 }

@@ -9,6 +9,8 @@ use fearless_simd::Simd;
 
 /// The lane is in these bits of a key.
 pub const LANE: u32 = 15;
+/// The distance is in these: without its sign, which is that of a zero if it is set.
+pub const DISTANCE: u32 = 0x7fff_ffff & !LANE;
 /// Added to a key, so that none is zero but that of a miss.
 pub const BIAS: u32 = 16;
 
@@ -252,6 +254,13 @@ mod tests {
                 check::<16>(isa, &distances);
             }
         }
+    }
+
+    #[test]
+    fn a_zero_with_a_sign_is_the_smallest_distance() {
+        let key = |t: f32| (t.to_bits() & DISTANCE) + BIAS;
+        assert_eq!(key(-0.0), key(0.0));
+        assert!(key(-0.0) <= key_limit(0.0) && key(-0.0) != 0);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
 
 use crate::accel::Shot;
-use crate::simd::order::{BIAS, LANE};
+use crate::simd::order::{BIAS, DISTANCE};
 use crate::simd::{Lanes, Vectors};
 
 type Floats<S, const W: usize> = <Lanes as Vectors<W>>::Floats<S>;
@@ -38,7 +38,7 @@ where
     }
     let hits = enter.simd_le(exit);
     let lanes = Bits::<S, W>::from_fn(simd, |lane| lane as u32);
-    let keys = Floats::<S, W>::from_bits(((enter.to_bits() & !LANE) | lanes) + BIAS);
+    let keys = Floats::<S, W>::from_bits(((enter.to_bits() & DISTANCE) | lanes) + BIAS);
     let keys = hits.select(keys, Floats::<S, W>::splat(simd, 0.0));
     (keys.to_bits().to_array(), hits.to_bitmask() as u32)
 }
