@@ -27,6 +27,12 @@ pub enum BuildError {
         /// The limit.
         limit: u64,
     },
+    /// The system has not as much memory.
+    #[error("the structure takes {needed} bytes, which the system does not have")]
+    NoMemory {
+        /// How many.
+        needed: u64,
+    },
     /// The instruction set asked for is not there.
     #[error("this CPU has no {isa}; leave --isa out to use the best that it has")]
     NoSuchIsa {

@@ -39,6 +39,19 @@ pub trait Traverse: Send + Sync {
         scratch: &mut Self::Scratch,
         counters: &mut C,
     ) {
+        self.walk_each::<S, Q, C>(simd, batch, answers, scratch, counters);
+    }
+
+    /// Finds the answers for a slice of rays one after the other.
+    #[inline(always)]
+    fn walk_each<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        scratch: &mut Self::Scratch,
+        counters: &mut C,
+    ) {
         for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
             let mut query = Q::new(ray);
             let shot = Shot::new(ray, index, batch.filter());

@@ -1,9 +1,11 @@
 //! Text tables, figures, and standard output.
 
-use crate::film::FilmError;
 use std::io::{self, Write};
 
-/// Writes to standard output, as every command does with its result. A reader that has gone away (`| head`) is fine.
+use crate::film::FilmError;
+
+/// Writes to standard output, as every command does with its result. A reader that has gone away
+/// (`| head`) is fine.
 ///
 /// # Errors
 /// [`FilmError::Stdout`].

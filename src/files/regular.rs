@@ -1,7 +1,7 @@
 //! Inputs that end, and which paths lead to one file.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Opens a regular file for reading; its length comes with it.
@@ -25,12 +25,18 @@ pub fn open(path: &Path) -> io::Result<(File, u64)> {
 /// # Errors
 /// As [`open`], or that it is larger.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let (_, length) = open(path)?;
-    if length > most {
+    let (file, length) = open(path)?;
+    let mut bytes = Vec::new();
+    if length <= most {
+        bytes.try_reserve_exact(length as usize).map_err(io::Error::other)?;
+        // It may grow while it is read.
+        file.take(most + 1).read_to_end(&mut bytes)?;
+    }
+    if length.max(bytes.len() as u64) > most {
         let (size, unit) = if most >= 1 << 30 { (most >> 30, "GiB") } else { (most >> 20, "MiB") };
         return Err(io::Error::other(format!("is larger than {size} {unit}")));
     }
-    fs::read(path)
+    Ok(bytes)
 }
 
 /// Whether two paths lead to one regular file, or would once it is written.

@@ -6,7 +6,8 @@
 
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
-use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
+use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, ids_of, triangles_of};
+use super::link::Link;
 use super::{BinaryTree, Parts, build_tree_by, sah};
 use crate::accel::{
     BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
@@ -30,19 +31,6 @@ const WIDTH: usize = 4;
 const COST: sah::Cost = sah::Cost { traversal: sah::TRAVERSAL, width: WIDTH, fill: sah::Fill::Any };
 /// A node puts at most one child aside.
 const STACK: usize = sah::MAX_DEPTH + 1;
-
-/// A link to a node, or with the highest bit set to a leaf's block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Link(u32);
-
-impl Link {
-    const LEAF: u32 = 1 << 31;
-
-    #[inline(always)]
-    fn leaf(self) -> Option<usize> {
-        (self.0 & Self::LEAF != 0).then_some((self.0 & !Self::LEAF) as usize)
-    }
-}
 
 /// Two children: for each axis the lower planes of both and the upper planes of both.
 #[derive(Clone, Copy, Debug)]
@@ -87,8 +75,8 @@ impl Bvh2 {
             let (depth, limit) = (report.max_depth, sah::MAX_DEPTH);
             return Err(BuildError::TooDeep { depth, limit });
         }
-        if report.leaves.max(report.nodes) >= Link::LEAF as usize {
-            let (count, limit) = (report.leaves, Link::LEAF as usize);
+        if report.leaves.max(report.nodes) >= Link::LIMIT {
+            let (count, limit) = (report.leaves, Link::LIMIT);
             return Err(BuildError::TooManyTriangles { count, limit });
         }
         let fetch = Fetch::new(input);
@@ -109,25 +97,25 @@ fn lay_out(
     let (mut inner, mut leaf) = (0, 0);
     let links: Vec<Link> = (tree.nodes.iter())
         .map(|node| {
-            let (count, flag) =
-                if node.is_leaf() { (&mut leaf, Link::LEAF) } else { (&mut inner, 0) };
-            *count += 1;
-            Link((*count - 1) | flag)
+            if node.is_leaf() {
+                leaf += 1;
+                Link::to_leaf(leaf - 1)
+            } else {
+                inner += 1;
+                Link::to_node(inner - 1)
+            }
         })
         .collect();
-    let mut nodes = Vec::with_capacity(inner as usize);
-    let (blocks, ids) = if inline { (leaf as usize, 0) } else { (0, leaf as usize) };
+    let mut nodes = Vec::with_capacity(inner);
+    let (blocks, ids) = if inline { (leaf, 0) } else { (0, leaf) };
     let mut leaves = Leaves { blocks: Vec::with_capacity(blocks), ids: Vec::with_capacity(ids) };
     for (index, node) in tree.nodes.iter().enumerate() {
         if node.is_leaf() {
             let ids = tree.triangles(node);
             if inline {
-                let fetched = |lane: usize| (ids[lane], source.triangle(ids[lane]));
-                leaves.blocks.push(TriangleBlock::fetch(ids.len(), fetched));
+                leaves.blocks.push(triangles_of(ids, source));
             } else {
-                let mut padded = [TriangleId::NONE; WIDTH];
-                padded[..ids.len()].copy_from_slice(ids);
-                leaves.ids.push(padded);
+                leaves.ids.push(ids_of(ids));
             }
             continue;
         }
@@ -218,8 +206,8 @@ impl Traverse for Bvh2 {
         }
         let mut pending = 0;
         loop {
-            if let Some(leaf) = link.leaf() {
-                let block = self.block(leaf, fetched, counters);
+            if link.is_leaf() {
+                let block = self.block(link.place(), fetched, counters);
                 if test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
                     .is_break()
                 {
@@ -228,7 +216,7 @@ impl Traverse for Bvh2 {
             } else {
                 counters.count(Event::InnerNode);
                 counters.count(Event::BoxTest);
-                let node = &self.nodes[link.0 as usize];
+                let node = &self.nodes[link.place()];
                 let [in0, in1, out0, out1] = node.intervals(simd, shot, query.t_max());
                 match (in0 <= -out0, in1 <= -out1) {
                     (true, true) => {

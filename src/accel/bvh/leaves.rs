@@ -93,12 +93,27 @@ impl<const W: usize> Fetched<W> {
     }
 }
 
-/// The triangles of some ids, [`TriangleId::NONE`] in places not used.
+/// The ids of a leaf that does not store its triangles; [`TriangleId::NONE`] in places not used.
+pub fn ids_of<const W: usize>(ids: &[TriangleId]) -> [TriangleId; W] {
+    let mut padded = [TriangleId::NONE; W];
+    padded[..ids.len()].copy_from_slice(ids);
+    padded
+}
+
+/// The triangles of a leaf, of which there is at least one.
+pub fn triangles_of<const W: usize>(
+    ids: &[TriangleId],
+    source: &dyn TriangleSource,
+) -> TriangleBlock<W> {
+    TriangleBlock::fetch(ids.len(), |lane| (ids[lane], source.triangle(ids[lane])))
+}
+
+/// The same out of the scene, for a ray: [`TriangleId::NONE`] stands in places not used.
 #[cold]
 fn fetch_block<const W: usize>(
     source: &dyn TriangleSource,
     ids: &[TriangleId; W],
 ) -> TriangleBlock<W> {
     let count = ids.iter().take_while(|&&id| id != TriangleId::NONE).count();
-    TriangleBlock::fetch(count, |lane| (ids[lane], source.triangle(ids[lane])))
+    triangles_of(&ids[..count], source)
 }

@@ -10,6 +10,7 @@ pub mod binned;
 mod bins;
 pub mod early;
 mod leaves;
+mod link;
 mod objects;
 pub mod parts;
 mod prims;

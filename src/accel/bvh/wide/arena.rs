@@ -1,6 +1,6 @@
 //! The memory of a wide tree: nodes and leaves as rows of `W` numbers.
 //!
-//! All in one piece, so that a link is a place in it whatever it leads to, and a walk can ask for
+//! All in one piece, so that a link's place is a row of it whatever it leads to, and a walk can ask for
 //! that place ahead of time without a branch. A node is eight rows: the lower and the upper planes
 //! along x, y and z, the links, and one to spare, which keeps nodes on cache lines. A leaf that
 //! stores its triangles is nine rows of coordinates and one of ids; one that does not is its ids.
@@ -8,6 +8,7 @@
 use bytemuck::cast_slice;
 use memmap2::{Advice, MmapMut};
 
+use crate::accel::bvh::link::Link;
 use crate::geom::{BlockRef, TriangleBlock};
 use crate::math::{Aabb, TriangleId};
 
@@ -17,38 +18,6 @@ pub const NODE: usize = 8;
 pub const BLOCK: usize = 10;
 /// The row of a node that holds its links.
 const LINKS: usize = 6;
-
-/// A link to a row: that of a node, or with the highest bit set that of a leaf.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Link(pub u32);
-
-impl Link {
-    /// So many rows can be linked to.
-    pub const LIMIT: usize = 1 << 31;
-    const LEAF: u32 = 1 << 31;
-
-    /// To a node.
-    pub fn to_node(row: usize) -> Self {
-        Self(row as u32)
-    }
-
-    /// To a leaf.
-    pub fn to_leaf(row: usize) -> Self {
-        Self(row as u32 | Self::LEAF)
-    }
-
-    /// Whether it leads to a leaf.
-    #[inline(always)]
-    pub fn is_leaf(self) -> bool {
-        self.0 & Self::LEAF != 0
-    }
-
-    /// The first row of what it leads to.
-    #[inline(always)]
-    pub fn row(self) -> usize {
-        (self.0 & !Self::LEAF) as usize
-    }
-}
 
 /// Rows of `W` numbers.
 pub struct Arena<const W: usize> {
@@ -130,7 +99,7 @@ impl<'a, const W: usize> Rows<'a, W> {
     /// A node's planes, lower and upper by axis, and its links.
     #[inline(always)]
     pub fn node(&self, link: Link) -> (&'a [[f32; W]; LINKS], &'a [u32; W]) {
-        let row = link.row();
+        let row = link.place();
         let planes = self.floats[row..row + LINKS].try_into().expect("six rows");
         (planes, &self.bits[row + LINKS])
     }
@@ -138,7 +107,7 @@ impl<'a, const W: usize> Rows<'a, W> {
     /// A leaf's triangles.
     #[inline(always)]
     pub fn block(&self, link: Link) -> BlockRef<'a, W> {
-        let row = link.row();
+        let row = link.place();
         let vertices = self.floats[row..row + 9].try_into().expect("nine rows");
         BlockRef { vertices, ids: &self.ids[row + 9] }
     }
@@ -146,12 +115,12 @@ impl<'a, const W: usize> Rows<'a, W> {
     /// The ids of a leaf that does not store its triangles.
     #[inline(always)]
     pub fn ids(&self, link: Link) -> &'a [TriangleId; W] {
-        &self.ids[link.row()]
+        &self.ids[link.place()]
     }
 
     /// Asks for a node, or a leaf, ahead of time.
     #[inline(always)]
     pub fn prefetch(&self, link: Link) {
-        crate::simd::prefetch(self.floats, link.row(), BLOCK * size_of::<[f32; W]>());
+        crate::simd::prefetch(self.floats, link.place(), BLOCK * size_of::<[f32; W]>());
     }
 }

@@ -6,11 +6,13 @@
 //! second level, which at `W = 4` differs only where a grandchild is a leaf, and would leave many
 //! lanes empty at 8 and 16). Leaves are taken over as they are.
 
-use super::arena::{Arena, BLOCK, Link, NODE, write_block, write_ids, write_node};
+use super::arena::{Arena, BLOCK, NODE, write_block, write_ids, write_node};
 use crate::accel::BuildReport;
+use crate::accel::bvh::leaves::{ids_of, triangles_of};
+use crate::accel::bvh::link::Link;
 use crate::accel::bvh::{BinaryNode, BinaryTree};
-use crate::geom::{TriangleBlock, TriangleSource};
-use crate::math::{Aabb, TriangleId};
+use crate::geom::TriangleSource;
+use crate::math::Aabb;
 
 use rayon::prelude::*;
 
@@ -133,12 +135,9 @@ impl<const W: usize> Collapsed<W> {
             |(rows, &leaf)| {
                 let ids = tree.triangles(&tree.nodes[leaf as usize]);
                 if inline {
-                    let fetched = |lane: usize| (ids[lane], source.triangle(ids[lane]));
-                    write_block(rows, &TriangleBlock::fetch(ids.len(), fetched));
+                    write_block(rows, &triangles_of(ids, source));
                 } else {
-                    let mut padded = [TriangleId::NONE; W];
-                    padded[..ids.len()].copy_from_slice(ids);
-                    write_ids(rows, &padded);
+                    write_ids(rows, &ids_of(ids));
                 }
             },
         );
@@ -183,7 +182,7 @@ mod tests {
     use super::*;
     use crate::accel::bvh::{binned, prims, sah};
     use crate::geom::{Triangle, TriangleList};
-    use crate::math::Vec3;
+    use crate::math::{TriangleId, Vec3};
 
     fn triangles(count: usize) -> TriangleList {
         let at = |i: usize| {

@@ -13,10 +13,11 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::arena::{Link, Rows};
+use super::arena::Rows;
 use super::stack::Stack;
 use super::{Scratch, Wide, node};
 use crate::accel::bvh::leaves::Fetched;
+use crate::accel::bvh::link::Link;
 use crate::accel::{Batch, Counters, Query, Shot};
 use crate::math::Ray;
 use crate::simd::order::key_limit;

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::arena::Link;
+use crate::accel::bvh::link::Link;
 use crate::accel::bvh::sah;
 use crate::simd::order::store_sorted;
 
