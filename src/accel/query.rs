@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, SimdFloat};
 
 use super::{AnyHit, ClosestHit, Counters, Event, HitFilter};
-use crate::geom::{BlockRef, ShearRay, SlabRay, Triangle, verdict};
+use crate::geom::{BlockRef, Corners, ShearRay, SlabRay, verdict};
 use crate::math::{Ray, TriangleId};
 use crate::simd::baseline;
 
@@ -137,7 +137,7 @@ pub fn test_triangle<S: Simd, Q: Query, C: Counters>(
     simd: S,
     shot: &Shot<'_>,
     id: TriangleId,
-    triangle: &Triangle,
+    triangle: &impl Corners,
     query: &mut Q,
     counters: &mut C,
 ) -> ControlFlow<()> {

@@ -17,8 +17,8 @@
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
 
-use super::Triangle;
-use crate::math::{Ray, TriangleId, Vec3};
+use super::{Corners, Triangle};
+use crate::math::{Ray, TriangleId};
 
 /// `W` triangles as structure of arrays. Unused places repeat a triangle, with no id.
 #[derive(Clone, Copy, Debug)]
@@ -80,12 +80,8 @@ pub struct BlockRef<'a, const W: usize> {
 impl<const W: usize> BlockRef<'_, W> {
     /// The triangle of a lane.
     #[inline(always)]
-    pub fn triangle(&self, lane: usize) -> Triangle {
-        let at = |vertex: usize| {
-            let [x, y, z] = [0, 1, 2].map(|axis| self.vertices[3 * vertex + axis][lane]);
-            Vec3::new(x, y, z)
-        };
-        Triangle { a: at(0), b: at(1), c: at(2) }
+    pub fn triangle(&self, lane: usize) -> impl Corners {
+        Lane { vertices: self.vertices, lane: lane % W }
     }
 
     /// How many triangles it holds.
@@ -128,10 +124,11 @@ impl<const W: usize> BlockRef<'_, W> {
         let (c_norm, e1_norm, e2_norm) = (norm(c), norm(e1), norm(e2));
         let tiny = splat(f32::MIN_POSITIVE);
         let (cd, ee) = (c_norm * d_norm + tiny, e1_norm * e2_norm + tiny);
-        let (u_slack, v_slack) = (cd * e2_norm + tiny, cd * e1_norm + tiny);
+        // That of both edge functions together, allowed to each.
+        let edge_slack = cd * (e1_norm + e2_norm) + tiny;
         let det_slack = d_norm * ee + tiny;
         let t_slack = c_norm * splat(RELATIVE) * ee + tiny;
-        let uv_slack = u_slack + v_slack + det_slack;
+        let uv_slack = edge_slack + det_slack;
 
         // The sign of the determinant makes all of one sign. Where it can't be told, or something
         // may have overflowed, the lane passes.
@@ -139,13 +136,26 @@ impl<const W: usize> BlockRef<'_, W> {
         let (u, v) = (flip_sign(u, det), flip_sign(v, det));
         let distance = flip_sign(distance, det);
         let sure = magnitude.simd_gt(det_slack) & (uv_slack + t_slack).simd_le(splat(LARGE));
-        let outside = u.simd_lt(-u_slack)
-            | v.simd_lt(-v_slack)
+        let outside = u.simd_lt(-edge_slack)
+            | v.simd_lt(-edge_slack)
             | (u + v).simd_gt(magnitude + uv_slack)
             | distance.simd_lt(-t_slack)
             | distance.simd_gt(splat(t_max) * (magnitude + det_slack) + t_slack);
         let all = (1_u64 << W) - 1;
         (!(outside & sure).to_bitmask() & all) as u32
+    }
+}
+
+/// One triangle of a block, where it lies.
+struct Lane<'a, const W: usize> {
+    vertices: &'a [[f32; W]; 9],
+    lane: usize,
+}
+
+impl<const W: usize> Corners for Lane<'_, W> {
+    #[inline(always)]
+    fn along(&self, axis: usize) -> [f32; 3] {
+        [0, 3, 6].map(|vertex| self.vertices[vertex + axis][self.lane % W])
     }
 }
 
@@ -178,6 +188,7 @@ mod tests {
 
     use super::*;
     use crate::geom::{ShearRay, SlabRay, verdict};
+    use crate::math::Vec3;
 
     fn coordinate() -> impl Strategy<Value = f32> {
         prop_oneof![

@@ -11,5 +11,5 @@ pub use block::{BlockRef, TriangleBlock};
 pub use clip::clipped_bounds;
 pub use mesh::Mesh;
 pub use slab::{SlabRay, own_box};
-pub use source::{Triangle, TriangleList, TriangleSource};
+pub use source::{Corners, Triangle, TriangleList, TriangleSource};
 pub use verdict::{ShearRay, verdict};

@@ -16,18 +16,18 @@
 
 use fearless_simd::{Select, Simd, SimdBase, f32x4};
 
-use super::Triangle;
-use crate::math::{Aabb, Ray, Vec3};
+use super::{Corners, Triangle};
+use crate::math::{Aabb, Ray, Vec3, larger, smaller};
 
 /// A ray, prepared for slab tests.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
-    /// The ray's origin.
-    pub origin: Vec3,
+    /// The ray's origin; here and below, the last has no meaning.
+    pub origin: [f32; 4],
     /// Reciprocal direction for near planes.
-    pub inv_near: Vec3,
+    pub inv_near: [f32; 4],
     /// Reciprocal direction for far planes.
-    pub inv_far: Vec3,
+    pub inv_far: [f32; 4],
     /// 1 for each axis along which the ray goes down (negative zero included), else 0.
     pub negative: [usize; 3],
 }
@@ -42,9 +42,9 @@ impl SlabRay {
         let direction = ray.direction();
         let inverse = Vec3::new(recip(direction.x), recip(direction.y), recip(direction.z));
         Self {
-            origin: ray.origin(),
-            inv_near: inverse * (1.0 - Self::SLACK),
-            inv_far: inverse * (1.0 + Self::SLACK),
+            origin: four(ray.origin()),
+            inv_near: four(inverse * (1.0 - Self::SLACK)),
+            inv_far: four(inverse * (1.0 + Self::SLACK)),
             negative: [
                 usize::from(direction.x.is_sign_negative()),
                 usize::from(direction.y.is_sign_negative()),
@@ -64,27 +64,37 @@ impl SlabRay {
         let (nx, fx) = pick(0);
         let (ny, fy) = pick(1);
         let (nz, fz) = pick(2);
-        let near = (Vec3::new(nx, ny, nz) - self.origin) * self.inv_near;
-        let far = (Vec3::new(fx, fy, fz) - self.origin) * self.inv_far;
-        (near.x.max(near.y).max(near.z), far.x.min(far.y).min(far.z))
+        let near = |axis: usize, plane: f32| (plane - self.origin[axis]) * self.inv_near[axis];
+        let far = |axis: usize, plane: f32| (plane - self.origin[axis]) * self.inv_far[axis];
+        (
+            larger(larger(near(0, nx), near(1, ny)), near(2, nz)),
+            smaller(smaller(far(0, fx), far(1, fy)), far(2, fz)),
+        )
     }
 
     /// The interval inside the [`own_box`] of a triangle: the same arithmetic, its axes side by
     /// side.
     #[inline(always)]
-    pub fn own_interval<S: Simd>(&self, simd: S, triangle: &Triangle) -> (f32, f32) {
-        let load = |p: Vec3| f32x4::load_array(simd, [p.x, p.y, p.z, 0.0]);
-        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(load);
+    pub fn own_interval<S: Simd>(&self, simd: S, corners: &impl Corners) -> (f32, f32) {
+        let [x, y, z] = [corners.along(0), corners.along(1), corners.along(2)];
+        let corner = |i: usize| f32x4::load_array(simd, [x[i], y[i], z[i], 0.0]);
+        let (a, b, c) = (corner(0), corner(1), corner(2));
         let slack = |p: f32x4<S>| (p.abs() * RELATIVE_SLACK).max(ABSOLUTE_SLACK);
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
         let (lo, hi) = (lo - slack(lo), hi + slack(hi));
+        let row = |row: &[f32; 4]| f32x4::load_array(simd, *row);
         let (origin, inv_near, inv_far) =
-            (load(self.origin), load(self.inv_near), load(self.inv_far));
+            (row(&self.origin), row(&self.inv_near), row(&self.inv_far));
         let down = inv_near.simd_lt(0.0);
         let near = (down.select(hi, lo) - origin) * inv_near;
         let far = (down.select(lo, hi) - origin) * inv_far;
-        (near[0].max(near[1]).max(near[2]), far[0].min(far[1]).min(far[2]))
+        (larger(larger(near[0], near[1]), near[2]), smaller(smaller(far[0], far[1]), far[2]))
     }
+}
+
+#[inline(always)]
+fn four(v: Vec3) -> [f32; 4] {
+    [v.x, v.y, v.z, 0.0]
 }
 
 /// The reciprocal with its magnitude limited to 2^127, so that it stays finite when it is raised.

@@ -28,6 +28,19 @@ impl Triangle {
     }
 }
 
+/// The vertices of a triangle, axis by axis, wherever they lie.
+pub trait Corners {
+    /// The coordinates of `a`, `b` and `c` along an axis below 3.
+    fn along(&self, axis: usize) -> [f32; 3];
+}
+
+impl Corners for Triangle {
+    #[inline(always)]
+    fn along(&self, axis: usize) -> [f32; 3] {
+        [self.a.to_array()[axis], self.b.to_array()[axis], self.c.to_array()[axis]]
+    }
+}
+
 /// Hands out the triangles of a scene in world space, by an id that counts all instances through.
 ///
 /// Vertices are finite, and the answer for an id never changes: structures may ask when they are

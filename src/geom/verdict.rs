@@ -20,16 +20,16 @@
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64x4, mask64x4};
 
-use super::Triangle;
+use super::Corners;
 use super::slab::SlabRay;
-use crate::math::Ray;
+use crate::math::{Ray, larger, smaller};
 
 /// A ray, prepared for verdicts.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearRay {
     origin: [f64; 3],
     /// The axes, permuted: the last is that of the direction's largest component.
-    axes: [usize; 3],
+    axes: [u32; 3],
     /// Shear along the first two axes, and scale of the last.
     shear: [f64; 3],
 }
@@ -44,25 +44,28 @@ impl ShearRay {
         let (y_wins, z_wins) = (usize::from(a.y > a.x), usize::from(a.z > a.x.max(a.y)));
         let z = y_wins + z_wins * (2 - y_wins);
         // The winding does not matter: either sign of the determinant is a hit.
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        let scale = 1.0 / f64::from(d[z]);
+        const AXES: [[u32; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+        let (axes, d) = (AXES[z & 3], [d.x, d.y, d.z, 0.0]);
+        let [x, y, z] = axes.map(|axis| f64::from(d[axis as usize & 3]));
+        let scale = 1.0 / z;
         Self {
             origin: [f64::from(o.x), f64::from(o.y), f64::from(o.z)],
             axes,
-            shear: [f64::from(d[axes[0]]) * scale, f64::from(d[axes[1]]) * scale, scale],
+            shear: [x * scale, y * scale, scale],
         }
     }
 
     /// The vertices with the ray as third axis: of each, a lane, first and second coordinate, and
-    /// `t`. `at` hands out an axis of all three.
+    /// `t`. The fourth lane has no meaning.
     #[inline(always)]
-    fn project<S: Simd>(&self, simd: S, at: impl Fn(usize) -> [f32; 3]) -> [f64x4<S>; 3] {
+    fn project<S: Simd>(&self, simd: S, corners: &impl Corners) -> [f64x4<S>; 3] {
         let along = |axis: usize| {
-            let [a, b, c] = at(axis);
+            let [a, b, c] = corners.along(axis);
             let (low, high) = f32x4::load_array(simd, [a, b, c, 0.0]).widen();
             low.combine(high) - self.origin[axis]
         };
-        let [x, y, z] = self.axes.map(|axis| axis % 3);
+        // They are below 3; where the compiler knows, it checks no bounds.
+        let [x, y, z] = self.axes.map(|axis| (axis as usize).min(2));
         let (x, y, z) = (along(x), along(y), along(z));
         [x - z * self.shear[0], y - z * self.shear[1], z * self.shear[2]]
     }
@@ -78,13 +81,13 @@ pub fn verdict<S: Simd>(
     simd: S,
     slab: &SlabRay,
     shear: &ShearRay,
-    triangle: &Triangle,
+    corners: &impl Corners,
 ) -> Option<[f32; 3]> {
-    let corners = [triangle.a, triangle.b, triangle.c].map(|p| p.to_array());
-    let [x, y, t] = shear.project(simd, |axis| corners.map(|p| p[axis]));
-    // Twice the signed areas that the ray's foot spans with each edge: weights of a, b and c.
-    let next = |v: f64x4<S>| f64x4::load_array(simd, [v[1], v[2], v[0], 0.0]);
-    let after = |v: f64x4<S>| f64x4::load_array(simd, [v[2], v[0], v[1], 0.0]);
+    let [x, y, t] = shear.project(simd, corners);
+    // Twice the signed areas that the ray's foot spans with each edge: weights of a, b and c. In
+    // the fourth lane, a difference of equal products: zero.
+    let next = |v: f64x4<S>| f64x4::load_array(simd, [v[1], v[2], v[0], v[3]]);
+    let after = |v: f64x4<S>| f64x4::load_array(simd, [v[2], v[0], v[1], v[3]]);
     let (p, q) = (after(x) * next(y), after(y) * next(x));
     let weights = p - q;
     let sign = |mask: mask64x4<S>| mask.to_bitmask() != 0;
@@ -98,24 +101,25 @@ pub fn verdict<S: Simd>(
         return None;
     }
     let distance = sum(weights * t);
-    let depth = t[0].abs().max(t[1].abs()).max(t[2].abs());
+    let depth = larger(larger(t[0].abs(), t[1].abs()), t[2].abs());
     if distance.abs() <= 32.0 * f64::EPSILON * magnitude * depth {
         return None;
     }
     let inv_det = 1.0 / det;
     let t = (distance * inv_det) as f32;
-    let (enter, exit) = slab.own_interval(simd, triangle);
+    let (enter, exit) = slab.own_interval(simd, corners);
     // Also refuses a NaN, should a huge triangle have made one.
     if !(enter <= exit && t < f32::INFINITY) {
         return None;
     }
     let [u, v] = [1, 2].map(|lane| (weights[lane] * inv_det) as f32);
-    Some([t.max(enter).min(exit), u, v])
+    Some([smaller(larger(t, enter), exit), u, v])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Triangle;
     use crate::math::Vec3;
     use crate::simd::baseline;
 

@@ -3,6 +3,7 @@
 mod aabb;
 mod frame;
 mod index;
+mod order;
 mod ray;
 
 pub use aabb::Aabb;
@@ -11,4 +12,5 @@ pub use glam::{
     Affine3A, DAffine3, DMat3, DQuat, DVec2, DVec3, Mat3, Mat4, Quat, Vec2, Vec3, Vec4,
 };
 pub use index::{InstanceId, MaterialId, MeshId, NodeId, TextureId, TriangleId};
+pub use order::{larger, smaller};
 pub use ray::Ray;

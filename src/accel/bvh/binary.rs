@@ -14,7 +14,7 @@ use crate::accel::{
     Variant, test_block, test_each,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
-use crate::math::TriangleId;
+use crate::math::{TriangleId, larger};
 
 /// The row of the table.
 pub const VARIANT: Variant = Variant {
@@ -221,7 +221,7 @@ impl Traverse for Bvh2 {
                 match (in0 <= -out0, in1 <= -out1) {
                     (true, true) => {
                         let first = usize::from(in1 < in0);
-                        stack[pending] = (node.children[1 - first], in0.max(in1));
+                        stack[pending] = (node.children[1 - first], larger(in0, in1));
                         pending += 1;
                         counters.count(Event::Push);
                         link = node.children[first];

@@ -14,9 +14,10 @@ impl KdTree {
     /// Says what is wrong.
     pub fn validate(&self) -> Result<(), String> {
         self.validate_cells()?;
-        let lists: Vec<HashSet<TriangleId>> = (0..self.base.leaves.count())
-            .map(|leaf| self.base.leaves.triangles(LeafId(leaf as u32)).iter().copied().collect())
-            .collect();
+        let leaves = &self.base.leaves;
+        let ids = |leaf| leaves.triangles(LeafId(leaf)).iter().map(|&slot| leaves.id(slot));
+        let lists: Vec<HashSet<TriangleId>> =
+            (0..leaves.count() as u32).map(|leaf| ids(leaf).collect()).collect();
         for i in 0..self.base.source.len() {
             let id = TriangleId::from_index(i);
             self.validate_triangle(id, &lists)?;

@@ -53,9 +53,9 @@ pub const OPTIONS: [OptionSpec; 5] = [
     },
     OptionSpec {
         name: "leaf",
-        summary: "triangles of a leaf that is never divided",
+        summary: "triangles of a leaf that is never divided; four are tested at once",
         values: Values::Integer(1, 64),
-        default: Value::Integer(1),
+        default: Value::Integer(4),
     },
 ];
 

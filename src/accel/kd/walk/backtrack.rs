@@ -14,7 +14,7 @@ use super::super::ray::{Crossing, Span};
 use super::super::tree::KdTree;
 use super::{Visit, Walk};
 use crate::accel::{Counters, Event, Query};
-use crate::math::{Aabb, NodeId};
+use crate::math::{Aabb, NodeId, smaller};
 
 /// A node's box, the node, and the record of the next one above.
 #[derive(Clone, Copy, Debug)]
@@ -142,7 +142,7 @@ impl<R: Recorded> Walk for Backtrack<R> {
                 visit.counters.count(Event::BoxTest);
                 let (exit, _) = ray.exit(cell);
                 if exit > enter || record == 0 {
-                    break (*node, Span { enter, exit: exit.min(end) });
+                    break (*node, Span { enter, exit: smaller(exit, end) });
                 }
                 record = *parent as usize;
             };

@@ -13,7 +13,7 @@ use super::super::tree::KdTree;
 use super::todo::LEVELS;
 use super::{Visit, Walk};
 use crate::accel::{BuildError, Counters, Event, Query};
-use crate::math::NodeId;
+use crate::math::{NodeId, smaller};
 
 /// Walks by a stack pointer moved by comparisons.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ impl<L: Layout> Walk for Branchless<L> {
                     let cross_far = u8::from(skip_near) | u8::from(t_split < exit);
                     stack[top & MASK] = (children[1 - near], exit);
                     top += usize::from(cross_far);
-                    stack[top & MASK] = (children[near], t_split.min(exit));
+                    stack[top & MASK] = (children[near], smaller(t_split, exit));
                     top -= usize::from(skip_near);
                     visit.counters.add(Event::Push, u64::from(cross_far & u8::from(!skip_near)));
                 }

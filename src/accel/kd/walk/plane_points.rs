@@ -18,7 +18,7 @@ use super::super::tree::KdTree;
 use super::todo::LEVELS;
 use super::{Visit, Walk};
 use crate::accel::{BuildError, Counters, Event, Query};
-use crate::math::NodeId;
+use crate::math::{NodeId, larger, smaller};
 
 /// Walks by points.
 #[derive(Debug)]
@@ -107,7 +107,7 @@ impl<L: Layout> Walk for PlanePoints<L> {
                 visit.counters.count(Event::Push);
                 stack[pending & (LEVELS - 1)] = (far, exit);
                 pending += 1;
-                let t_split = ray.t_split(axis, split).max(enter.t).min(exit.t);
+                let t_split = smaller(larger(ray.t_split(axis, split), enter.t), exit.t);
                 (at, exit) = (near, Point::on_plane(&ray, t_split, axis, split));
             };
             if visit.leaf_ends(leaf, exit.t) || pending == 0 {

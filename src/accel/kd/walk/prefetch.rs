@@ -15,13 +15,13 @@ use fearless_simd::{Level, Simd};
 
 use super::super::layout::{Compact, Layout, Nodes, Packed, View};
 use super::super::ray::{Crossing, KdRay, Span};
-use super::super::tree::{Base, KdTree, LeafId};
+use super::super::tree::{Base, KdTree, LeafId, Slot};
 use super::todo::{Full, Todo};
 use super::{LeafTest, Visit, With, robust};
 use crate::accel::{
     Batch, BuildError, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
 };
-use crate::math::{NodeId, TriangleId};
+use crate::math::NodeId;
 
 /// Walks with rays in flight.
 pub struct Prefetch {
@@ -101,7 +101,7 @@ enum Turn {
     /// Looks at where the list of a leaf was found to be.
     List(LeafId, (u32, u32)),
     /// Looks at its first id.
-    First(LeafId, TriangleId),
+    First(LeafId, Slot),
     /// Tests all; what was read of the first is of no use but to have been read.
     Test(LeafId, f32),
 }
@@ -178,7 +178,7 @@ impl<'a, Q: Query> Flight<'a, Q> {
                 }
             },
             Turn::List(leaf, (start, _)) => {
-                self.turn = Turn::First(leaf, walk.base.leaves.id(start));
+                self.turn = Turn::First(leaf, walk.base.leaves.slot(start));
             }
             Turn::First(leaf, first) => {
                 self.turn = Turn::Test(leaf, walk.base.leaves.corners(first)[0][0]);

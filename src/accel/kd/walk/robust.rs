@@ -11,7 +11,7 @@ use super::Visit;
 use super::todo::LEVELS;
 use crate::accel::{Counters, Event, Query, test_triangle};
 use crate::geom::own_box;
-use crate::math::{NodeId, TriangleId};
+use crate::math::{NodeId, TriangleId, larger, smaller};
 use crate::simd::baseline;
 
 /// Nodes for later, with the spans to cross them.
@@ -41,7 +41,7 @@ pub fn walk<Q: Query, C: Counters>(
     let slab = &visit.shot.slab;
     let (enter, exit) = slab.interval(&visit.base.bounds);
     let (mut at, mut enter, mut exit) =
-        (nodes.root(), enter.max(0.0), exit.min(visit.query.t_max() * ROUNDING));
+        (nodes.root(), larger(enter, 0.0), smaller(exit, visit.query.t_max() * ROUNDING));
     if enter > exit {
         return;
     }
@@ -58,14 +58,14 @@ pub fn walk<Q: Query, C: Counters>(
             let near = slab.negative[axis];
             let (into_near, into_far) = (enter <= last, first <= exit);
             if into_far && into_near {
-                todo.0[pending & (LEVELS - 1)] = (children[1 - near], enter.max(first), exit);
+                todo.0[pending & (LEVELS - 1)] = (children[1 - near], larger(enter, first), exit);
                 pending += 1;
                 visit.counters.count(Event::Push);
             }
             if into_near {
-                (at, exit) = (children[near], exit.min(last));
+                (at, exit) = (children[near], smaller(exit, last));
             } else {
-                (at, enter) = (children[1 - near], enter.max(first));
+                (at, enter) = (children[1 - near], larger(enter, first));
             }
         };
         if visit.leaf(leaf) {

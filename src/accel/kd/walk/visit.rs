@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, f32x4};
 
 use super::super::ray::{KdRay, Span};
-use super::super::tree::{Base, LANES, LeafId, Leaves};
+use super::super::tree::{Base, LANES, LeafId, Leaves, Slot};
 use crate::accel::{Counters, Event, Query, Shot, test_block};
-use crate::math::TriangleId;
+use crate::math::{larger, smaller};
 
 /// Tests the triangles of a leaf with some instruction set.
 ///
@@ -18,7 +18,7 @@ pub trait LeafTest<Q, C>: Sync {
     fn test(
         &self,
         leaves: &Leaves,
-        ids: &[TriangleId],
+        slots: &[Slot],
         shot: &Shot<'_>,
         query: &mut Q,
         counters: &mut C,
@@ -32,14 +32,14 @@ impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
     fn test(
         &self,
         leaves: &Leaves,
-        ids: &[TriangleId],
+        slots: &[Slot],
         shot: &Shot<'_>,
         query: &mut Q,
         counters: &mut C,
     ) -> bool {
         self.0.vectorize(
             #[inline(always)]
-            || test_all(self.0, leaves, ids, shot, query, counters).is_break(),
+            || test_all(self.0, leaves, slots, shot, query, counters).is_break(),
         )
     }
 }
@@ -48,13 +48,13 @@ impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
 fn test_all<S: Simd, Q: Query, C: Counters>(
     simd: S,
     leaves: &Leaves,
-    ids: &[TriangleId],
+    slots: &[Slot],
     shot: &Shot<'_>,
     query: &mut Q,
     counters: &mut C,
 ) -> ControlFlow<()> {
-    for ids in ids.chunks(LANES) {
-        let block = leaves.block(simd, ids);
+    for slots in slots.chunks(LANES) {
+        let block = leaves.block(simd, slots);
         test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, block.parts(), query, counters)?;
     }
     ControlFlow::Continue(())
@@ -81,8 +81,8 @@ impl<Q: Query, C: Counters> Visit<'_, Q, C> {
     #[inline(always)]
     pub fn span(&self) -> Option<Span> {
         let (enter, exit) = self.shot.slab.interval(&self.base.bounds);
-        let enter = enter.max(self.shot.ray.t_min());
-        let exit = exit.min(self.query.t_max());
+        let enter = larger(enter, self.shot.ray.t_min());
+        let exit = smaller(exit, self.query.t_max());
         (enter <= exit).then_some(Span { enter, exit })
     }
 
@@ -100,7 +100,7 @@ impl<Q: Query, C: Counters> Visit<'_, Q, C> {
             return false;
         }
         let leaves = &self.base.leaves;
-        let ids = leaves.triangles(leaf);
-        self.leaf_test.test(leaves, ids, self.shot, self.query, self.counters)
+        let slots = leaves.triangles(leaf);
+        self.leaf_test.test(leaves, slots, self.shot, self.query, self.counters)
     }
 }
