@@ -44,6 +44,8 @@ pub use report::{BuildReport, MemoryReport};
 pub use traverse::Traverse;
 pub use variants::{AccelSpec, BuildInput, VARIANTS, Variant, build};
 
+use crate::geom::Shaft;
+
 /// A built structure: plain data, shared by all threads, never changed.
 pub trait Accel: Send + Sync {
     /// What one worker thread shoots with; it owns stacks, caches and pools.
@@ -51,6 +53,13 @@ pub trait Accel: Send + Sync {
 
     /// The same, counting its work; slower, and at the portable instruction set.
     fn counting_tracer(&self) -> Box<dyn Tracer + '_>;
+
+    /// The same structure narrowed to a region, for many slices of rays that lie in it: a screen, a
+    /// tile, what a light reaches. Rays that the region does not hold are answered too. `None` if
+    /// the structure has nothing to gain by it.
+    fn view(&self, _: &Shaft) -> Option<Box<dyn Accel + '_>> {
+        None
+    }
 
     /// Exact bytes by part.
     fn memory(&self) -> MemoryReport;
