@@ -8,6 +8,7 @@ pub mod shaft;
 pub mod slab;
 mod source;
 pub mod verdict;
+mod verdicts;
 
 pub use block::{BlockRef, TriangleBlock};
 pub use bundle::{FilterTriangle, RayBundle};
@@ -17,3 +18,4 @@ pub use shaft::Shaft;
 pub use slab::{SlabRay, own_box};
 pub use source::{Triangle, TriangleList, TriangleSource};
 pub use verdict::{ShearRay, verdict};
+pub use verdicts::{Heading, Verdicts};

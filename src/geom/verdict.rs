@@ -22,7 +22,12 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f64x4, mask64x4};
 
 use super::Triangle;
 use super::slab::{SlabRay, own_box};
-use crate::math::Ray;
+use crate::math::{Ray, Vec3};
+
+/// Determinants below this much of the magnitude of their terms may be zero: 2^-30.
+pub(super) const EDGE_ON: f64 = 9.313225746154785e-10;
+/// And distances below this much of theirs.
+pub(super) const DISTANCE_BOUND: f64 = 32.0 * f64::EPSILON;
 
 /// A ray, prepared for verdicts.
 #[derive(Clone, Copy, Debug)]
@@ -39,13 +44,8 @@ impl ShearRay {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let (o, d) = (ray.origin(), ray.direction());
-        let a = d.abs();
-        // The first of the largest. Without branches: which it is can't be guessed.
-        let (y_wins, z_wins) = (usize::from(a.y > a.x), usize::from(a.z > a.x.max(a.y)));
-        let z = y_wins + z_wins * (2 - y_wins);
-        // The winding does not matter: either sign of the determinant is a hit.
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        let scale = 1.0 / f64::from(d[z]);
+        let axes = axes(d);
+        let scale = 1.0 / f64::from(d[axes[2]]);
         Self {
             origin: [f64::from(o.x), f64::from(o.y), f64::from(o.z)],
             axes,
@@ -65,6 +65,17 @@ impl ShearRay {
         let (x, y, z) = (along(x), along(y), along(z));
         [x - z * self.shear[0], y - z * self.shear[1], z * self.shear[2]]
     }
+}
+
+/// The axes, permuted so that the last is that of a direction's largest component.
+#[inline(always)]
+pub(super) fn axes(direction: Vec3) -> [usize; 3] {
+    let a = direction.abs();
+    // The first of the largest. Without branches: which it is can't be guessed.
+    let (y_wins, z_wins) = (usize::from(a.y > a.x), usize::from(a.z > a.x.max(a.y)));
+    let z = y_wins + z_wins * (2 - y_wins);
+    // The winding does not matter: either sign of the determinant is a hit.
+    [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z]
 }
 
 /// Where a ray meets a triangle: `t` and the barycentrics `u` and `v`, or nothing.
@@ -92,13 +103,12 @@ pub fn verdict<S: Simd>(
     }
     let sum = |v: f64x4<S>| v[0] + v[1] + v[2];
     let (det, magnitude) = (sum(weights), sum(p.abs() + q.abs()));
-    const EDGE_ON: f64 = 9.313225746154785e-10; // 2^-30
     if det.abs() <= EDGE_ON * magnitude {
         return None;
     }
     let distance = sum(weights * t);
     let depth = t[0].abs().max(t[1].abs()).max(t[2].abs());
-    if distance.abs() <= 32.0 * f64::EPSILON * magnitude * depth {
+    if distance.abs() <= DISTANCE_BOUND * magnitude * depth {
         return None;
     }
     let inv_det = 1.0 / det;
@@ -115,7 +125,6 @@ pub fn verdict<S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
     use crate::simd::baseline;
 
     const WALL: Triangle =

@@ -208,30 +208,28 @@ impl Shaft {
     #[inline(always)]
     pub fn misses<S: Simd>(&self, simd: S, bounds: &Aabb) -> bool {
         let Some(coordinates) = coordinates(bounds) else { return false };
-        let load = |row: &[f32; PLANES]| f32x8::load_array_ref(simd, row);
         let mut least = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             least = least
-                + load(&self.plus[axis]) * bounds.min[axis]
-                + load(&self.minus[axis]) * bounds.max[axis]
-                - load(&self.size[axis]) * coordinates[axis];
+                + f32x8::load_array_ref(simd, &self.plus[axis]) * bounds.min[axis]
+                + f32x8::load_array_ref(simd, &self.minus[axis]) * bounds.max[axis]
+                - f32x8::load_array_ref(simd, &self.size[axis]) * coordinates[axis];
         }
-        least.simd_gt(load(&self.outer)).to_bitmask() != 0
+        least.simd_gt(f32x8::load_array_ref(simd, &self.outer)).to_bitmask() != 0
     }
 
     /// Whether all of a box lies in the region.
     #[inline(always)]
     pub fn encloses<S: Simd>(&self, simd: S, bounds: &Aabb) -> bool {
         let Some(coordinates) = coordinates(bounds) else { return false };
-        let load = |row: &[f32; PLANES]| f32x8::load_array_ref(simd, row);
         let mut most = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             most = most
-                + load(&self.plus[axis]) * bounds.max[axis]
-                + load(&self.minus[axis]) * bounds.min[axis]
-                + load(&self.size[axis]) * coordinates[axis];
+                + f32x8::load_array_ref(simd, &self.plus[axis]) * bounds.max[axis]
+                + f32x8::load_array_ref(simd, &self.minus[axis]) * bounds.min[axis]
+                + f32x8::load_array_ref(simd, &self.size[axis]) * coordinates[axis];
         }
-        most.simd_gt(load(&self.inner)).to_bitmask() == 0
+        most.simd_gt(f32x8::load_array_ref(simd, &self.inner)).to_bitmask() == 0
     }
 }
 

@@ -1,9 +1,10 @@
 //! The region of a bundle of rays.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8};
 
 use super::{LONGEST, SLACK, Shaft, farthest};
 use crate::geom::RayBundle;
+use crate::geom::bundle::dot;
 use crate::math::{Aabb, Ray, Vec3};
 
 impl Shaft {
@@ -24,7 +25,9 @@ impl Shaft {
             for (lane, ray) in rays.iter().enumerate() {
                 bundle.put(lane, ray);
             }
-            bounds.include(simd, &bundle);
+            if !bounds.include(simd, &bundle) {
+                return None;
+            }
         }
         bounds.shaft()
     }
@@ -35,7 +38,9 @@ impl Shaft {
     pub fn of_bundles<S: Simd>(simd: S, bundles: &[RayBundle], corners: [Vec3; 4]) -> Option<Self> {
         let mut bounds = Bounds::new(simd, corners)?;
         for bundle in bundles {
-            bounds.include(simd, bundle);
+            if !bounds.include(simd, bundle) {
+                return None;
+            }
         }
         bounds.shaft()
     }
@@ -50,7 +55,6 @@ struct Bounds<S: Simd> {
     origins: [[f32x8<S>; 2]; 3],
     /// Where they end along the axis.
     end: f32x8<S>,
-    coherent: bool,
 }
 
 impl<S: Simd> Bounds<S> {
@@ -58,13 +62,13 @@ impl<S: Simd> Bounds<S> {
     fn new(simd: S, corners: [Vec3; 4]) -> Option<Self> {
         let none = [f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY)];
         let (slopes, origins, end) = ([none; 2], [none; 3], none[1]);
-        Some(Self { frame: frame(corners)?, slopes, origins, end, coherent: true })
+        Some(Self { frame: frame(corners)?, slopes, origins, end })
     }
 
+    /// Takes rays into the bounds; false if they do not go the same way.
     #[inline(always)]
-    fn include(&mut self, simd: S, bundle: &RayBundle) {
+    fn include(&mut self, simd: S, bundle: &RayBundle) -> bool {
         let ([o, d], [t_min, t_max]) = (bundle.rays(simd), bundle.spans(simd));
-        let dot = |a: [f32x8<S>; 3], b: Vec3| a[0] * b.x + a[1] * b.y + a[2] * b.z;
         let [axis, across, up] = self.frame;
         let live = t_max.simd_gt(t_min);
         let along = dot(d, axis);
@@ -74,37 +78,46 @@ impl<S: Simd> Bounds<S> {
             & (along * along * 16.0).simd_ge(length_squared)
             & longest.simd_ge(1.0 / LONGEST)
             & longest.simd_le(LONGEST);
-        self.coherent &= (live & !coherent).to_bitmask() == 0;
+        if (live & !coherent).to_bitmask() != 0 {
+            return false;
+        }
 
         let inverse = f32x8::splat(simd, 1.0) / along;
-        let widen = |bounds: &mut [f32x8<S>; 2], value: f32x8<S>| {
-            bounds[0] = live.select(value.min(bounds[0]), bounds[0]);
-            bounds[1] = live.select(value.max(bounds[1]), bounds[1]);
-        };
         for (slopes, side) in self.slopes.iter_mut().zip([across, up]) {
-            widen(slopes, dot(d, side) * inverse);
+            widen(slopes, live, dot(d, side) * inverse);
         }
         for (origins, value) in self.origins.iter_mut().zip(o) {
-            widen(origins, value);
+            widen(origins, live, value);
         }
         let end = dot(o, axis) + t_max * along;
         self.end = live.select(end.max(self.end), self.end);
+        true
     }
 
     #[inline(always)]
     fn shaft(self) -> Option<Shaft> {
-        let bounds = |[low, high]: [f32x8<S>; 2]| {
-            let low = low.to_array().into_iter().fold(f32::INFINITY, f32::min);
-            [low, high.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max)]
-        };
-        let [x, y, z] = self.origins.map(bounds);
+        let [x, y, z] = self.origins.map(of_lanes);
         let origins = Aabb { min: Vec3::new(x[0], y[0], z[0]), max: Vec3::new(x[1], y[1], z[1]) };
-        if !self.coherent || origins.is_empty() {
+        if origins.is_empty() {
             return None;
         }
-        let [_, end] = bounds([self.end; 2]);
-        of_bounds(self.frame, self.slopes.map(bounds), origins, end)
+        let [_, end] = of_lanes([self.end; 2]);
+        of_bounds(self.frame, self.slopes.map(of_lanes), origins, end)
     }
+}
+
+/// Takes values into bounds, in those lanes that have one.
+#[inline(always)]
+fn widen<S: Simd>(bounds: &mut [f32x8<S>; 2], live: mask32x8<S>, value: f32x8<S>) {
+    bounds[0] = live.select(value.min(bounds[0]), bounds[0]);
+    bounds[1] = live.select(value.max(bounds[1]), bounds[1]);
+}
+
+/// The bounds of all lanes.
+#[inline(always)]
+fn of_lanes<S: Simd>([low, high]: [f32x8<S>; 2]) -> [f32; 2] {
+    let low = low.to_array().into_iter().fold(f32::INFINITY, f32::min);
+    [low, high.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max)]
 }
 
 /// The region of rays with origins in a box and slopes (parts of the direction along the second and
