@@ -99,7 +99,7 @@ fn answers(
 fn rasters_are_answered_as_brute_force_does() {
     let scenes = [
         ("soup", soup(3000, 0.2, 1.0), 1.0),
-        ("dust", soup(10_000, 0.01, 1.0), 1.0),
+        ("dust", soup(10_000, 0.02, 1.0), 1.0),
         ("room", room(), 1.0),
         ("large", soup(500, 0.3, 1e15), 1e15),
         ("small", soup(500, 0.3, 1e-15), 1e-15),
@@ -124,7 +124,7 @@ fn rasters_are_answered_as_brute_force_does() {
             let filters = [None, Some(&Sieve as &dyn HitFilter)];
             let expected = filters.map(|filter| answers(&*oracle, &rays, filter, false));
             let hit = expected[0].0.iter().filter(|hit| hit.is_hit()).count();
-            assert!(hit > 50 || name == "room" && number == 3, "{name}, view {number}");
+            assert!(hit > 20 || name == "room" && number == 3, "{name}, view {number}");
             for spec in SPECS {
                 for &isa in &isas {
                     let accel = structure(spec, isa);
