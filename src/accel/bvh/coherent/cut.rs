@@ -6,9 +6,6 @@ use crate::math::{Ray, Vec3};
 /// Rays of a packet at most: 16 by 16.
 pub const RAYS: usize = 256;
 
-/// Rays of a run at most, where nothing is known of how they lie: a part of a row, most likely.
-const RUN: usize = 64;
-
 /// The packets of a slice: blocks of its raster as near to square as can be, or runs of rays where
 /// it is none.
 pub struct Cut<'a> {
@@ -30,7 +27,6 @@ impl<'a> Cut<'a> {
     pub fn new(batch: &Batch<'a>, most: usize) -> Self {
         let rays = batch.rays();
         let grid = batch.grid().filter(|&(_, _, each)| each > 0);
-        let most = if grid.is_none() { most.min(RUN) } else { most };
         let (width, height, each) = grid.unwrap_or((rays.len(), 1, 1));
         let mut sides = [0, 0];
         // As long as twice as many cells along the shorter side fit.
