@@ -1,5 +1,6 @@
 //! Slices of rays, and their answers.
 
+use crate::geom::Shaft;
 use crate::math::{Ray, TriangleId};
 
 /// Rays to shoot together, with hints; hints never change a hit.
@@ -7,19 +8,27 @@ use crate::math::{Ray, TriangleId};
 pub struct Batch<'a> {
     rays: &'a [Ray],
     grid: Option<(u32, u32)>,
+    shaft: Option<&'a Shaft>,
     filter: Option<&'a dyn HitFilter>,
 }
 
 impl<'a> Batch<'a> {
     /// A slice of rays without hints or filter.
     pub fn new(rays: &'a [Ray]) -> Self {
-        Self { rays, grid: None, filter: None }
+        Self { rays, grid: None, shaft: None, filter: None }
     }
 
-    /// Says that the rays are those of a raster of `width` by `height`, row by row.
+    /// Says that the rays are those of a raster of `width` by `height` cells, row by row, with the
+    /// same number of rays in each, one after the other. Not heeded if their number says otherwise.
     #[must_use]
     pub fn with_grid(self, width: u32, height: u32) -> Self {
         Self { grid: Some((width, height)), ..self }
+    }
+
+    /// Says that a region holds all rays. Structures that use it ask whether it does.
+    #[must_use]
+    pub fn with_shaft(self, shaft: &'a Shaft) -> Self {
+        Self { shaft: Some(shaft), ..self }
     }
 
     /// Lets only those hits count that a filter accepts.
@@ -34,9 +43,17 @@ impl<'a> Batch<'a> {
         self.rays
     }
 
-    /// Width and height of the raster that they form, if known.
-    pub fn grid(&self) -> Option<(u32, u32)> {
-        self.grid
+    /// Width and height of the raster that they form, if known, and the rays in each cell.
+    pub fn grid(&self) -> Option<(usize, usize, usize)> {
+        let (width, height) = self.grid?;
+        let (width, height) = (width as usize, height as usize);
+        let cells = width.checked_mul(height).filter(|&cells| cells > 0)?;
+        self.rays.len().is_multiple_of(cells).then(|| (width, height, self.rays.len() / cells))
+    }
+
+    /// The region that is said to hold all rays.
+    pub fn shaft(&self) -> Option<&'a Shaft> {
+        self.shaft
     }
 
     /// The filter, if there is one.

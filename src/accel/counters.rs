@@ -23,6 +23,8 @@ pub enum Event {
     Push,
     /// The walk began again at the root, or below it.
     Restart,
+    /// A node was looked at before rays were traced: to find an entry point, or to compress paths.
+    Search,
     /// Triangles were found in a cache.
     CacheHit,
     /// Triangles were fetched into a cache.
@@ -31,7 +33,7 @@ pub enum Event {
 
 impl Event {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::InnerNode,
         Self::Leaf,
         Self::BoxTest,
@@ -40,6 +42,7 @@ impl Event {
         Self::Verdict,
         Self::Push,
         Self::Restart,
+        Self::Search,
         Self::CacheHit,
         Self::CacheMiss,
     ];
@@ -55,6 +58,7 @@ impl Event {
             Self::Verdict => "verdicts",
             Self::Push => "pushes",
             Self::Restart => "restarts",
+            Self::Search => "searched_nodes",
             Self::CacheHit => "cache_hits",
             Self::CacheMiss => "cache_misses",
         }

@@ -41,10 +41,12 @@ pub use batch::{AnyHit, Batch, ClosestHit, HitFilter};
 pub use counters::{Counters, Counts, Event, NotCounted};
 pub use error::{BuildError, SpecError};
 pub use options::{OptionSpec, Options, Value, Values};
-pub use query::{Any, Closest, Query, Shot, test_block, test_each, test_triangle};
+pub use query::{Any, Closest, Query, Shot, Terms, test_block, test_each, test_triangle};
 pub use report::{BuildReport, MemoryReport};
 pub use traverse::Traverse;
 pub use variants::{AccelSpec, BuildInput, VARIANTS, Variant, build};
+
+use crate::geom::Shaft;
 
 /// A built structure: plain data, shared by all threads, never changed.
 pub trait Accel: Send + Sync {
@@ -56,6 +58,13 @@ pub trait Accel: Send + Sync {
 
     /// The instruction set that it was built to be walked with.
     fn level(&self) -> Level;
+
+    /// The same structure narrowed to a region, for many slices of rays that lie in it: a screen, a
+    /// tile, what a light reaches. Rays that the region does not hold are answered too. `None` if
+    /// the structure has nothing to gain by it.
+    fn view(&self, _: &Shaft) -> Option<Box<dyn Accel + '_>> {
+        None
+    }
 
     /// Exact bytes by part.
     fn memory(&self) -> MemoryReport;

@@ -31,6 +31,25 @@ impl<'a> Shot<'a> {
         Self { ray: *ray, slab: SlabRay::new(ray), shear: ShearRay::new(ray), index, filter }
     }
 
+    /// What its hits must meet.
+    #[inline(always)]
+    pub fn terms(&self) -> Terms<'a> {
+        Terms { t_min: self.ray.t_min(), index: self.index, filter: self.filter }
+    }
+}
+
+/// What a ray's hits must meet, apart from what was found already.
+#[derive(Clone, Copy)]
+pub struct Terms<'a> {
+    /// They lie beyond this.
+    pub t_min: f32,
+    /// The ray's place in the batch.
+    pub index: usize,
+    /// The batch's filter.
+    pub filter: Option<&'a dyn HitFilter>,
+}
+
+impl Terms<'_> {
     #[inline(always)]
     fn accepts(&self, hit: &ClosestHit) -> bool {
         self.filter.is_none_or(|filter| filter.accepts(self.index, hit))
@@ -52,7 +71,7 @@ pub trait Query: Sized {
     fn t_max(&self) -> f32;
 
     /// Considers a hit; `Break` if the answer is final.
-    fn offer(&mut self, shot: &Shot<'_>, hit: ClosestHit) -> ControlFlow<()>;
+    fn offer(&mut self, terms: &Terms<'_>, hit: ClosestHit) -> ControlFlow<()>;
 
     /// The answer.
     fn answer(&self) -> Self::Answer;
@@ -80,10 +99,10 @@ impl Query for Closest {
     }
 
     #[inline(always)]
-    fn offer(&mut self, shot: &Shot<'_>, hit: ClosestHit) -> ControlFlow<()> {
+    fn offer(&mut self, terms: &Terms<'_>, hit: ClosestHit) -> ControlFlow<()> {
         let best = &self.best;
         let better = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
-        if better && hit.t > shot.ray.t_min() && shot.accepts(&hit) {
+        if better && hit.t > terms.t_min && terms.accepts(&hit) {
             self.best = hit;
         }
         ControlFlow::Continue(())
@@ -117,8 +136,8 @@ impl Query for Any {
     }
 
     #[inline(always)]
-    fn offer(&mut self, shot: &Shot<'_>, hit: ClosestHit) -> ControlFlow<()> {
-        if hit.t > shot.ray.t_min() && hit.t <= self.t_max && shot.accepts(&hit) {
+    fn offer(&mut self, terms: &Terms<'_>, hit: ClosestHit) -> ControlFlow<()> {
+        if hit.t > terms.t_min && hit.t <= self.t_max && terms.accepts(&hit) {
             self.found = true;
             return ControlFlow::Break(());
         }
@@ -143,7 +162,7 @@ pub fn test_triangle<S: Simd, Q: Query, C: Counters>(
 ) -> ControlFlow<()> {
     counters.count(Event::Verdict);
     match verdict(simd, &shot.slab, &shot.shear, triangle) {
-        Some([t, u, v]) => query.offer(shot, ClosestHit { t, u, v, triangle: id }),
+        Some([t, u, v]) => query.offer(&shot.terms(), ClosestHit { t, u, v, triangle: id }),
         None => ControlFlow::Continue(()),
     }
 }
@@ -173,7 +192,7 @@ where
         lanes &= lanes - 1;
         let id = block.ids[lane];
         if id != TriangleId::NONE {
-            test_triangle(simd, shot, id, &block.triangle(lane), query, counters)?;
+            test_triangle(simd, shot, id, &block.lane(lane), query, counters)?;
         }
     }
     ControlFlow::Continue(())
@@ -189,7 +208,7 @@ pub fn test_each<Q: Query, C: Counters, const W: usize>(
 ) -> ControlFlow<()> {
     counters.count(Event::TriangleTest);
     for (lane, &id) in block.ids.iter().enumerate().filter(|(_, id)| **id != TriangleId::NONE) {
-        test_triangle(baseline(), shot, id, &block.triangle(lane), query, counters)?;
+        test_triangle(baseline(), shot, id, &block.lane(lane), query, counters)?;
     }
     ControlFlow::Continue(())
 }

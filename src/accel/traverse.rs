@@ -6,6 +6,7 @@ use super::{
     Accel, Any, AnyHit, Batch, BuildReport, Closest, ClosestHit, Counters, Counts, MemoryReport,
     NotCounted, Query, Shot, Tracer,
 };
+use crate::geom::Shaft;
 
 /// A structure that rays walk through.
 ///
@@ -60,6 +61,11 @@ pub trait Traverse: Send + Sync {
         }
     }
 
+    /// See [`Accel::view`].
+    fn view(&self, _: &Shaft) -> Option<Box<dyn Accel + '_>> {
+        None
+    }
+
     /// The instruction set to walk with, settled when it was built.
     fn level(&self) -> Level;
 
@@ -81,6 +87,10 @@ impl<T: Traverse> Accel for T {
 
     fn level(&self) -> Level {
         Traverse::level(self)
+    }
+
+    fn view(&self, shaft: &Shaft) -> Option<Box<dyn Accel + '_>> {
+        Traverse::view(self, shaft)
     }
 
     fn memory(&self) -> MemoryReport {

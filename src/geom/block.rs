@@ -18,7 +18,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
 
 use super::{Corners, Triangle};
-use crate::math::{Ray, TriangleId};
+use crate::math::{Ray, TriangleId, Vec3};
 
 /// `W` triangles as structure of arrays. Unused places repeat a triangle, with no id.
 #[derive(Clone, Copy, Debug)]
@@ -78,10 +78,20 @@ pub struct BlockRef<'a, const W: usize> {
 }
 
 impl<const W: usize> BlockRef<'_, W> {
+    /// The triangle of a lane, left where it lies.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> impl Corners {
+        Lane { vertices: self.vertices, lane: lane % W }
+    }
+
     /// The triangle of a lane.
     #[inline(always)]
-    pub fn triangle(&self, lane: usize) -> impl Corners {
-        Lane { vertices: self.vertices, lane: lane % W }
+    pub fn triangle(&self, lane: usize) -> Triangle {
+        let at = |vertex: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.vertices[3 * vertex + axis][lane]);
+            Vec3::new(x, y, z)
+        };
+        Triangle { a: at(0), b: at(1), c: at(2) }
     }
 
     /// How many triangles it holds.
@@ -102,27 +112,60 @@ impl<const W: usize> BlockRef<'_, W> {
         S: Simd,
         V: SimdFloat<S, Element = f32, Array = [f32; W]>,
     {
-        const RELATIVE: f32 = 32.0 * 0.5 * f32::EPSILON;
-        const LARGE: f32 = 1.2676506e30; // 2^100
-        let (o, d) = (ray.origin(), ray.direction());
-        let splat = |x: f32| V::splat(simd, x);
+        let splat = |p: Vec3| [V::splat(simd, p.x), V::splat(simd, p.y), V::splat(simd, p.z)];
         let load =
             |vertex: usize, axis: usize| V::load_array_ref(simd, &self.vertices[3 * vertex + axis]);
+        let corner = |vertex: usize| [load(vertex, 0), load(vertex, 1), load(vertex, 2)];
+        let edges = Edges::new([corner(0), corner(1), corner(2)]);
+        let d_norm = V::splat(simd, ray.direction().abs().element_sum());
+        let (o, d) = (splat(ray.origin()), splat(ray.direction()));
+        let passes = edges.candidates([o, d], d_norm, V::splat(simd, t_max));
+        let all = (1_u64 << W) - 1;
+        (passes & all) as u32
+    }
+}
 
-        let a = [load(0, 0), load(0, 1), load(0, 2)];
-        let e1 = [load(1, 0) - a[0], load(1, 1) - a[1], load(1, 2) - a[2]];
-        let e2 = [load(2, 0) - a[0], load(2, 1) - a[1], load(2, 2) - a[2]];
-        let c = [a[0] - splat(o.x), a[1] - splat(o.y), a[2] - splat(o.z)];
-        let d = [splat(d.x), splat(d.y), splat(d.z)];
-        let n = cross(e1, e2);
+/// What the filter needs of triangles: one in each lane, or the same in all.
+#[derive(Clone, Copy)]
+pub(super) struct Edges<V> {
+    a: [V; 3],
+    e1: [V; 3],
+    e2: [V; 3],
+    n: [V; 3],
+    e1_norm: V,
+    e2_norm: V,
+}
+
+impl<V> Edges<V> {
+    /// Of triangles by their vertices.
+    #[inline(always)]
+    pub fn new<S: Simd>([a, b, c]: [[V; 3]; 3]) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let e1 = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+        let e2 = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+        Self { a, e1, e2, n: cross(e1, e2), e1_norm: norm(e1), e2_norm: norm(e2) }
+    }
+
+    /// Bit `i` is set if lane `i` of rays, by origin, direction and the sum of the latter's
+    /// magnitudes, may hit the triangle of its lane at or before `t_max`.
+    #[inline(always)]
+    pub fn candidates<S: Simd>(&self, [o, d]: [[V; 3]; 2], d_norm: V, t_max: V) -> u64
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        const RELATIVE: f32 = 32.0 * 0.5 * f32::EPSILON;
+        const LARGE: f32 = 1.2676506e30; // 2^100
+        let Self { a, e1, e2, n, e1_norm, e2_norm } = *self;
+        let splat = |x: f32| V::splat(t_max.token(), x);
+        let c = [a[0] - o[0], a[1] - o[1], a[2] - o[2]];
         let r = cross(c, d);
         let (det, distance) = (dot(n, d), dot(n, c));
         let (u, v) = (dot(r, e2), -dot(r, e1));
 
         // Norms of the operands, for the bounds.
-        let d_norm = splat(ray.direction().abs().element_sum() * RELATIVE);
-        let (c_norm, e1_norm, e2_norm) = (norm(c), norm(e1), norm(e2));
-        let tiny = splat(f32::MIN_POSITIVE);
+        let (d_norm, c_norm, tiny) = (d_norm * RELATIVE, norm(c), splat(f32::MIN_POSITIVE));
         let (cd, ee) = (c_norm * d_norm + tiny, e1_norm * e2_norm + tiny);
         // That of both edge functions together, allowed to each.
         let edge_slack = cd * (e1_norm + e2_norm) + tiny;
@@ -140,9 +183,8 @@ impl<const W: usize> BlockRef<'_, W> {
             | v.simd_lt(-edge_slack)
             | (u + v).simd_gt(magnitude + uv_slack)
             | distance.simd_lt(-t_slack)
-            | distance.simd_gt(splat(t_max) * (magnitude + det_slack) + t_slack);
-        let all = (1_u64 << W) - 1;
-        (!(outside & sure).to_bitmask() & all) as u32
+            | distance.simd_gt(t_max * (magnitude + det_slack) + t_slack);
+        !(outside & sure).to_bitmask()
     }
 }
 
@@ -188,7 +230,6 @@ mod tests {
 
     use super::*;
     use crate::geom::{ShearRay, SlabRay, verdict};
-    use crate::math::Vec3;
 
     fn coordinate() -> impl Strategy<Value = f32> {
         prop_oneof![

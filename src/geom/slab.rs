@@ -34,7 +34,9 @@ pub struct SlabRay {
 
 impl SlabRay {
     /// Four units in the last place of a number in [1, 2).
-    const SLACK: f32 = 4.0 * f32::EPSILON;
+    pub(super) const SLACK: f32 = 4.0 * f32::EPSILON;
+    /// 2^-127: components of directions are no smaller here.
+    pub(super) const SMALLEST: f32 = 5.877472e-39;
 
     /// Prepares a ray.
     #[inline(always)]
@@ -100,8 +102,7 @@ fn four(v: Vec3) -> [f32; 4] {
 /// The reciprocal with its magnitude limited to 2^127, so that it stays finite when it is raised.
 #[inline(always)]
 fn recip(x: f32) -> f32 {
-    const SMALLEST: f32 = 5.877472e-39; // 2^-127
-    1.0 / x.abs().max(SMALLEST).copysign(x)
+    1.0 / x.abs().max(SlabRay::SMALLEST).copysign(x)
 }
 
 /// The box that a triangle's hits lie in by definition (see [`super::verdict()`]), and that every

@@ -22,14 +22,19 @@ use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64
 
 use super::Corners;
 use super::slab::SlabRay;
-use crate::math::{Ray, larger, smaller};
+use crate::math::{Ray, Vec3, larger, smaller};
+
+/// Determinants below this much of the magnitude of their terms may be zero: 2^-30.
+pub(super) const EDGE_ON: f64 = 9.313225746154785e-10;
+/// And distances below this much of theirs.
+pub(super) const DISTANCE_BOUND: f64 = 32.0 * f64::EPSILON;
 
 /// A ray, prepared for verdicts.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearRay {
     origin: [f64; 3],
     /// The axes, permuted: the last is that of the direction's largest component.
-    axes: [u32; 3],
+    axes: [usize; 3],
     /// Shear along the first two axes, and scale of the last.
     shear: [f64; 3],
 }
@@ -39,14 +44,9 @@ impl ShearRay {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let (o, d) = (ray.origin(), ray.direction());
-        let a = d.abs();
-        // The first of the largest. Without branches: which it is can't be guessed.
-        let (y_wins, z_wins) = (usize::from(a.y > a.x), usize::from(a.z > a.x.max(a.y)));
-        let z = y_wins + z_wins * (2 - y_wins);
-        // The winding does not matter: either sign of the determinant is a hit.
-        const AXES: [[u32; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
-        let (axes, d) = (AXES[z & 3], [d.x, d.y, d.z, 0.0]);
-        let [x, y, z] = axes.map(|axis| f64::from(d[axis as usize & 3]));
+        let axes = axes(d);
+        let d = [d.x, d.y, d.z, 0.0];
+        let [x, y, z] = axes.map(|axis| f64::from(d[axis & 3]));
         let scale = 1.0 / z;
         Self {
             origin: [f64::from(o.x), f64::from(o.y), f64::from(o.z)],
@@ -65,10 +65,22 @@ impl ShearRay {
             low.combine(high) - self.origin[axis]
         };
         // They are below 3; where the compiler knows, it checks no bounds.
-        let [x, y, z] = self.axes.map(|axis| (axis as usize).min(2));
+        let [x, y, z] = self.axes.map(|axis| axis.min(2));
         let (x, y, z) = (along(x), along(y), along(z));
         [x - z * self.shear[0], y - z * self.shear[1], z * self.shear[2]]
     }
+}
+
+/// The axes, permuted so that the last is that of a direction's largest component.
+#[inline(always)]
+pub(super) fn axes(direction: Vec3) -> [usize; 3] {
+    let a = direction.abs();
+    // The first of the largest. Without branches: which it is can't be guessed.
+    let (y_wins, z_wins) = (usize::from(a.y > a.x), usize::from(a.z > larger(a.x, a.y)));
+    let z = y_wins + z_wins * (2 - y_wins);
+    // The winding does not matter: either sign of the determinant is a hit.
+    const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+    AXES[z & 3]
 }
 
 /// Where a ray meets a triangle: `t` and the barycentrics `u` and `v`, or nothing.
@@ -96,13 +108,12 @@ pub fn verdict<S: Simd>(
     }
     let sum = |v: f64x4<S>| v[0] + v[1] + v[2];
     let (det, magnitude) = (sum(weights), sum(p.abs() + q.abs()));
-    const EDGE_ON: f64 = 9.313225746154785e-10; // 2^-30
     if det.abs() <= EDGE_ON * magnitude {
         return None;
     }
     let distance = sum(weights * t);
     let depth = larger(larger(t[0].abs(), t[1].abs()), t[2].abs());
-    if distance.abs() <= 32.0 * f64::EPSILON * magnitude * depth {
+    if distance.abs() <= DISTANCE_BOUND * magnitude * depth {
         return None;
     }
     let inv_det = 1.0 / det;
@@ -120,7 +131,6 @@ pub fn verdict<S: Simd>(
 mod tests {
     use super::*;
     use crate::geom::Triangle;
-    use crate::math::Vec3;
     use crate::simd::baseline;
 
     const WALL: Triangle =

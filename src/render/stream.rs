@@ -63,6 +63,8 @@ pub(super) struct Stream<'w> {
     segments: Vec<u32>,
     /// What a path of so many segments has cost in nanoseconds.
     shares: Vec<f32>,
+    /// The raster that the rays are those of, until they have been traced.
+    grid: Option<(u32, u32)>,
     counts: RayCounts,
 }
 
@@ -91,18 +93,22 @@ impl<'w> Stream<'w> {
             samples: Vec::new(),
             segments: Vec::new(),
             shares: Vec::new(),
+            grid: None,
             counts: RayCounts::default(),
         }
     }
 
-    /// Follows paths to their ends; the slots of `starts` count from 0.
-    pub fn run(&mut self, starts: impl Iterator<Item = (Ray, Path)>) {
+    /// Follows paths to their ends; the slots of `starts` count from 0. They start from a raster of
+    /// pixels of some width and height, each pixel's paths in a row.
+    pub fn run(&mut self, starts: impl Iterator<Item = (Ray, Path)>, grid: (u32, u32)) {
         vectorized!(self.level, _simd => self.begin(starts));
         self.segments.clear();
         self.segments.resize(self.samples.len(), 0);
         self.shares.clear();
         self.shares.push(0.0);
 
+        // Should the camera not see everywhere, the rays are not a raster's, and nothing is said.
+        self.grid = (self.paths.len() == self.samples.len()).then_some(grid);
         let mut depth = 1;
         while !self.paths.is_empty() {
             let (start, alive) = (Instant::now(), self.paths.len());
@@ -164,7 +170,10 @@ impl<'w> Stream<'w> {
         self.hits.resize(self.rays.len(), ClosestHit::MISS);
         let filter = AlphaFilter::new(world, &self.keys);
         let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let batch = Batch::new(&self.rays).with_filter(filter);
+        let mut batch = Batch::new(&self.rays).with_filter(filter);
+        if let Some((width, height)) = self.grid.take() {
+            batch = batch.with_grid(width, height);
+        }
         self.tracer.closest_hits(&batch, &mut self.hits);
         self.counts.closest += self.rays.len() as u64;
     }

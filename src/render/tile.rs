@@ -145,10 +145,11 @@ impl Tile {
         let (first, count) = (self.next, (end - self.next) as u32);
         let place = |pixel: u32| (self.x0 + pixel % self.width, self.y0 + pixel / self.width);
         let slots = 0..self.width * self.height * count;
-        stream.run(slots.map(|slot| {
+        let starts = slots.map(|slot| {
             let (x, y) = place(slot / count);
             settings.start(camera, x, y, first + u64::from(slot % count), slot)
-        }));
+        });
+        stream.run(starts, (self.width, self.height));
         for pixel in 0..self.width * self.height {
             let (x, y) = place(pixel);
             let sums = &mut self.pixels[pixel as usize];

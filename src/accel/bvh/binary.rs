@@ -14,7 +14,7 @@ use crate::accel::{
     Variant, test_block, test_each,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
-use crate::math::{TriangleId, larger};
+use crate::math::{Aabb, TriangleId, Vec3, larger};
 
 /// The row of the table.
 pub const VARIANT: Variant = Variant {
@@ -26,7 +26,7 @@ pub const VARIANT: Variant = Variant {
 };
 
 /// Triangles of a leaf.
-const WIDTH: usize = 4;
+pub(super) const WIDTH: usize = 4;
 /// Cost of a step relative to that of a leaf.
 const COST: sah::Cost = sah::Cost { traversal: sah::TRAVERSAL, width: WIDTH, fill: sah::Fill::Any };
 /// A node puts at most one child aside.
@@ -35,20 +35,20 @@ const STACK: usize = sah::MAX_DEPTH + 1;
 /// Two children: for each axis the lower planes of both and the upper planes of both.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-struct Node {
+pub(super) struct Node {
     planes: [[[f32; 2]; 2]; 3],
-    children: [Link; 2],
+    pub(super) children: [Link; 2],
 }
 
 /// The structure.
 pub struct Bvh2 {
-    root: Option<Link>,
-    nodes: Vec<Node>,
+    pub(super) root: Option<Link>,
+    pub(super) nodes: Vec<Node>,
     leaves: Leaves,
     /// `None` if the leaves store their triangles.
     fetch: Option<Fetch>,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
-    parts: Option<Parts>,
+    pub(super) parts: Option<Parts>,
     level: Level,
     report: BuildReport,
 }
@@ -63,11 +63,11 @@ struct Leaves {
 /// A thread's own.
 pub struct Scratch {
     stack: Box<[(Link, f32); STACK]>,
-    fetched: Fetched<WIDTH>,
+    pub(super) fetched: Fetched<WIDTH>,
 }
 
 impl Bvh2 {
-    fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
+    pub(super) fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let (tree, mut phases) = build_tree_by(input, COST);
         let start = std::time::Instant::now();
         let report = tree.report();
@@ -129,6 +129,14 @@ fn lay_out(
 }
 
 impl Node {
+    /// A child's box.
+    #[inline(always)]
+    pub(super) fn bounds(&self, side: usize) -> Aabb {
+        let corner =
+            |upper: usize| Vec3::from([0, 1, 2].map(|axis| self.planes[axis][upper][side]));
+        Aabb { min: corner(0), max: corner(1) }
+    }
+
     /// Where the ray enters each child, and minus where it leaves it: `[in, in, -out, -out]`.
     #[inline(always)]
     fn intervals<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> [f32; 4] {
@@ -151,7 +159,7 @@ impl Node {
 impl Bvh2 {
     /// A leaf's triangles.
     #[inline(always)]
-    fn block<'a, C: Counters>(
+    pub(super) fn block<'a, C: Counters>(
         &'a self,
         leaf: usize,
         fetched: &'a mut Fetched<WIDTH>,

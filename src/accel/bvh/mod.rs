@@ -8,6 +8,7 @@
 pub mod binary;
 pub mod binned;
 mod bins;
+pub mod coherent;
 pub mod early;
 mod leaves;
 mod link;

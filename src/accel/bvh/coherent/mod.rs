@@ -1,0 +1,291 @@
+//! `bvh-packet`, `bvh-partition`, `bvh-entry-point`, `bvh-path-compression`: the binary hierarchy,
+//! many rays at a time.
+//!
+//! A slice is cut into packets of up to 256 rays (`cut`): blocks of its raster where it is one, runs
+//! of rays where it is not. A packet walks the tree of `bvh2` together (`packet`), so that a node is
+//! fetched once for all of its rays and most decisions are made once.
+//!
+//! `bvh-packet`: I. Wald, S. Boulos and P. Shirley, "Ray tracing deformable scenes using dynamic
+//! bounding volume hierarchies", 2007. A box is entered if the first ray that was under way enters
+//! it, passed by if the shaft around all does, and else asked ray by ray until one enters. All rays
+//! behind that one are carried along. Take it for primary rays and others that run side by side
+//! among triangles that are not much smaller than the packet.
+//!
+//! `bvh-partition`: R. Overbeck, R. Ramamoorthi and W. R. Mark, "Large ray packets for real-time
+//! Whitted ray tracing", 2008. All rays are asked at each node, and those that do not enter stay
+//! behind: more work near the root, less near the leaves. Take it where the triangles are small.
+//!
+//! `bvh-entry-point` (`entry`) and `bvh-path-compression` (`compress`): A. Reshetov, A. Soupikov and
+//! J. Hurley, "Multi-level ray tracing algorithm", 2005; J. Barczak, "An improved multi-level
+//! raytracing algorithm". A slice's own shaft is taken through the tree first, and packets then
+//! start at the node that holds all that it meets, or walk a tree of those nodes alone where
+//! something is met on either side. What this trades: a walk of the shaft per slice for every
+//! packet's way down to where the slice is. An entry point seldom lies deep; a compressed tree
+//! spares nodes below it too, the more the larger the scene is beside the slice. Take them for
+//! slices of many packets (`per-packet=on` with `with=partition`, as the paper's table 4 did). The
+//! tracer of a `view` starts from what the region of that meets: screen, tile, packet. A slice
+//! that has no shaft of its own is given that of its batch if it holds it; one that has neither is
+//! walked from the root.
+//!
+//! Where we differ from all: rays are asked about boxes and triangles eight at a time, a *bundle*,
+//! so that the first bundle decides, and bundles are what is partitioned; boxes are held against
+//! planes around the packet (Reshetov et al. 2005, as Barczak does for path compression) and not by
+//! interval arithmetic, and once all rays have hit something the planes are closed behind the last
+//! hit; packets whose rays head different ways are split.
+//!
+//! What is not coherent is walked ray by ray, as by `bvh2`: packets whose slopes differ by more than
+//! a half, runs of fewer than four rays. Why the answers are brute force's: each ray is asked by
+//! the slab test about the box of every leaf whose triangles it is tested against, by a filter and
+//! by the verdict; and a box is passed by only if the slab test of each ray says so, or the shaft,
+//! which never says so of a box that one would enter ([`crate::geom::shaft`]).
+
+mod compress;
+mod cut;
+mod entry;
+mod packet;
+mod place;
+mod slice;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use fearless_simd::{Level, Simd};
+
+use self::compress::{Branch, Compression, Step};
+use self::cut::RAYS;
+use self::entry::entry_point;
+use self::packet::Packet;
+use self::place::Places;
+use super::binary::{self, Bvh2};
+use super::leaves::{CACHE, TRIANGLES};
+use super::{BUILD, REFINE};
+use crate::accel::{
+    Accel, Batch, BuildError, BuildInput, BuildReport, Counters, MemoryReport, NotCounted,
+    OptionSpec, Query, Shot, Traverse, Value, Values, Variant,
+};
+use crate::geom::Shaft;
+
+/// The row of packets.
+pub const PACKET: Variant = Variant {
+    id: "bvh-packet",
+    summary: "bvh2's tree by packets of 16 by 16 rays: first active, early descent, shaft culling",
+    paper: "Wald, Boulos and Shirley, Ray Tracing Deformable Scenes using Dynamic BVHs, 2007",
+    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE],
+    build: |input| Ok(Box::new(Coherent::build(input, Start::Root, false)?)),
+};
+
+/// The row of partitioned packets.
+pub const PARTITION: Variant = Variant {
+    id: "bvh-partition",
+    summary: "bvh2's tree by packets of 16 by 16 rays, partitioned at each node",
+    paper: "Overbeck, Ramamoorthi and Mark, Large Ray Packets for Real-time Whitted Ray Tracing, 2008",
+    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE],
+    build: |input| Ok(Box::new(Coherent::build(input, Start::Root, true)?)),
+};
+
+/// The row of entry points.
+pub const ENTRY_POINT: Variant = Variant {
+    id: "bvh-entry-point",
+    summary: "bvh-packet from the deepest node that holds all that a slice's shaft meets",
+    paper: "Reshetov, Soupikov and Hurley, Multi-Level Ray Tracing Algorithm, 2005; Fowler 2009",
+    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE, WITH],
+    build: |input| {
+        let partitions = input.options.choice("with") == "partition";
+        Ok(Box::new(Coherent::build(input, Start::EntryPoint, partitions)?))
+    },
+};
+
+/// The row of path compression.
+pub const PATH_COMPRESSION: Variant = Variant {
+    id: "bvh-path-compression",
+    summary: "packets over a tree of those nodes alone that a slice's shaft meets both sides of",
+    paper: "Barczak, An Improved Multi-Level Raytracing Algorithm",
+    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE, WITH, PC, PER_PACKET],
+    build: |input| {
+        let chosen = |name: &str, word: &str| input.options.choice(name) == word;
+        let start = Start::Compressed {
+            recursive: chosen("pc", "recursive"),
+            per_packet: chosen("per-packet", "on"),
+        };
+        Ok(Box::new(Coherent::build(input, start, chosen("with", "partition"))?))
+    },
+};
+
+/// The side of a packet.
+const SIZE: OptionSpec = OptionSpec {
+    name: "size",
+    summary: "rays along a side of a packet, where the slice is a raster",
+    values: Values::Integer(2, 16),
+    default: Value::Integer(16),
+};
+
+/// What walks below the entry point or the compressed tree.
+const WITH: OptionSpec = OptionSpec {
+    name: "with",
+    summary: "whether packets go down early, as bvh-packet's, or are partitioned, as bvh-partition's",
+    values: Values::Choice(&["packet", "partition"]),
+    default: Value::Choice("packet"),
+};
+
+/// How paths are compressed.
+const PC: OptionSpec = OptionSpec {
+    name: "pc",
+    summary: "how paths are compressed; both make the same tree",
+    values: Values::Choice(&["iterative", "recursive"]),
+    default: Value::Choice("iterative"),
+};
+
+/// Whether packets have trees of their own.
+const PER_PACKET: OptionSpec = OptionSpec {
+    name: "per-packet",
+    summary: "whether paths are compressed for each packet once more, which then asks no shaft",
+    values: Values::Choice(&["off", "on"]),
+    default: Value::Choice("off"),
+};
+
+/// A binary hierarchy for many rays.
+pub struct Coherent {
+    bvh: Arc<Bvh2>,
+    /// Rays of a packet at most.
+    size: usize,
+    /// Whether a packet's rays are partitioned at each node.
+    partitions: bool,
+    start: Start,
+    /// What it was narrowed to.
+    view: Option<View>,
+}
+
+/// Where packets start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Start {
+    Root,
+    /// The entry point of the slice.
+    EntryPoint,
+    /// The slice's tree of branches.
+    Compressed {
+        recursive: bool,
+        /// One more for each packet.
+        per_packet: bool,
+    },
+}
+
+/// The part of the hierarchy that a region meets.
+struct View {
+    shaft: Shaft,
+    branches: Vec<Branch>,
+    /// `None` if it meets no leaf.
+    step: Option<Step>,
+}
+
+/// A thread's own.
+pub struct Scratch {
+    single: binary::Scratch,
+    packet: Packet,
+    /// Rays of the packet at hand, those that head the same way, and those to be walked one by one.
+    members: Vec<u32>,
+    group: Vec<u32>,
+    singles: Vec<u32>,
+    /// Trees of the slice and of the packet at hand.
+    branches: Vec<Branch>,
+}
+
+impl Coherent {
+    fn build(input: &BuildInput<'_>, start: Start, partitions: bool) -> Result<Self, BuildError> {
+        let side = input.options.integer("size") as usize;
+        let bvh = Arc::new(Bvh2::build(input)?);
+        Ok(Self { bvh, size: side * side, partitions, start, view: None })
+    }
+
+    fn places(&self) -> Option<Places<'_>> {
+        self.bvh.root.map(|root| Places { bvh: &self.bvh, root })
+    }
+
+    /// Where rays of a shaft start below a step. Branches are put behind those of the thread.
+    /// `None` if they meet no leaf.
+    fn narrow<C: Counters>(
+        &self,
+        (places, from): (Places<'_>, Step),
+        (view, own): (&[Branch], &mut Vec<Branch>),
+        shaft: &Shaft,
+        counters: &mut C,
+    ) -> Option<Step> {
+        let mut compression = Compression { places, view, own, shaft };
+        match self.start {
+            Start::Root => Some(from),
+            Start::EntryPoint => entry_point(places, from.place, shaft, counters).map(Step::to),
+            Start::Compressed { recursive: true, .. } => compression.recursive(from, counters),
+            Start::Compressed { .. } => compression.iterative(from, counters),
+        }
+    }
+}
+
+impl Traverse for Coherent {
+    type Scratch = Scratch;
+
+    fn scratch(&self) -> Scratch {
+        Scratch {
+            single: self.bvh.scratch(),
+            packet: Packet::new(),
+            members: Vec::with_capacity(RAYS),
+            group: Vec::with_capacity(RAYS),
+            singles: Vec::new(),
+            branches: Vec::new(),
+        }
+    }
+
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        scratch: &mut Scratch,
+        counters: &mut C,
+    ) {
+        self.bvh.walk(simd, shot, query, &mut scratch.single, counters);
+    }
+
+    #[inline(always)]
+    fn shoot<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        scratch: &mut Scratch,
+        counters: &mut C,
+    ) {
+        self.shoot_slice::<S, Q, C>(simd, batch, answers, scratch, counters);
+    }
+
+    fn view(&self, shaft: &Shaft) -> Option<Box<dyn Accel + '_>> {
+        let places = self.places().filter(|_| self.start != Start::Root)?;
+        let wider = self.view.as_ref().filter(|view| view.shaft.contains(shaft));
+        let from = wider.map_or(Some(Step::ROOT), |view| view.step);
+        let wider = wider.map_or(&[][..], |view| &view.branches);
+        let mut branches = Vec::new();
+        let step = from.and_then(|from| {
+            self.narrow((places, from), (wider, &mut branches), shaft, &mut NotCounted)
+        });
+        branches.shrink_to_fit();
+        let step = step.map(|step| step.without(wider.len()));
+        let (bvh, view) = (Arc::clone(&self.bvh), View { shaft: shaft.clone(), branches, step });
+        Some(Box::new(Self { bvh, view: Some(view), ..*self }))
+    }
+
+    fn level(&self) -> Level {
+        Traverse::level(&*self.bvh)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut memory = Traverse::memory(&*self.bvh);
+        if let Some(view) = &self.view {
+            memory.parts.push(("branches", size_of_val(&*view.branches)));
+        }
+        memory
+    }
+
+    fn report(&self) -> &BuildReport {
+        Traverse::report(&*self.bvh)
+    }
+}

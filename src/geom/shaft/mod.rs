@@ -1,0 +1,256 @@
+//! Shafts: convex regions that hold all rays of a batch, so that a box is decided on for all of
+//! them at once.
+//!
+//! A. Reshetov, A. Soupikov and J. Hurley, "Multi-level ray tracing algorithm", 2005, cull boxes by
+//! the planes around a bundle of rays. Ours stand in the frame of the bundle's corner rays, not of
+//! an axis of the world: so the four planes fit a tile of a picture however the camera is turned.
+//!
+//! # Why no ray is lost
+//! A region is an intersection of half-spaces `n · x <= c`. It *holds* a ray if for each of them
+//! `n · o <= c`, and either `n · d <= 0` or the ray's end lies in it too: so all of its points do.
+//! A box is *missed* if the least `n · x` in it is above `c` by more than a slack, for one of the
+//! planes. Claim: then the slab test ([`super::slab`]), clipped to the ray's own interval, does
+//! not take the box for any ray that is held. For suppose that it does, at some `t` between its
+//! `enter` and `exit`.
+//!
+//! *The point at `t` is near the box.* A distance to a plane is off by less than 2^-20 of itself
+//! (two roundings of the inverse, 4 ulps of slack, two more roundings). So along each axis the point
+//! is within 2^-20 of the distance from origin to plane of the box, which is at most the sum
+//! `b + o` of the largest coordinates of box and origins along that axis. Where a component of the
+//! direction is below 2^-127 the slab test takes that instead; then the point may be off by `t`
+//! times 2^-126, and `t` is at most 2^21 times the sum along the direction's largest component,
+//! which is above 2^-20.
+//!
+//! *The planes are rounded.* The least `n · x` of a box is three products and their sum, off by
+//! less than 2^-22 of `Σ |n| b`; the offset `c` likewise, of `Σ |n| o + |c|`. The sign of `n · d`
+//! is settled by widening slopes by 2^-18 where a region is made from rays, by double precision
+//! where a ray is asked about: what that leaves is below 2^-50 of `|n| |d| t`, and `|d| t` is at
+//! most `b + o` along each axis. An error at a segment's end counts by `t` over its length, since
+//! `n · x` is linear along it.
+//!
+//! *The slack* is 2^-18 of `Σ |n| (b + o) + |c|`, with 2^-80 of the largest coordinate added to each
+//! of `b` and `o`, plus 2^-120 for products that underflow: more than all of these together.
+//! Directions whose largest component is not within 2^-20 to 2^20, and origins beyond 2^100, are
+//! held by no shaft, and boxes that reach beyond 2^100 are never missed: so nothing overflows.
+
+mod of_rays;
+#[cfg(test)]
+mod tests;
+
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
+
+use crate::math::{Aabb, DVec3, Ray, Vec3};
+
+/// A convex region that holds rays.
+#[derive(Clone, Debug)]
+pub struct Shaft {
+    /// Of each plane's normal by axis, what is above and what is below zero.
+    plus: [[f32; PLANES]; 3],
+    minus: [[f32; PLANES]; 3],
+    /// Magnitudes of the normals' parts, times [`SLACK`].
+    size: [[f32; PLANES]; 3],
+    /// `c` of each plane.
+    offset: [f32; PLANES],
+    /// `c` and the part of the slack that does not depend on the box.
+    outer: [f32; PLANES],
+    /// `c` without it; infinite where there is no plane.
+    inner: [f32; PLANES],
+    /// Largest coordinates of origins.
+    reach: Vec3,
+    /// The direction that rays go in, if there is one: normal of the plane number [`END`].
+    axis: Vec3,
+    /// Where it was made from slopes: directions of its corners, which all others lie between, the
+    /// box of origins, and the greater difference of slopes.
+    core: Option<(Aabb, [Vec3; 4], f32)>,
+}
+
+/// Planes at most.
+const PLANES: usize = 8;
+/// The plane that ends the region along its axis.
+const END: usize = PLANES - 1;
+/// 2^-18.
+const SLACK: f32 = 3.8146973e-6;
+/// 2^-80.
+const ACROSS: f32 = 8.271806e-25;
+/// 2^-120.
+const TINY: f32 = 7.523164e-37;
+/// 2^100.
+const LARGE: f32 = 1.2676506e30;
+/// 2^20.
+const LONGEST: f32 = 1048576.0;
+
+impl Shaft {
+    /// A region of up to seven half-spaces `n · x <= c`, for rays whose origins lie in a box.
+    fn new(planes: &[(Vec3, f32)], origins: Aabb, axis: Vec3) -> Option<Self> {
+        let reach = origins.min.abs().max(origins.max.abs());
+        if !(reach.max_element() <= LARGE && planes.len() < PLANES) {
+            return None;
+        }
+        let mut shaft = Self {
+            plus: [[0.0; PLANES]; 3],
+            minus: [[0.0; PLANES]; 3],
+            size: [[0.0; PLANES]; 3],
+            offset: [0.0; PLANES],
+            outer: [TINY; PLANES],
+            inner: [f32::INFINITY; PLANES],
+            reach: reach + Vec3::splat(reach.max_element() * ACROSS),
+            axis,
+            core: None,
+        };
+        for (lane, &(normal, offset)) in planes.iter().enumerate() {
+            shaft.put(lane, normal, offset);
+        }
+        Some(shaft)
+    }
+
+    /// Puts a plane; one that is too far away to be told is left out.
+    #[inline(always)]
+    fn put(&mut self, lane: usize, normal: Vec3, offset: f32) {
+        if offset.is_nan() || offset.abs() > LARGE {
+            return;
+        }
+        for axis in 0..3 {
+            self.plus[axis][lane] = normal[axis].max(0.0);
+            self.minus[axis][lane] = normal[axis].min(0.0);
+            self.size[axis][lane] = normal[axis].abs() * SLACK;
+        }
+        self.offset[lane] = offset;
+        let slack = (normal.abs().dot(self.reach) + offset.abs()) * SLACK + TINY;
+        self.outer[lane] = offset + slack;
+        self.inner[lane] = offset - slack;
+    }
+
+    /// The region that a camera sees in a tile: rays from a box of origins in directions between
+    /// four corners, given in order around the tile. `None` if these make no pyramid.
+    pub fn pyramid(origins: Aabb, corners: [Vec3; 4]) -> Option<Self> {
+        let corners = corners.map(Vec3::normalize_or_zero);
+        let axis = corners.iter().sum::<Vec3>().normalize_or_zero();
+        let mut planes = [(-axis, farthest(&origins, -axis)); 5];
+        for side in 0..4 {
+            let normal = corners[side].cross(corners[(side + 1) % 4]).try_normalize()?;
+            let out = normal * -normal.dot(axis).signum() - axis * SLACK;
+            if !corners.iter().all(|corner| out.dot(*corner) <= 0.0 && corner.dot(axis) > 0.0) {
+                return None;
+            }
+            planes[side + 1] = (out, farthest(&origins, out));
+        }
+        Self::new(&planes, origins, axis)
+    }
+
+    /// The region of segments that begin and end in a box: what a light of limited range reaches.
+    /// `None` for an empty or an infinite one.
+    pub fn within(bounds: Aabb) -> Option<Self> {
+        let mut planes = [(Vec3::ZERO, 0.0); 6];
+        for axis in 0..3 {
+            let normal = Vec3::AXES[axis];
+            planes[2 * axis] = (normal, bounds.max[axis]);
+            planes[2 * axis + 1] = (-normal, -bounds.min[axis]);
+        }
+        if bounds.is_empty() { None } else { Self::new(&planes, bounds, Vec3::ZERO) }
+    }
+
+    /// The direction that its rays go in; zero if there is none.
+    pub fn axis(&self) -> Vec3 {
+        self.axis
+    }
+
+    /// Ends the region where points along its axis reach a distance from the world's origin, as
+    /// rounded from `o · axis + t (d · axis)`; nothing changes if that is not finite.
+    #[inline(always)]
+    pub fn end_at(&mut self, distance: f32) {
+        self.put(END, self.axis, distance);
+    }
+
+    /// Whether all points of the ray lie in the region.
+    pub fn holds(&self, ray: &Ray) -> bool {
+        if ray.t_max() <= ray.t_min() {
+            return true;
+        }
+        let (o, d) = (ray.origin().as_dvec3(), ray.direction().as_dvec3());
+        let end = o + d * f64::from(ray.t_max());
+        let held = |lane: usize| {
+            let (normal, offset) = (self.normal(lane), f64::from(self.offset[lane]));
+            o.dot(normal) <= offset && (d.dot(normal) <= 0.0 || end.dot(normal) <= offset)
+        };
+        let near = ray.origin().abs().cmple(self.reach).all();
+        is_tame(ray.direction()) && near && (0..PLANES).all(held)
+    }
+
+    /// The greater difference of slopes across its axis; infinite where that is not known.
+    pub fn spread(&self) -> f32 {
+        self.core.map_or(f32::INFINITY, |(_, _, spread)| spread)
+    }
+
+    /// Whether this region is known to hold every ray of which another was made.
+    ///
+    /// A half-space that holds the corners of their origins, and goes on for ever along the
+    /// directions of their corners, does so along all directions between.
+    pub fn contains(&self, other: &Self) -> bool {
+        let Some((origins, corners, _)) = &other.core else { return false };
+        let within = |lane: usize| {
+            let normal = self.normal(lane);
+            let pick = |high: bool| if high { origins.max } else { origins.min };
+            let corner = [0, 1, 2].map(|axis| f64::from(pick(normal[axis] > 0.0)[axis]));
+            DVec3::from(corner).dot(normal) <= f64::from(self.offset[lane])
+                && corners.iter().all(|corner| corner.as_dvec3().dot(normal) <= 0.0)
+        };
+        let reach = origins.min.abs().max(origins.max.abs());
+        reach.cmple(self.reach).all() && (0..PLANES).all(within)
+    }
+
+    /// A plane's normal; zero if there is none.
+    #[inline(always)]
+    fn normal(&self, lane: usize) -> DVec3 {
+        [0, 1, 2].map(|axis| f64::from(self.plus[axis][lane] + self.minus[axis][lane])).into()
+    }
+
+    /// Whether no ray that it holds enters a box, as the slab test sees it.
+    #[inline(always)]
+    pub fn misses<S: Simd>(&self, simd: S, bounds: &Aabb) -> bool {
+        let Some(coordinates) = coordinates(bounds) else { return false };
+        let mut least = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            least = least
+                + f32x8::load_array_ref(simd, &self.plus[axis]) * bounds.min[axis]
+                + f32x8::load_array_ref(simd, &self.minus[axis]) * bounds.max[axis]
+                - f32x8::load_array_ref(simd, &self.size[axis]) * coordinates[axis];
+        }
+        least.simd_gt(f32x8::load_array_ref(simd, &self.outer)).to_bitmask() != 0
+    }
+
+    /// Whether all of a box lies in the region.
+    #[inline(always)]
+    pub fn encloses<S: Simd>(&self, simd: S, bounds: &Aabb) -> bool {
+        let Some(coordinates) = coordinates(bounds) else { return false };
+        let mut most = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            most = most
+                + f32x8::load_array_ref(simd, &self.plus[axis]) * bounds.max[axis]
+                + f32x8::load_array_ref(simd, &self.minus[axis]) * bounds.min[axis]
+                + f32x8::load_array_ref(simd, &self.size[axis]) * coordinates[axis];
+        }
+        most.simd_gt(f32x8::load_array_ref(simd, &self.inner)).to_bitmask() == 0
+    }
+}
+
+/// The largest coordinates of a box; `None` if they are too large to be computed with.
+#[inline(always)]
+fn coordinates(bounds: &Aabb) -> Option<Vec3> {
+    let coordinates = bounds.min.abs().max(bounds.max.abs());
+    let largest = coordinates.max_element();
+    (largest <= LARGE).then(|| coordinates + Vec3::splat(largest * ACROSS))
+}
+
+/// The largest `normal · x` of a box.
+#[inline(always)]
+fn farthest(bounds: &Aabb, normal: Vec3) -> f32 {
+    let corner = Vec3::select(normal.cmpgt(Vec3::ZERO), bounds.max, bounds.min);
+    let size = normal.abs().dot(corner.abs());
+    corner.dot(normal) + size * (4.0 * f32::EPSILON)
+}
+
+/// Whether a direction is neither too long nor too short.
+#[inline(always)]
+fn is_tame(direction: Vec3) -> bool {
+    (1.0 / LONGEST..=LONGEST).contains(&direction.abs().max_element())
+}

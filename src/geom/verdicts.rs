@@ -1,0 +1,181 @@
+//! The verdict over eight rays at once: [`super::verdict()`] with the lanes given to rays.
+//!
+//! The same additions and multiplications in the same order, lane by lane, so the same bits; a test
+//! holds it. Rays of a bundle must share the axis along which they run fastest.
+
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, f64x4};
+
+use super::verdict::{DISTANCE_BOUND, EDGE_ON};
+use super::{RayBundle, Triangle, own_box};
+
+const LANES: usize = RayBundle::LANES;
+
+/// Which way all rays of a bundle, or of many, go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Heading {
+    /// The sides of boxes that they enter by: 1 for each axis that they go down along.
+    pub negative: [usize; 3],
+    /// The axes, permuted: they run fastest along the last.
+    pub axes: [usize; 3],
+}
+
+/// Hits of eight rays with a triangle, lane by lane.
+pub struct Verdicts {
+    /// A bit for each ray that hits at a distance within its own limits.
+    pub hits: u32,
+    /// Distances.
+    pub t: [f32; LANES],
+    /// Weights of second vertices.
+    pub u: [f32; LANES],
+    /// Weights of third vertices.
+    pub v: [f32; LANES],
+}
+
+impl RayBundle {
+    /// Which of the rays, of those in `lanes`, hit a triangle, and where.
+    #[inline(always)]
+    pub fn verdicts<S: Simd>(
+        &self,
+        simd: S,
+        heading: Heading,
+        triangle: &Triangle,
+        lanes: u32,
+    ) -> Verdicts {
+        let (mut t, mut u, mut v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut misses = 0;
+        for half in 0..2 {
+            if lanes & 0xf << (4 * half) == 0 {
+                continue;
+            }
+            let from = 4 * half;
+            let [x, y, z] = heading.axes.map(|axis| axis % 3);
+            let origin = [
+                doubled(simd, &self.origin[x], from),
+                doubled(simd, &self.origin[y], from),
+                doubled(simd, &self.origin[z], from),
+            ];
+            let shear = [
+                quarter(simd, &self.shear[0], from),
+                quarter(simd, &self.shear[1], from),
+                quarter(simd, &self.shear[2], from),
+            ];
+            let a = project(simd, [triangle.a[x], triangle.a[y], triangle.a[z]], origin, shear);
+            let b = project(simd, [triangle.b[x], triangle.b[y], triangle.b[z]], origin, shear);
+            let c = project(simd, [triangle.c[x], triangle.c[y], triangle.c[z]], origin, shear);
+            let (p0, q0) = (c[0] * b[1], c[1] * b[0]);
+            let (p1, q1) = (a[0] * c[1], a[1] * c[0]);
+            let (p2, q2) = (b[0] * a[1], b[1] * a[0]);
+            let (w0, w1, w2) = (p0 - q0, p1 - q1, p2 - q2);
+            let outside = (w0.simd_lt(0.0) | w1.simd_lt(0.0) | w2.simd_lt(0.0))
+                & (w0.simd_gt(0.0) | w1.simd_gt(0.0) | w2.simd_gt(0.0));
+            let det = w0 + w1 + w2;
+            let magnitude = (p0.abs() + q0.abs()) + (p1.abs() + q1.abs()) + (p2.abs() + q2.abs());
+            let edge_on = det.abs().simd_le(magnitude * EDGE_ON);
+            let distance = w0 * a[2] + w1 * b[2] + w2 * c[2];
+            let depth = a[2].abs().max(b[2].abs()).max(c[2].abs());
+            let on_it = distance.abs().simd_le(magnitude * DISTANCE_BOUND * depth);
+            misses |= ((outside | edge_on | on_it).to_bitmask() as u32) << from;
+            let inv_det = f64x4::splat(simd, 1.0) / det;
+            put(&mut t, from, distance * inv_det);
+            put(&mut u, from, w1 * inv_det);
+            put(&mut v, from, w2 * inv_det);
+        }
+        let distance = f32x8::load_array(simd, t);
+        let (enter, exit) = self.interval(simd, &own_box(triangle), heading.negative);
+        let clamped = distance.max(enter).min(exit);
+        let [t_min, t_max] = self.spans(simd);
+        let taken = enter.simd_le(exit)
+            & distance.simd_lt(f32::INFINITY)
+            & clamped.simd_gt(t_min)
+            & clamped.simd_le(t_max);
+        let hits = taken.to_bitmask() as u32 & !misses & lanes;
+        Verdicts { hits, t: clamped.to_array(), u, v }
+    }
+}
+
+/// Four of eight numbers.
+#[inline(always)]
+fn quarter<S: Simd>(simd: S, row: &[f64; LANES], from: usize) -> f64x4<S> {
+    f64x4::load_array(simd, [row[from], row[from + 1], row[from + 2], row[from + 3]])
+}
+
+/// Four of eight numbers, in double precision.
+#[inline(always)]
+fn doubled<S: Simd>(simd: S, row: &[f32; LANES], from: usize) -> f64x4<S> {
+    let four = [row[from], row[from + 1], row[from + 2], row[from + 3]];
+    f64x4::load_array(simd, four.map(f64::from))
+}
+
+/// A vertex with each ray as third axis.
+#[inline(always)]
+fn project<S: Simd>(
+    simd: S,
+    [x, y, z]: [f32; 3],
+    origin: [f64x4<S>; 3],
+    shear: [f64x4<S>; 3],
+) -> [f64x4<S>; 3] {
+    let x = f64x4::splat(simd, f64::from(x)) - origin[0];
+    let y = f64x4::splat(simd, f64::from(y)) - origin[1];
+    let z = f64x4::splat(simd, f64::from(z)) - origin[2];
+    [x - z * shear[0], y - z * shear[1], z * shear[2]]
+}
+
+/// Writes four of eight numbers, rounded.
+#[inline(always)]
+fn put<S: Simd>(row: &mut [f32; LANES], from: usize, values: f64x4<S>) {
+    let values = values.to_array();
+    for lane in 0..4 {
+        row[from + lane] = values[lane] as f32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geom::{ShearRay, SlabRay, verdict};
+    use crate::math::{Ray, Vec3};
+    use crate::simd::baseline;
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        let part = || prop_oneof![4 => -2.0_f32..2.0, 1 => Just(0.0_f32), 1 => Just(1.0_f32), 1 => 1e5_f32..1.0001e5];
+        [part(), part(), part()].prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        #[test]
+        fn eight_verdicts_are_eight_times_the_verdict(
+            a in point(), b in point(), c in point(), origin in point(),
+            aims in prop::collection::vec((0.0_f32..1.2, 0.0_f32..1.2), 8), exponent in -40_i32..40,
+        ) {
+            let scale = f32::from_bits(((exponent + 127) as u32) << 23);
+            let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
+            let mut bundle = RayBundle::EMPTY;
+            let mut rays: Vec<(usize, Ray)> = Vec::new();
+            let mut heading = None;
+            for (lane, (u, v)) in aims.into_iter().enumerate() {
+                let target = a * (1.0 - u - v) + b * u + c * v;
+                let ray = Ray::new(origin * scale, (target - origin) * scale, 0.0, f32::INFINITY);
+                let own = Heading::of(ray.direction());
+                if ray != Ray::MISS && *heading.get_or_insert(own) == own {
+                    bundle.put(lane, &ray);
+                    rays.push((lane, ray));
+                }
+            }
+            prop_assume!(heading.is_some());
+            let heading = heading.unwrap();
+            bundle.prepare(baseline(), heading);
+            let found = dispatch!(Level::new(), simd => bundle.verdicts(simd, heading, &triangle, 0xff));
+            for (lane, ray) in rays {
+                let own = verdict(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle);
+                let bits = |[t, u, v]: [f32; 3]| [t.to_bits(), u.to_bits(), v.to_bits()];
+                let here = [found.t[lane], found.u[lane], found.v[lane]];
+                let here = (found.hits >> lane & 1 == 1).then_some(here);
+                prop_assert_eq!(here.map(bits), own.filter(|[t, ..]| *t > 0.0).map(bits));
+            }
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Structures for many rays at once answer as brute force does where rays run side by side: rasters
+//! of a camera outside, inside and amid the triangles, with a lens, cut by any slice.
+
+use std::sync::Arc;
+
+use dapple::accel::{Accel, AnyHit, Batch, ClosestHit, Event, HitFilter, build};
+use dapple::bench::ray_sets::Random;
+use dapple::geom::{Shaft, Triangle, TriangleList, TriangleSource};
+use dapple::math::{Aabb, Ray, Vec3};
+use dapple::simd::Isa;
+
+const SPECS: &[&str] = &[
+    "bvh-packet",
+    "bvh-packet:size=5",
+    "bvh-packet:build=sbvh,triangles=cache,cache=1",
+    "bvh-partition",
+    "bvh-partition:size=8",
+    "bvh-entry-point",
+    "bvh-path-compression",
+    "bvh-path-compression:pc=recursive,with=partition,per-packet=on",
+];
+
+fn soup(count: usize, size: f32, scale: f32) -> Vec<Triangle> {
+    (0..count)
+        .map(|i| {
+            let random = &mut Random::new(11, i as u64);
+            let at = random.cube();
+            let corner = |random: &mut Random| (at + (random.cube() - 0.5) * size) * scale;
+            Triangle { a: corner(random), b: corner(random), c: corner(random) }
+        })
+        .collect()
+}
+
+/// A floor and a wall of twin squares, whose edges rays run along and whose hits tie.
+fn room() -> Vec<Triangle> {
+    let square = |i: usize, at: fn(f32, f32) -> Vec3| {
+        let (x, y) = ((i % 8) as f32 / 8.0, (i / 8) as f32 / 8.0);
+        let (a, b, c, d) = (at(x, y), at(x + 0.125, y), at(x + 0.125, y + 0.125), at(x, y + 0.125));
+        [Triangle { a, b, c }, Triangle { a, b: c, c: d }]
+    };
+    let floor = (0..64).flat_map(|i| square(i, |x, y| Vec3::new(x, 0.0, y)));
+    let wall = (0..64).flat_map(|i| square(i, |x, y| Vec3::new(x, y, 1.0)));
+    let twins = (0..64).flat_map(|i| square(i, |x, y| Vec3::new(x, y, 1.0)));
+    floor.chain(wall).chain(twins).collect()
+}
+
+/// A raster of `WIDTH` by `HEIGHT` pixels with so many rays in each.
+fn raster(eye: Vec3, towards: Vec3, open: f32, lens: f32, each: usize, scale: f32) -> Vec<Ray> {
+    let across = towards.cross(Vec3::Y).normalize();
+    let up = across.cross(towards).normalize();
+    (0..WIDTH * HEIGHT * each)
+        .map(|i| {
+            let (x, y) = (i / each % WIDTH, i / each / WIDTH);
+            let random = &mut Random::new(3, i as u64);
+            let jitter = if each > 1 { random.cube() } else { Vec3::splat(0.5) };
+            let at = |place: usize, count: usize, jitter: f32| {
+                ((place as f32 + jitter) / count as f32 - 0.5) * open
+            };
+            let towards = towards + across * at(x, WIDTH, jitter.x) + up * at(y, HEIGHT, jitter.y);
+            let eye = eye + (random.cube() - 0.5) * lens;
+            // Some end early, some are not there at all.
+            let t_max = if i % 7 == 0 { 0.8 } else { f32::INFINITY };
+            if i % 101 == 0 {
+                Ray::MISS
+            } else {
+                Ray::new(eye * scale, towards * scale, 0.0, t_max)
+            }
+        })
+        .collect()
+}
+
+const WIDTH: usize = 37;
+const HEIGHT: usize = 21;
+
+struct Sieve;
+
+impl HitFilter for Sieve {
+    fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
+        (ray as u32).wrapping_mul(0x9e37_79b9).wrapping_add(hit.triangle.0 * 0x85eb) >> 8 & 3 != 0
+    }
+}
+
+/// Answers in one slice with its raster.
+fn answers(
+    accel: &dyn Accel,
+    rays: &[Ray],
+    filter: Option<&dyn HitFilter>,
+    counting: bool,
+) -> (Vec<ClosestHit>, Vec<AnyHit>) {
+    let batch = Batch::new(rays).with_grid(WIDTH as u32, HEIGHT as u32).with_filter(filter);
+    let mut tracer = if counting { accel.counting_tracer() } else { accel.tracer() };
+    let (mut hits, mut any) = (vec![ClosestHit::MISS; rays.len()], vec![AnyHit(true); rays.len()]);
+    tracer.closest_hits(&batch, &mut hits);
+    tracer.any_hits(&batch, &mut any);
+    (hits, any)
+}
+
+#[test]
+fn rasters_are_answered_as_brute_force_does() {
+    let scenes = [
+        ("soup", soup(3000, 0.2, 1.0), 1.0),
+        ("dust", soup(10_000, 0.02, 1.0), 1.0),
+        ("room", room(), 1.0),
+        ("large", soup(500, 0.3, 1e15), 1e15),
+        ("small", soup(500, 0.3, 1e-15), 1e-15),
+    ];
+    // The sets between stand for the baseline, which the portable one is as well.
+    let isas: Vec<Isa> =
+        Isa::available().filter(|isa| !matches!(isa, Isa::Sse2 | Isa::Sse42)).collect();
+    for (name, triangles, scale) in scenes {
+        let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(triangles));
+        let structure = |spec: &str, isa| {
+            build(&spec.parse().expect("known"), Arc::clone(&source), isa).expect("it builds")
+        };
+        let oracle = structure("brute", Isa::Auto);
+        let views = [
+            (Vec3::new(0.5, 0.5, -1.5), Vec3::new(0.0, 0.0, 1.0), 0.6, 0.0, 1),
+            (Vec3::new(0.5, 0.4, 0.5), Vec3::new(0.3, -0.4, 1.0), 1.2, 0.0, 3),
+            (Vec3::new(-1.0, 1.5, -0.7), Vec3::new(1.0, -0.8, 0.9), 0.3, 0.05, 1),
+            (Vec3::new(0.5, 0.5, 0.5), Vec3::new(1.0, 0.0, 0.0), 0.1, 0.0, 9),
+        ];
+        for (number, (eye, towards, open, lens, each)) in views.into_iter().enumerate() {
+            let rays = raster(eye, towards, open, lens, each, scale);
+            let filters = [None, Some(&Sieve as &dyn HitFilter)];
+            let expected = filters.map(|filter| answers(&*oracle, &rays, filter, false));
+            let hit = expected[0].0.iter().filter(|hit| hit.is_hit()).count();
+            assert!(hit > 20 || name == "room" && number == 3, "{name}, view {number}");
+            for spec in SPECS {
+                for &isa in &isas {
+                    let accel = structure(spec, isa);
+                    for (filter, expected) in filters.into_iter().zip(&expected) {
+                        for counting in [false, true] {
+                            let (hits, any) = answers(&*accel, &rays, filter, counting);
+                            let what = format!("{name}, view {number}, {spec}, {isa}");
+                            for (i, (hit, sure)) in hits.iter().zip(&expected.0).enumerate() {
+                                assert!(hit.same_bits(sure), "{what}: ray {i} {hit:?} {sure:?}");
+                            }
+                            assert!(any == expected.1, "{what}: any hit");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_view_answers_rays_inside_and_outside_of_it() {
+    let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(soup(3000, 0.2, 1.0)));
+    let structure = |spec: &str| {
+        build(&spec.parse().expect("known"), Arc::clone(&source), Isa::Auto).expect("it builds")
+    };
+    let eye = Vec3::new(0.5, 0.5, -1.5);
+    // Around the raster, around a part of it, and aside.
+    let corners = |half: f32, x: f32| {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(i, j)| Vec3::new(i * half + x, j * half, 1.0))
+    };
+    let shaft = |half: f32, x: f32| {
+        Shaft::pyramid(Aabb::of_points([eye]), corners(half, x)).expect("a pyramid")
+    };
+    let rays = raster(eye, Vec3::Z, 0.6, 0.0, 4, 1.0);
+    let expected = answers(&*structure("brute"), &rays, None, false);
+    assert!(structure("bvh-packet").view(&shaft(0.4, 0.0)).is_none());
+    for spec in SPECS.iter().filter(|spec| spec.contains("entry") || spec.contains("path")) {
+        let whole = structure(spec);
+        let around = whole.view(&shaft(0.4, 0.0)).expect("it can be narrowed");
+        let part = around.view(&shaft(0.1, 0.1)).expect("and once more");
+        let aside = whole.view(&shaft(0.1, 40.0)).expect("to nothing as well");
+        for (number, view) in [&around, &part, &aside].into_iter().enumerate() {
+            let (hits, any) = answers(&**view, &rays, None, false);
+            let same = hits.iter().zip(&expected.0).all(|(hit, sure)| hit.same_bits(sure));
+            assert!(same && any == expected.1, "{spec}, view {number}");
+        }
+    }
+}
+
+#[test]
+fn rays_that_run_side_by_side_share_their_nodes() {
+    let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(soup(3000, 0.2, 1.0)));
+    let eye = Vec3::new(0.5, 0.5, -1.5);
+    let rays = raster(eye, Vec3::Z, 0.6, 0.0, 16, 1.0);
+    let nodes = |spec: &str| {
+        let accel = build(&spec.parse().expect("known"), Arc::clone(&source), Isa::Auto);
+        let accel = accel.expect("it builds");
+        let mut tracer = accel.counting_tracer();
+        let batch = Batch::new(&rays).with_grid(WIDTH as u32, HEIGHT as u32);
+        tracer.closest_hits(&batch, &mut vec![ClosestHit::MISS; rays.len()]);
+        tracer.counts()[Event::InnerNode]
+    };
+    let single = nodes("bvh2");
+    for spec in SPECS.iter().filter(|spec| !spec.contains("build")) {
+        assert!(nodes(spec) * 8 < single, "{spec}: {} nodes, bvh2 {single}", nodes(spec));
+    }
+}
