@@ -18,6 +18,8 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// Two sets of texture coordinates, each possibly empty.
     pub uvs: [Vec<Vec2>; 2],
+    /// Linear colours and alpha that multiply the material's base colour; empty: white.
+    pub colors: Vec<Vec4>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
     pub indices: Vec<[u32; 3]>,
 }
@@ -34,6 +36,7 @@ impl Mesh {
         size_of_val(&*self.positions)
             + size_of_val(&*self.normals)
             + size_of_val(&*self.tangents)
+            + size_of_val(&*self.colors)
             + self.uvs.iter().map(|set| size_of_val(&**set)).sum::<usize>()
             + size_of_val(&*self.indices)
     }

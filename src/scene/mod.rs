@@ -1,6 +1,7 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
 mod alpha;
+mod choice;
 pub mod defaults;
 mod digest;
 mod environment;
@@ -13,24 +14,28 @@ mod load;
 mod material;
 pub mod npy;
 pub mod obj;
+pub mod ply;
+mod repair;
 mod shading_normal;
 mod surface;
 mod texture;
 mod texture_image;
 mod triangles;
+mod triangulate;
 mod uri;
 mod world;
 
 use std::sync::Arc;
 
 pub use alpha::AlphaFilter;
+pub use choice::chosen;
 pub use environment::{EnvironmentImage, EnvironmentSource};
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
 pub use lights::{LightSample, Lights};
 pub use load::{LoadOptions, MissingTexture, load, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
-pub use surface::Surface;
+pub use surface::{Attributes, Surface};
 pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
 pub use texture_image::{Image, ImageError, Texels};
 pub use triangles::Triangles;

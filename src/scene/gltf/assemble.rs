@@ -34,7 +34,9 @@ pub fn assemble(
     notices: &mut Notices,
 ) -> Result<Scene, LoadError> {
     let Some(roots) = document.scene_roots(options.scene.as_deref()) else {
-        return Err(no_such_scene(&document, path, options));
+        let names = document.scenes.iter().map(|scene| scene.name.as_str());
+        let wanted = options.scene.as_deref().unwrap_or_default();
+        return Err(LoadError::no_such(path, "scene", wanted, names));
     };
     let placed = nodes::place(&document.nodes, roots);
     let mut drawn: Vec<usize> =
@@ -118,19 +120,6 @@ fn place_cameras_and_lights(
     }
     found.sort_by_key(|&(camera, _)| camera);
     scene.cameras = found.into_iter().map(|(_, camera)| camera).collect();
-}
-
-fn no_such_scene(document: &Document, path: &Path, options: &LoadOptions) -> LoadError {
-    let scenes = document.scenes.iter().enumerate();
-    let present = scenes.map(|(i, scene)| match scene.name.as_str() {
-        "" => i.to_string(),
-        name => format!("{i} ({name:?})"),
-    });
-    LoadError::NoSuchScene {
-        file: path.display().to_string(),
-        wanted: options.scene.clone().unwrap_or_default(),
-        present: present.collect(),
-    }
 }
 
 /// The buffer views that an accessor reads.

@@ -13,7 +13,7 @@ use super::nodes::{self, Counts, Node};
 use super::notices::Notices;
 use super::resources::{self, BufferDeclaration};
 use super::texture::{self, ImageDeclaration, Slots, TextureDeclaration};
-use crate::scene::Material;
+use crate::scene::{Material, chosen};
 
 /// One of the scenes of a document.
 #[derive(Clone, Debug)]
@@ -136,9 +136,8 @@ impl Document {
             let scene = self.scenes.get(self.default_scene.unwrap_or(0));
             return Some(scene.map_or(&self.roots, |scene| &scene.roots));
         };
-        let named = self.scenes.iter().find(|scene| scene.name == wanted);
-        let numbered = || self.scenes.get(wanted.parse::<usize>().ok()?);
-        named.or_else(numbered).map(|scene| &*scene.roots)
+        let number = chosen(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
+        Some(&self.scenes[number].roots)
     }
 }
 

@@ -40,6 +40,8 @@ pub struct Geometry {
     pub tangents: Option<usize>,
     /// TEXCOORD_0 and TEXCOORD_1.
     pub uvs: [Option<usize>; 2],
+    /// COLOR_0.
+    pub colors: Option<usize>,
     /// Which vertices, in which order; none: all, as they stand.
     pub indices: Option<usize>,
     /// Morph targets with a weight other than zero.
@@ -49,7 +51,8 @@ pub struct Geometry {
 impl Geometry {
     /// All accessors that it reads.
     pub fn accessors(&self) -> impl Iterator<Item = usize> {
-        let optional = [self.normals, self.tangents, self.uvs[0], self.uvs[1], self.indices];
+        let Self { normals, tangents, uvs, colors, indices, .. } = *self;
+        let optional = [normals, tangents, uvs[0], uvs[1], colors, indices];
         let targets = self.targets.iter().flat_map(|(_, accessors)| *accessors);
         [self.positions].into_iter().chain(optional.into_iter().chain(targets).flatten())
     }
@@ -148,6 +151,7 @@ fn primitive(
         // Without normals tangents are to be ignored (3.7.2.1).
         tangents: if normals.is_some() { attribute("TANGENT")? } else { None },
         uvs: [attribute("TEXCOORD_0")?, attribute("TEXCOORD_1")?],
+        colors: attribute("COLOR_0")?,
         indices,
         targets,
     };
@@ -157,7 +161,7 @@ fn primitive(
 /// Says which attributes are not looked at. Those of applications, with an underscore, are theirs.
 fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
     let message = match name.split_once('_') {
-        Some(("COLOR", _)) => "colours of vertices are not supported and left out",
+        Some(("COLOR", set)) if set != "0" => "only the first colours of vertices are supported",
         Some(("TEXCOORD", set)) if set != "0" && set != "1" => {
             "only two sets of texture coordinates are supported"
         }

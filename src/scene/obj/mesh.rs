@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use super::geometry::{Corner, Geometry, NONE, Part};
-use super::triangulate::{Intricate, Triangulator, newell};
 use crate::geom::Mesh;
 use crate::math::{DVec3, Vec2, Vec3};
+use crate::scene::triangulate::{Intricate, Triangulator, newell};
 
 /// The mesh of each part that has polygons, with the part's number.
 ///

@@ -22,7 +22,6 @@ mod mesh;
 mod mtl;
 mod remarks;
 mod texture_statement;
-mod triangulate;
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
@@ -34,17 +33,14 @@ use mtl::MtlMaterial;
 use remarks::Remarks;
 
 use super::{Instance, LoadError, LoadOptions, Material, Notice, Scene, Transform, read_file};
-use crate::math::{Affine3A, MaterialId, MeshId, Vec4};
+use crate::math::{Affine3A, MaterialId, MeshId};
 
 /// Loads an OBJ file, its material libraries and their textures.
 ///
 /// # Errors
 /// [`LoadError`] with the line of a malformed statement, or a list of all unusable textures.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
-    if let Some(wanted) = &options.scene {
-        let file = path.display().to_string();
-        return Err(LoadError::NoSuchScene { file, wanted: wanted.clone(), present: Vec::new() });
-    }
+    options.refuse_choices(path)?;
     let mut remarks = Remarks::new(path);
     let geometry = geometry::parse(&read_file(path)?, path, &mut remarks)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -106,21 +102,12 @@ fn materials(
     ids
 }
 
-/// Reflectance of what has no material: that of a new material in Blender.
-const GREY: f32 = 0.8;
-
-/// What has no material: a Lambertian grey, kept once.
+/// The material of what has none, kept once.
 fn grey_id(scene: &mut Scene) -> MaterialId {
-    const NAME: &str = "(none)";
-    let at = scene.materials.iter().position(|material| material.name == NAME);
+    let grey = Material::grey();
+    let at = scene.materials.iter().position(|material| material.name == grey.name);
     MaterialId::from_index(at.unwrap_or_else(|| {
-        scene.materials.push(Material {
-            name: NAME.to_owned(),
-            base_color: Vec4::new(GREY, GREY, GREY, 1.0),
-            metallic: 0.0,
-            specular: 0.0,
-            ..Material::default()
-        });
+        scene.materials.push(grey);
         scene.materials.len() - 1
     }))
 }
