@@ -31,6 +31,23 @@ impl Mesh {
         Aabb::of_points(corners.map(|&i| self.positions[i as usize]))
     }
 
+    /// Appends a copy of each vertex in `sources`; attributes that are absent stay so.
+    pub fn repeat_vertices(&mut self, sources: &[u32]) {
+        fn repeat<T: Copy>(all: &mut Vec<T>, sources: &[u32]) {
+            if !all.is_empty() {
+                all.reserve_exact(sources.len());
+                for &source in sources {
+                    all.push(all[source as usize]);
+                }
+            }
+        }
+        repeat(&mut self.positions, sources);
+        repeat(&mut self.normals, sources);
+        repeat(&mut self.tangents, sources);
+        self.uvs.iter_mut().for_each(|set| repeat(set, sources));
+        repeat(&mut self.colors, sources);
+    }
+
     /// Bytes on the heap.
     pub fn heap_bytes(&self) -> usize {
         size_of_val(&*self.positions)

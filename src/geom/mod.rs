@@ -5,6 +5,7 @@ mod clip;
 mod mesh;
 pub mod slab;
 mod source;
+mod tangents;
 pub mod verdict;
 
 pub use block::{BlockRef, TriangleBlock};
@@ -12,4 +13,5 @@ pub use clip::clipped_bounds;
 pub use mesh::Mesh;
 pub use slab::{SlabRay, own_box};
 pub use source::{Triangle, TriangleList, TriangleSource};
+pub use tangents::add_tangents;
 pub use verdict::{ShearRay, verdict};

@@ -31,7 +31,8 @@ pub(super) fn uvs(uvs: &mut [Vec2]) -> bool {
 pub(super) fn colors(colors: &mut [Vec4]) -> bool {
     let mut any = false;
     for color in colors {
-        let clamped = Vec4::from_array(color.to_array().map(|x| x.max(0.0).min(1.0)));
+        let unit = |x: f32| if x > 0.0 { x.min(1.0) } else { 0.0 };
+        let clamped = Vec4::from_array(color.to_array().map(unit));
         any |= clamped != *color;
         *color = clamped;
     }

@@ -9,6 +9,7 @@ use glam::{DAffine3, DVec3};
 use super::accessor::{Accessor, View};
 use super::camera::CameraDeclaration;
 use super::document::Document;
+use super::instancing::Instancing;
 use super::json::Fault;
 use super::light::LightDeclaration;
 use super::mesh::{Geometry, MeshDeclaration, Primitive};
@@ -55,6 +56,10 @@ pub fn assemble(
     let views = views.chain(primitives().flat_map(|primitive| {
         primitive.geometry.accessors().flat_map(|index| views_of(&document.accessors[index]))
     }));
+    let copies = placed.iter().filter_map(|at| document.nodes[at.node].copies.as_ref());
+    let views = views.chain(copies.flat_map(|copies| {
+        copies.accessors().flat_map(|index| views_of(&document.accessors[index]))
+    }));
     let needed = needed_buffers(&document.views, document.buffers.len(), views);
 
     // All that is missing is found before any of it is reported.
@@ -79,9 +84,9 @@ pub fn assemble(
     let mut builder =
         Builder { storage, palette, meshes: BTreeMap::new(), scene: Scene::default() };
     for at in &placed {
-        let Some(mesh) = document.nodes[at.node].mesh else { continue };
+        let Node { mesh: Some(mesh), copies, .. } = &document.nodes[at.node] else { continue };
         builder
-            .place(&document.meshes[mesh], at, notices)
+            .place_all(&document.meshes[*mesh], at, copies.as_ref(), notices)
             .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
     }
     let mut scene = builder.scene;
@@ -194,11 +199,28 @@ struct Builder<'a> {
     storage: Storage<'a>,
     palette: Palette,
     /// What is built already, and its box.
-    meshes: BTreeMap<Geometry, (MeshId, Aabb)>,
+    meshes: BTreeMap<(Geometry, Option<MaterialId>), (MeshId, Aabb)>,
     scene: Scene,
 }
 
 impl Builder<'_> {
+    /// Places a mesh at a node, or all its copies there.
+    fn place_all(
+        &mut self,
+        mesh: &MeshDeclaration,
+        at: &Placed,
+        copies: Option<&Instancing>,
+        notices: &mut Notices,
+    ) -> Result<(), Fault> {
+        let Some(copies) = copies else { return self.place(mesh, at, notices) };
+        let most = MAX_INSTANCES - self.scene.instances.len();
+        for placement in copies.placements(&self.storage, most)? {
+            let to_world = at.to_world * placement;
+            self.place(mesh, &Placed { node: at.node, to_world }, notices)?;
+        }
+        Ok(())
+    }
+
     /// Places all primitives of a mesh.
     fn place(
         &mut self,
@@ -212,7 +234,8 @@ impl Builder<'_> {
             return Err(Fault::new(node(), message));
         }
         for primitive in &mesh.primitives {
-            let (id, bounds) = self.mesh(primitive, &mesh.name, notices)?;
+            let material = self.palette.id(primitive);
+            let (id, bounds) = self.mesh(primitive, material, &mesh.name, notices)?;
             if bounds.is_empty() {
                 continue; // has no triangles
             }
@@ -220,7 +243,6 @@ impl Builder<'_> {
                 let message = "places its mesh beyond the range of 32-bit floats";
                 return Err(Fault::new(node(), message));
             }
-            let material = self.palette.id(primitive);
             self.note_missing_sets(primitive, id, material, notices);
             let transform = Transform::new(nodes::narrowed(&at.to_world));
             self.scene.instances.push(Instance { mesh: id, material, transform });
@@ -228,20 +250,28 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The mesh of a primitive: what is made of the same accessors is stored once.
+    /// The mesh of a primitive: what is made of the same accessors is stored once, but for tangents
+    /// that are made for a material's normal map.
     fn mesh(
         &mut self,
         primitive: &Primitive,
+        material: MaterialId,
         name: &str,
         notices: &mut Notices,
     ) -> Result<(MeshId, Aabb), Fault> {
-        if let Some(&known) = self.meshes.get(&primitive.geometry) {
+        let normal_map = self.palette.materials[material.index()].normal_texture;
+        let normal_map = normal_map.filter(|map| primitive.geometry.lacks_tangents(map.uv_set));
+        let key = (primitive.geometry.clone(), normal_map.map(|_| material));
+        if let Some(&known) = self.meshes.get(&key) {
             return Ok(known);
         }
-        let mesh = primitive::build(primitive, name, &self.storage, notices)?;
+        let mut mesh = primitive::build(primitive, name, &self.storage, notices)?;
+        if let Some(map) = normal_map {
+            primitive::add_tangents(&mut mesh, &map, &primitive.place, &self.storage)?;
+        }
         let built = (MeshId::from_index(self.scene.meshes.len()), mesh.bounds());
         self.scene.meshes.push(Arc::new(mesh));
-        self.meshes.insert(primitive.geometry.clone(), built);
+        self.meshes.insert(key, built);
         Ok(built)
     }
 

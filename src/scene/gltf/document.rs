@@ -13,7 +13,8 @@ use super::nodes::{self, Counts, Node};
 use super::notices::Notices;
 use super::resources::{self, BufferDeclaration};
 use super::texture::{self, ImageDeclaration, Slots, TextureDeclaration};
-use crate::scene::{Material, chosen};
+use super::variants::{self, Variants};
+use crate::scene::{Contents, Material, UsedExtension, chosen};
 
 /// One of the scenes of a document.
 #[derive(Clone, Debug)]
@@ -55,6 +56,10 @@ pub struct Document {
     pub scenes: Vec<SceneDeclaration>,
     /// The scene to show if none is asked for.
     pub default_scene: Option<usize>,
+    /// Names of variants of materials.
+    pub variants: Vec<String>,
+    /// Extensions that it uses.
+    pub extensions: Vec<UsedExtension>,
 }
 
 /// Why a document is not read.
@@ -64,6 +69,8 @@ pub enum Refusal {
     Fault(Fault),
     /// It requires extensions that are not supported.
     Extensions(Vec<String>),
+    /// It has no such variant of materials as is asked for, but these.
+    Variant(Vec<String>),
 }
 
 impl From<Fault> for Refusal {
@@ -74,15 +81,19 @@ impl From<Fault> for Refusal {
 
 impl Document {
     /// Reads and checks all of a document, also what no scene uses, but for the contents of its
-    /// buffers and images.
-    pub fn read(value: &Value, notices: &mut Notices) -> Result<Self, Refusal> {
+    /// buffers and images. `variant` is the variant of materials to show, by name or number.
+    pub fn read(
+        value: &Value,
+        variant: Option<&str>,
+        notices: &mut Notices,
+    ) -> Result<Self, Refusal> {
         let root = Object::new(value, String::new())?;
         check_version(&root)?;
         let unsupported = extensions::unsupported(&root)?;
         if !unsupported.is_empty() {
             return Err(Refusal::Extensions(unsupported));
         }
-        extensions::note(value, &root, notices)?;
+        let extensions = extensions::note(value, &root, notices)?;
         if !root.array("animations")?.is_empty() {
             notices
                 .add(root.at("animations"), "animations are not played: all is in its rest pose");
@@ -96,12 +107,22 @@ impl Document {
         let textures = texture::textures(&root, images.len())?;
         let mut slots = Slots::new(textures.len());
         let materials = material::read(&root, &mut slots, notices)?;
-        let meshes = mesh::read(&root, accessors.len(), materials.len(), notices)?;
+        let variants = variants::names(&root)?;
+        let shown = match variant {
+            None => None,
+            Some(wanted) => match chosen(variants.iter().map(String::as_str), wanted) {
+                None => return Err(Refusal::Variant(variants)),
+                found => found,
+            },
+        };
+        let choice = Variants { count: variants.len(), materials: materials.len(), shown };
+        let meshes = mesh::read(&root, accessors.len(), choice, notices)?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
         let counts = Counts {
             nodes: root.array("nodes")?.len(),
             meshes: meshes.len(),
+            accessors: accessors.len(),
             cameras: cameras.len(),
             lights: lights.len(),
             skins: root.array("skins")?.len(),
@@ -126,7 +147,18 @@ impl Document {
             lights,
             scenes,
             default_scene,
+            variants,
+            extensions,
         })
+    }
+
+    /// What the document declares, for those who choose.
+    pub fn contents(&self) -> Contents {
+        Contents {
+            scenes: self.scenes.iter().map(|scene| scene.name.clone()).collect(),
+            variants: self.variants.clone(),
+            extensions: self.extensions.clone(),
+        }
     }
 
     /// The roots of the scene called `wanted` or else of that number; if none is asked for those
@@ -184,7 +216,7 @@ mod tests {
     fn document(members: &str) -> Result<Document, Refusal> {
         let text = format!("{{\"asset\": {{\"version\": \"2.0\"}}{members}}}");
         let value = json::parse(text.as_bytes()).expect("valid JSON");
-        Document::read(&value, &mut Notices::default())
+        Document::read(&value, None, &mut Notices::default())
     }
 
     #[test]
@@ -220,7 +252,8 @@ mod tests {
         for asset in [r#""1.0""#, r#""3.0""#, r#""2.1", "minVersion": "2.1""#, "2"] {
             let text = format!("{{\"asset\": {{\"version\": {asset}}}}}");
             let value = json::parse(text.as_bytes()).expect("valid JSON");
-            assert!(Document::read(&value, &mut Notices::default()).is_err(), "{asset}");
+            let read = Document::read(&value, None, &mut Notices::default());
+            assert!(read.is_err(), "{asset}");
         }
     }
 }

@@ -44,6 +44,9 @@ impl Reader<'_, '_> {
         }
         material.emissive_texture = self.member(object, "emissiveTexture", ColorSpace::Srgb)?;
         self.extensions(&mut material)?;
+        if object.extension("KHR_materials_unlit")?.is_some() {
+            return Ok(unlit(material));
+        }
         Ok(material)
     }
 
@@ -207,6 +210,20 @@ impl Reader<'_, '_> {
     }
 }
 
+/// What is left of a material that is not lit: colour, alpha and sides.
+fn unlit(material: Material) -> Material {
+    let Material { name, base_color, base_color_texture, alpha_mode, double_sided, .. } = material;
+    Material {
+        name,
+        base_color,
+        base_color_texture,
+        alpha_mode,
+        double_sided,
+        unlit: true,
+        ..Material::default()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::json;
@@ -269,6 +286,17 @@ mod tests {
         assert_eq!(volume("0"), None);
         let expected = Volume { attenuation_color: Vec3::ONE, attenuation_distance: 2.0 };
         assert_eq!(volume("0.1"), Some(expected));
+    }
+
+    #[test]
+    fn an_unlit_surface_has_its_colour_alone() {
+        let (made, _) = material(
+            r#"{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1], "metallicFactor": 0.3},
+                "emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_unlit": {}}}"#,
+        )
+        .expect("valid");
+        let base_color = Vec4::new(1.0, 0.5, 0.0, 1.0);
+        assert_eq!(made, Material { base_color, unlit: true, ..Material::default() });
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::json::{Fault, Object};
 use super::notices::Notices;
+use super::variants::Variants;
 
 /// A mesh: several primitives, each with a material of its own.
 #[derive(Clone, Debug)]
@@ -49,6 +50,13 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// Whether tangents for a normal map, which is looked up by a set of texture coordinates, can be
+    /// made and must be.
+    pub fn lacks_tangents(&self, uv_set: u8) -> bool {
+        let uvs = self.uvs[usize::from(uv_set)];
+        self.tangents.is_none() && self.normals.is_some() && uvs.is_some()
+    }
+
     /// All accessors that it reads.
     pub fn accessors(&self) -> impl Iterator<Item = usize> {
         let Self { normals, tangents, uvs, colors, indices, .. } = *self;
@@ -69,21 +77,21 @@ pub struct Primitive {
     pub material: Option<usize>,
 }
 
-/// Reads all meshes; `accessors` and `materials` are how many there are.
+/// Reads all meshes; `accessors` is how many there are, `variants` tells the materials to show.
 pub fn read(
     root: &Object,
     accessors: usize,
-    materials: usize,
+    variants: Variants,
     notices: &mut Notices,
 ) -> Result<Vec<MeshDeclaration>, Fault> {
     let meshes = root.objects("meshes")?;
-    meshes.iter().map(|object| mesh(object, accessors, materials, notices)).collect()
+    meshes.iter().map(|object| mesh(object, accessors, variants, notices)).collect()
 }
 
 fn mesh(
     object: &Object,
     accessors: usize,
-    materials: usize,
+    variants: Variants,
     notices: &mut Notices,
 ) -> Result<MeshDeclaration, Fault> {
     if !object.has("primitives") {
@@ -92,7 +100,7 @@ fn mesh(
     let weights = weights(object)?;
     let mut primitives = Vec::new();
     for primitive in object.objects("primitives")? {
-        primitives.extend(self::primitive(&primitive, &weights, accessors, materials, notices)?);
+        primitives.extend(self::primitive(&primitive, &weights, accessors, variants, notices)?);
     }
     Ok(MeshDeclaration { name: object.name()?, primitives })
 }
@@ -115,7 +123,7 @@ fn primitive(
     object: &Object,
     weights: &[f32],
     accessors: usize,
-    materials: usize,
+    variants: Variants,
     notices: &mut Notices,
 ) -> Result<Option<Primitive>, Fault> {
     let attributes = object.object("attributes")?.ok_or_else(|| object.absent("attributes"))?;
@@ -125,7 +133,7 @@ fn primitive(
     }
     let attribute = |name| attributes.reference(name, "accessor", accessors);
     let indices = object.reference("indices", "accessor", accessors)?;
-    let material = object.reference("material", "material", materials)?;
+    let material = variants.material(object)?;
     let targets = targets(object, weights, accessors)?;
     let mode = match object.whole("mode")?.unwrap_or(4) {
         0..=3 => {
@@ -191,7 +199,8 @@ mod tests {
     fn meshes(text: &str) -> Result<Vec<MeshDeclaration>, Fault> {
         let value = json::parse(format!("{{\"meshes\": {text}}}").as_bytes()).expect("valid JSON");
         let root = Object::new(&value, String::new()).expect("an object");
-        read(&root, 4, 1, &mut Notices::default())
+        let variants = Variants { materials: 1, ..Variants::default() };
+        read(&root, 4, variants, &mut Notices::default())
     }
 
     #[test]

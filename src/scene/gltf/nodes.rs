@@ -5,6 +5,7 @@
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
+use super::instancing::Instancing;
 use super::json::{Fault, Object};
 use super::notices::Notices;
 use crate::math::Affine3A;
@@ -16,6 +17,8 @@ pub struct Counts {
     pub nodes: usize,
     /// Meshes.
     pub meshes: usize,
+    /// Accessors.
+    pub accessors: usize,
     /// Cameras.
     pub cameras: usize,
     /// Lights of KHR_lights_punctual.
@@ -33,6 +36,8 @@ pub struct Node {
     pub children: Vec<usize>,
     /// What it draws.
     pub mesh: Option<usize>,
+    /// Where copies of that stand; none: it stands at the node alone.
+    pub copies: Option<Instancing>,
     /// A camera that it carries.
     pub camera: Option<usize>,
     /// A light that it carries.
@@ -71,6 +76,7 @@ fn node(object: &Object, counts: Counts, notices: &mut Notices) -> Result<Node, 
         name: object.name()?,
         children: object.references("children", "node", counts.nodes)?,
         mesh: object.reference("mesh", "mesh", counts.meshes)?,
+        copies: Instancing::read(object, counts.accessors, notices)?,
         camera: object.reference("camera", "camera", counts.cameras)?,
         light,
         local: local(object, notices)?,

@@ -4,9 +4,9 @@ use super::json::Fault;
 use super::mesh::{Geometry, Mode, Primitive};
 use super::notices::Notices;
 use super::read::Storage;
-use crate::geom::Mesh;
+use crate::geom::{self, Mesh};
 use crate::math::{Vec2, Vec3, Vec4};
-use crate::scene::repair;
+use crate::scene::{TextureRef, repair};
 
 /// Builds the mesh of a primitive.
 ///
@@ -43,6 +43,26 @@ pub fn build(
         Mesh { name: name.to_owned(), positions, normals, tangents, uvs, colors, indices };
     put_right(&mut mesh, place, notices);
     Ok(mesh)
+}
+
+/// Gives a mesh that has normals and texture coordinates the tangents that a normal map is meant for
+/// which is looked up as `map` says.
+///
+/// # Errors
+/// If that takes more memory than the file can justify.
+pub fn add_tangents(
+    mesh: &mut Mesh,
+    map: &TextureRef,
+    place: &str,
+    storage: &Storage,
+) -> Result<(), Fault> {
+    // For each vertex its tangent, for each corner at most another vertex.
+    let bytes = mesh.positions.len() as u64 * 16 + mesh.indices.len() as u64 * 3 * 48;
+    storage.reserve(place, bytes)?;
+    let uvs = &mesh.uvs[usize::from(map.uv_set)];
+    let uvs: Vec<Vec2> = uvs.iter().map(|&uv| map.transform(uv)).collect();
+    geom::add_tangents(mesh, &uvs);
+    Ok(())
 }
 
 struct Reader<'a> {

@@ -285,7 +285,8 @@ mod tests {
         ] {
             assert_eq!(header(lines).expect_err(lines), message);
         }
-        let many: String = (0..1001).map(|i| format!("property int p{i}\n")).collect();
+        let many: Vec<_> = (0..1001).map(|i| format!("property int p{i}\n")).collect();
+        let many = many.concat();
         assert!(header(&format!("ply\nelement a 1\n{many}")).expect_err("many").contains("1000"));
     }
 }

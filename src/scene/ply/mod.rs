@@ -167,7 +167,7 @@ fn material(
     let texture = match (image, options.missing_texture) {
         (Ok(image), _) => {
             let image = Arc::new(image);
-            Texture::new(image, ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Bilinear)
+            Texture::new(image, ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Bilinear).named(name)
         }
         (Err(reason), MissingTexture::Magenta) => {
             notices.add(format!("{name:?}: {reason}; magenta takes its place"));

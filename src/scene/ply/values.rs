@@ -67,7 +67,7 @@ impl<'a> Ascii<'a> {
     fn word(&mut self) -> Result<&'a [u8], Problem> {
         let blank = self.bytes.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
         let (before, rest) = self.bytes.split_at(blank);
-        self.line += before.iter().filter(|&&byte| byte == b'\n').count();
+        before.iter().filter(|&&byte| byte == b'\n').for_each(|_| self.line += 1);
         let length = rest.iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
         let (word, rest) = rest.split_at(length);
         self.bytes = rest;

@@ -161,7 +161,8 @@ impl Decoder {
 
     /// 0 to 1; what is not a number is 0.
     fn share(&self, stored: f64) -> f32 {
-        (stored / self.most).max(0.0).min(1.0) as f32
+        let share = stored / self.most;
+        if share > 0.0 { share.min(1.0) as f32 } else { 0.0 }
     }
 
     fn color(&self, stored: f64) -> f32 {
