@@ -12,6 +12,7 @@ use super::mesh::{self, MeshDeclaration};
 use super::nodes::{self, Counts, Node};
 use super::notices::Notices;
 use super::resources::{self, BufferDeclaration};
+use super::skin::{self, Skin};
 use super::texture::{self, ImageDeclaration, Slots, TextureDeclaration};
 use super::variants::{self, Variants};
 use crate::scene::{Contents, Material, UsedExtension, chosen};
@@ -46,6 +47,8 @@ pub struct Document {
     pub meshes: Vec<MeshDeclaration>,
     /// Nodes; they form trees.
     pub nodes: Vec<Node>,
+    /// Skins.
+    pub skins: Vec<Skin>,
     /// Nodes without parents.
     pub roots: Vec<usize>,
     /// Cameras.
@@ -119,13 +122,14 @@ impl Document {
         let meshes = mesh::read(&root, accessors.len(), choice, notices)?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
+        let skins = skin::read(&root, root.array("nodes")?.len(), accessors.len())?;
         let counts = Counts {
             nodes: root.array("nodes")?.len(),
             meshes: meshes.len(),
             accessors: accessors.len(),
             cameras: cameras.len(),
             lights: lights.len(),
-            skins: root.array("skins")?.len(),
+            skins: skins.len(),
         };
         let nodes = nodes::read(&root, counts, notices)?;
         let parents = nodes::parents(&nodes)?;
@@ -142,6 +146,7 @@ impl Document {
             slots,
             meshes,
             nodes,
+            skins,
             roots,
             cameras,
             lights,

@@ -24,9 +24,11 @@ pub enum Mode {
     Fan,
 }
 
-/// A morph target: the bits of its weight, and the accessors of the displacements of positions,
-/// normals and tangents.
-pub type Target = (u32, [Option<usize>; 3]);
+/// The accessors of the displacements of positions, normals and tangents.
+pub type Displacements = [Option<usize>; 3];
+
+/// A morph target: the bits of its weight, and its displacements.
+pub type Target = (u32, Displacements);
 
 /// The accessors that a primitive's geometry is made of. Equal ones make equal meshes.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,6 +47,8 @@ pub struct Geometry {
     pub colors: Option<usize>,
     /// Which vertices, in which order; none: all, as they stand.
     pub indices: Option<usize>,
+    /// JOINTS_n and WEIGHTS_n, pair by pair.
+    pub joints: Vec<[usize; 2]>,
     /// Morph targets with a weight other than zero.
     pub targets: Vec<Target>,
 }
@@ -62,7 +66,9 @@ impl Geometry {
         let Self { normals, tangents, uvs, colors, indices, .. } = *self;
         let optional = [normals, tangents, uvs[0], uvs[1], colors, indices];
         let targets = self.targets.iter().flat_map(|(_, accessors)| *accessors);
-        [self.positions].into_iter().chain(optional.into_iter().chain(targets).flatten())
+        let joints = self.joints.iter().flatten().copied();
+        let optional = optional.into_iter().chain(targets).flatten();
+        [self.positions].into_iter().chain(joints).chain(optional)
     }
 }
 
@@ -75,6 +81,22 @@ pub struct Primitive {
     pub geometry: Geometry,
     /// Which material; none: the default one.
     pub material: Option<usize>,
+    /// The accessors of all its morph targets.
+    morphs: Vec<Displacements>,
+}
+
+impl Primitive {
+    /// All accessors that it may read, however it is posed.
+    pub fn accessors(&self) -> impl Iterator<Item = usize> {
+        self.geometry.accessors().chain(self.morphs.iter().flatten().copied().flatten())
+    }
+
+    /// The same with other weights of its morph targets, as a node may ask.
+    pub fn posed(&self, weights: &[f32]) -> Self {
+        let mut posed = self.clone();
+        posed.geometry.targets = weighted(&self.morphs, weights);
+        posed
+    }
 }
 
 /// Reads all meshes; `accessors` is how many there are, `variants` tells the materials to show.
@@ -105,8 +127,8 @@ fn mesh(
     Ok(MeshDeclaration { name: object.name()?, primitives })
 }
 
-/// The weights of the morph targets.
-fn weights(object: &Object) -> Result<Vec<f32>, Fault> {
+/// The weights of the morph targets, of a mesh or a node.
+pub fn weights(object: &Object) -> Result<Vec<f32>, Fault> {
     let elements = object.array("weights")?.iter().enumerate();
     let weight = |(i, value): (usize, &serde_json::Value)| {
         let weight = value.as_f64().map(|weight| weight as f32);
@@ -134,7 +156,8 @@ fn primitive(
     let attribute = |name| attributes.reference(name, "accessor", accessors);
     let indices = object.reference("indices", "accessor", accessors)?;
     let material = variants.material(object)?;
-    let targets = targets(object, weights, accessors)?;
+    let morphs = morphs(object, accessors)?;
+    let joints = joints(&attributes, accessors)?;
     let mode = match object.whole("mode")?.unwrap_or(4) {
         0..=3 => {
             notices.add(object.place(), "points and lines have no area and are left out");
@@ -161,9 +184,10 @@ fn primitive(
         uvs: [attribute("TEXCOORD_0")?, attribute("TEXCOORD_1")?],
         colors: attribute("COLOR_0")?,
         indices,
-        targets,
+        joints,
+        targets: weighted(&morphs, weights),
     };
-    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material }))
+    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material, morphs }))
 }
 
 /// Says which attributes are not looked at. Those of applications, with an underscore, are theirs.
@@ -178,17 +202,32 @@ fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
     notices.add(attributes.at(name), message);
 }
 
-fn targets(object: &Object, weights: &[f32], accessors: usize) -> Result<Vec<Target>, Fault> {
-    let mut targets = Vec::new();
-    for (i, target) in object.objects("targets")?.iter().enumerate() {
-        let attribute = |name| target.reference(name, "accessor", accessors);
-        let parts = [attribute("POSITION")?, attribute("NORMAL")?, attribute("TANGENT")?];
-        match weights.get(i) {
-            Some(&weight) if weight != 0.0 => targets.push((weight.to_bits(), parts)),
-            _ => {}
+/// Pairs of joints and weights, as many as there are.
+fn joints(attributes: &Object, accessors: usize) -> Result<Vec<[usize; 2]>, Fault> {
+    let mut all = Vec::new();
+    loop {
+        let number = all.len();
+        let attribute =
+            |name: &str| attributes.reference(&format!("{name}_{number}"), "accessor", accessors);
+        match (attribute("JOINTS")?, attribute("WEIGHTS")?) {
+            (Some(joints), Some(weights)) => all.push([joints, weights]),
+            _ => return Ok(all),
         }
     }
-    Ok(targets)
+}
+
+fn morphs(object: &Object, accessors: usize) -> Result<Vec<Displacements>, Fault> {
+    let morph = |target: &Object| {
+        let attribute = |name| target.reference(name, "accessor", accessors);
+        Ok([attribute("POSITION")?, attribute("NORMAL")?, attribute("TANGENT")?])
+    };
+    object.objects("targets")?.iter().map(morph).collect()
+}
+
+/// The morph targets of some weight.
+fn weighted(morphs: &[Displacements], weights: &[f32]) -> Vec<Target> {
+    let all = weights.iter().zip(morphs).filter(|(weight, _)| **weight != 0.0);
+    all.map(|(weight, morph)| (weight.to_bits(), *morph)).collect()
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ mod notices;
 mod primitive;
 mod read;
 mod resources;
+mod skin;
 mod texture;
 mod variants;
 

@@ -10,6 +10,8 @@
 //! - Shading is flat where the file gives no normals. OBJ counts v of texture coordinates upwards;
 //!   they are turned over.
 //! - Materials are mapped as `material.rs` tells. Emitters shine from the front of their triangles.
+//! - Colours after the coordinates of vertices, as scanners write them, are sRGB and multiply the
+//!   material's.
 //! - A material that is missing is grey; in place of a missing library the one that is called like
 //!   the scene is read; both are said. A texture that is missing is an error as for any other
 //!   format. References may not leave the scene's folder.
@@ -33,7 +35,7 @@ use mtl::MtlMaterial;
 use remarks::Remarks;
 
 use super::{Instance, LoadError, LoadOptions, Material, Notice, Scene, Transform, read_file};
-use crate::math::{Affine3A, MaterialId, MeshId};
+use crate::math::{Affine3A, MaterialId, MeshId, Vec4};
 
 /// Loads an OBJ file, its material libraries and their textures.
 ///
@@ -102,9 +104,12 @@ fn materials(
     ids
 }
 
-/// The material of what has none, kept once.
+/// The material of what has none, kept once: grey, or white under colours of vertices.
 fn grey_id(scene: &mut Scene) -> MaterialId {
-    let grey = Material::grey();
+    let mut grey = Material::grey();
+    if scene.meshes.iter().any(|mesh| !mesh.colors.is_empty()) {
+        grey.base_color = Vec4::ONE;
+    }
     let at = scene.materials.iter().position(|material| material.name == grey.name);
     MaterialId::from_index(at.unwrap_or_else(|| {
         scene.materials.push(grey);
