@@ -31,7 +31,8 @@ pub fn run(args: &ManArgs, command: clap::Command) -> Result<ExitCode, CliError>
     }
     let mut page = Vec::new();
     // Writing to memory cannot fail.
-    let _ = Man::new(named).render(&mut page);
+    let source = concat!("dapple ", env!("CARGO_PKG_VERSION"));
+    let _ = Man::new(named).source(source).render(&mut page);
     table::print(&String::from_utf8_lossy(&page))?;
     Ok(ExitCode::SUCCESS)
 }

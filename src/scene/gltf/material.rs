@@ -44,7 +44,13 @@ impl Reader<'_, '_> {
         }
         material.emissive_texture = self.member(object, "emissiveTexture", ColorSpace::Srgb)?;
         self.extensions(&mut material)?;
-        if object.extension("KHR_materials_unlit")?.is_some() {
+        if let Some(mark) = object.extension("KHR_materials_unlit")? {
+            let others = object.object("extensions")?;
+            if others.is_some_and(|all| all.members().any(|(name, _)| is_of_light(name))) {
+                let message =
+                    "an unlit material has a colour alone: its other extensions do nothing";
+                self.notices.add(mark.place(), message);
+            }
             return Ok(unlit(material));
         }
         Ok(material)
@@ -208,6 +214,12 @@ impl Reader<'_, '_> {
         reference.uv_set = set as u8;
         Ok(reference)
     }
+}
+
+/// Whether an extension tells how a material answers to light.
+fn is_of_light(name: &str) -> bool {
+    let other = ["KHR_materials_unlit", "KHR_materials_variants"];
+    name.starts_with("KHR_materials_") && !other.contains(&name)
 }
 
 /// What is left of a material that is not lit: colour, alpha and sides.
