@@ -48,7 +48,9 @@ fn inverse_bind_matrices_come_first() {
     // The second joint's origin is the lower right corner.
     let mut matrices = [[0.0_f32; 16]; 2];
     for matrix in &mut matrices {
-        [0, 5, 10, 15].into_iter().for_each(|i| matrix[i] = 1.0);
+        for i in [0, 5, 10, 15] {
+            matrix[i] = 1.0;
+        }
     }
     matrices[1][12] = -1.0;
     let matrices = file.floats(&matrices, "MAT4");

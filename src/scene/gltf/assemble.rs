@@ -86,7 +86,9 @@ pub fn assemble(
     }
 
     let mut worlds = vec![None; document.nodes.len()];
-    placed.iter().for_each(|at| worlds[at.node] = Some(at.to_world));
+    for at in &placed {
+        worlds[at.node] = Some(at.to_world);
+    }
     let mut builder = Builder {
         storage,
         palette,

@@ -150,5 +150,5 @@ fn cofactor(m: &DMat3) -> DMat3 {
 }
 
 fn unit_or(v: DVec3, otherwise: Vec3) -> Vec3 {
-    v.try_normalize().map_or(otherwise, |unit| unit.as_vec3())
+    v.try_normalize().map_or(otherwise, DVec3::as_vec3)
 }
