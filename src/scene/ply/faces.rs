@@ -47,7 +47,7 @@ impl Faces {
             return Err(LoadError::invalid(file, format!("element {}", element.name), message));
         }
         if wedges.is_none() {
-            self.triangles.reserve_exact(possible_rows(values, element));
+            self.triangles.reserve_exact(possible_rows(values, element, 3));
         }
         let (mut face, mut uvs) = (Vec::new(), Vec::new());
         for number in 0..element.count {

@@ -16,8 +16,11 @@ pub(super) trait Values {
     /// Passes over the next `count` of type `kind`.
     fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), Problem>;
 
-    /// The most numbers of a type that can follow.
-    fn most(&self, kind: Scalar) -> u64;
+    /// The fewest bytes that a number of type `kind` takes.
+    fn least_bytes(&self, kind: Scalar) -> u64;
+
+    /// Bytes that follow.
+    fn remaining_bytes(&self) -> u64;
 
     /// Whether anything but white space follows.
     fn has_more(&self) -> bool;
@@ -43,13 +46,15 @@ pub(super) fn skip(values: &mut impl Values, kind: Kind) -> Result<(), Problem> 
     }
 }
 
-/// How many rows there can be at most of those that an element declares: what follows in the file
-/// limits them. No more memory than that is set aside.
-pub(super) fn possible_rows(values: &impl Values, element: &Element) -> usize {
-    let fewest = element.properties.iter().map(|property| match property.kind {
-        Kind::One(kind) | Kind::List(kind, _) => values.most(kind),
+/// How many rows there can be at most of those that an element declares, if their lists have at
+/// least `items` numbers: what follows in the file limits them. No more memory than that is set aside.
+pub(super) fn possible_rows(values: &impl Values, element: &Element, items: u64) -> usize {
+    let least = element.properties.iter().map(|property| match property.kind {
+        Kind::One(kind) => values.least_bytes(kind),
+        Kind::List(count, item) => values.least_bytes(count) + items * values.least_bytes(item),
     });
-    element.count.min(fewest.min().unwrap_or(0)) as usize
+    let row: u64 = least.sum();
+    element.count.min(values.remaining_bytes() / row.max(1)) as usize
 }
 
 /// Decimal numbers between white space.
@@ -96,8 +101,12 @@ impl Values for Ascii<'_> {
         (0..count).try_for_each(|_| self.word().map(|_| ()))
     }
 
-    fn most(&self, _: Scalar) -> u64 {
-        self.bytes.len() as u64 / 2 + 1
+    fn least_bytes(&self, _: Scalar) -> u64 {
+        2 // a digit and a space
+    }
+
+    fn remaining_bytes(&self) -> u64 {
+        self.bytes.len() as u64 + 1 // nothing need follow the last
     }
 
     fn has_more(&self) -> bool {
@@ -156,8 +165,12 @@ impl Values for Binary<'_> {
         Ok(())
     }
 
-    fn most(&self, kind: Scalar) -> u64 {
-        self.bytes.len() as u64 / kind.size()
+    fn least_bytes(&self, kind: Scalar) -> u64 {
+        kind.size()
+    }
+
+    fn remaining_bytes(&self) -> u64 {
+        self.bytes.len() as u64
     }
 
     fn has_more(&self) -> bool {
@@ -171,6 +184,7 @@ impl Values for Binary<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::header::Property;
     use super::*;
 
     const ALL: [Scalar; 8] = [
@@ -225,6 +239,20 @@ mod tests {
         assert_eq!(problem("1.5", Scalar::I32), "'1.5' is no number of its type");
         assert_eq!(problem("nan", Scalar::I32), "'nan' is no number of its type");
         assert_eq!(problem("", Scalar::I32), ENDS);
+    }
+
+    #[test]
+    fn rows_are_no_more_than_the_file_can_hold() {
+        let property = |kind| Property { name: String::new(), kind };
+        let properties =
+            vec![property(Kind::One(Scalar::F32)), property(Kind::List(Scalar::U8, Scalar::I32))];
+        let element =
+            |count| Element { name: String::new(), count, properties: properties.clone() };
+        let values = Binary::new(&[0; 170], false);
+        assert_eq!(possible_rows(&values, &element(u64::MAX), 3), 10);
+        assert_eq!(possible_rows(&values, &element(u64::MAX), 0), 34);
+        assert_eq!(possible_rows(&values, &element(7), 3), 7);
+        assert_eq!(possible_rows(&Ascii::new(b"1 3 0 1 2", 0), &element(u64::MAX), 3), 1);
     }
 
     #[test]

@@ -101,7 +101,7 @@ pub(super) fn read(
             left_out.push(property.name.clone());
         }
     }
-    let rows = possible_rows(values, element);
+    let rows = possible_rows(values, element, 0);
     let has = [NORMAL..UV, UV..COLOR, COLOR..ALPHA].map(|slots| columns.has(slots));
     let [has_normals, has_uvs, has_colors] = has;
     let room = |has: bool| if has { rows } else { 0 };
