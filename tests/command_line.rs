@@ -224,3 +224,18 @@ fn a_picture_needs_its_outputs_only() {
     assert!(out.starts_with('{') && out.ends_with("}\n"), "{out}");
     assert!(fs::read(folder.path().join("b")).expect("written").starts_with(b"\x89PNG"));
 }
+
+#[test]
+fn a_script_can_read_what_structures_there_are() {
+    let (code, out, _) = run(Path::new("."), "accels --json");
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&out).expect("an array");
+    assert!(code == 0 && rows.len() == dapple::accel::VARIANTS.len());
+    let row = rows.iter().find(|row| row["id"] == "mbvh8").expect("there");
+    let option = |name: &str| {
+        let options = row["options"].as_array().expect("options");
+        options.iter().find(|option| option["name"] == name).expect("there").clone()
+    };
+    assert_eq!(option("cache")["default"], 100_000_000);
+    assert_eq!(option("cache")["min"], 1);
+    assert_eq!(option("triangles")["choices"][0], "inline");
+}

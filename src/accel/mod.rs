@@ -35,6 +35,8 @@ mod report;
 mod traverse;
 mod variants;
 
+use fearless_simd::Level;
+
 pub use batch::{AnyHit, Batch, ClosestHit, HitFilter};
 pub use counters::{Counters, Counts, Event, NotCounted};
 pub use error::{BuildError, SpecError};
@@ -51,6 +53,9 @@ pub trait Accel: Send + Sync {
 
     /// The same, counting its work; slower, and at the portable instruction set.
     fn counting_tracer(&self) -> Box<dyn Tracer + '_>;
+
+    /// The instruction set that it was built to be walked with.
+    fn level(&self) -> Level;
 
     /// Exact bytes by part.
     fn memory(&self) -> MemoryReport;

@@ -79,6 +79,10 @@ impl<T: Traverse> Accel for T {
         Box::new(Worker { structure: self, scratch: self.scratch(), counters: Counts::default() })
     }
 
+    fn level(&self) -> Level {
+        Traverse::level(self)
+    }
+
     fn memory(&self) -> MemoryReport {
         Traverse::memory(self)
     }

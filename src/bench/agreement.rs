@@ -135,6 +135,10 @@ pub(crate) mod tests {
     }
 
     impl Accel for Liar {
+        fn level(&self) -> fearless_simd::Level {
+            fearless_simd::Level::new()
+        }
+
         fn tracer(&self) -> Box<dyn Tracer + '_> {
             Box::new(LyingTracer(self, self.honest.tracer()))
         }

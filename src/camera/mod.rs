@@ -139,7 +139,7 @@ pub struct CameraRays {
 
 impl CameraRays {
     /// See [`Camera::ray`].
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {
         let x = (2.0 * film.x - 1.0) * self.half.x;
         let y = (1.0 - 2.0 * film.y) * self.half.y;

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use serde_json::json;
 
 use super::{CliError, table};
-use crate::accel::{VARIANTS, Variant};
+use crate::accel::{VARIANTS, Value, Values, Variant};
 
 /// List the acceleration structures, with their options.
 #[derive(clap::Args, Debug)]
@@ -46,12 +46,17 @@ fn in_words() -> String {
 
 fn as_json(variant: &Variant) -> serde_json::Value {
     let options = variant.options.iter().map(|option| {
-        json!({
+        let mut all = json!({
             "name": option.name,
             "summary": option.summary,
-            "values": option.values.to_string(),
-            "default": option.default.to_string(),
-        })
+            "default": value_as_json(option.default),
+        });
+        let (kind, limits) = values_as_json(option.values);
+        all["type"] = kind.into();
+        for (name, limit) in limits {
+            all[name] = limit;
+        }
+        all
     });
     json!({
         "id": variant.id,
@@ -59,4 +64,22 @@ fn as_json(variant: &Variant) -> serde_json::Value {
         "paper": variant.paper,
         "options": options.collect::<Vec<_>>(),
     })
+}
+
+/// What kind of value it is, and what limits it.
+fn values_as_json(values: Values) -> (&'static str, Vec<(&'static str, serde_json::Value)>) {
+    match values {
+        Values::Choice(words) => ("choice", vec![("choices", json!(words))]),
+        Values::Integer(low, high) => ("integer", vec![("min", json!(low)), ("max", json!(high))]),
+        Values::Number(low, high) => ("number", vec![("min", json!(low)), ("max", json!(high))]),
+        Values::Bytes(low) => ("bytes", vec![("min", json!(low))]),
+    }
+}
+
+fn value_as_json(value: Value) -> serde_json::Value {
+    match value {
+        Value::Choice(word) => json!(word),
+        Value::Integer(n) | Value::Bytes(n) => json!(n),
+        Value::Number(n) => json!(n),
+    }
 }

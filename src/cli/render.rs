@@ -40,6 +40,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
         return debug(args, &job, sample);
     }
     let (mut rendered, built) = on_pool(args, &job, &interrupt.raised, args.progress)?;
+    if rendered.samples.1 == 0 {
+        say("interrupted before the first samples: there is nothing to save");
+        return Ok(interrupt.exit_code());
+    }
     let words = shell::own_words();
     describe(&mut rendered, args, &job, &words);
     report_lost(&rendered, &words);
@@ -172,8 +176,11 @@ fn debug(args: &RenderArgs, job: &Job, sample: (u32, u32, u64)) -> Result<ExitCo
         let message = format!("--debug-sample: the frame is {width}x{height}");
         return Err(CliError::Usage(message));
     }
-    let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
-    table::print(&replay(&job.world, &job.camera, &*accel, &job.settings, sample))?;
+    let path = input::on_threads(args.threads, || {
+        let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
+        Ok::<_, CliError>(replay(&job.world, &job.camera, &*accel, &job.settings, sample))
+    })??;
+    table::print(&path)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -274,7 +281,7 @@ impl Interrupt {
         [SIGINT, SIGTERM]
             .into_iter()
             .try_for_each(register)
-            .map_err(|error| CliError::Input(format!("cannot listen to signals: {error}")))?;
+            .map_err(|error| CliError::Limit(format!("cannot listen to signals: {error}")))?;
         Ok(Self { raised, signal })
     }
 

@@ -14,6 +14,8 @@
 //! that contains another has `enter` no larger and `exit` no smaller, in floating point, not only
 //! in theory: a hit inside its triangle's own box is inside every box around it.
 
+use fearless_simd::{Select, Simd, SimdBase, f32x4};
+
 use super::Triangle;
 use crate::math::{Aabb, Ray, Vec3};
 
@@ -66,6 +68,23 @@ impl SlabRay {
         let far = (Vec3::new(fx, fy, fz) - self.origin) * self.inv_far;
         (near.x.max(near.y).max(near.z), far.x.min(far.y).min(far.z))
     }
+
+    /// The interval inside the [`own_box`] of a triangle: the same arithmetic, its axes side by
+    /// side.
+    #[inline(always)]
+    pub fn own_interval<S: Simd>(&self, simd: S, triangle: &Triangle) -> (f32, f32) {
+        let load = |p: Vec3| f32x4::load_array(simd, [p.x, p.y, p.z, 0.0]);
+        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(load);
+        let slack = |p: f32x4<S>| (p.abs() * RELATIVE_SLACK).max(ABSOLUTE_SLACK);
+        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+        let (lo, hi) = (lo - slack(lo), hi + slack(hi));
+        let (origin, inv_near, inv_far) =
+            (load(self.origin), load(self.inv_near), load(self.inv_far));
+        let down = inv_near.simd_lt(0.0);
+        let near = (down.select(hi, lo) - origin) * inv_near;
+        let far = (down.select(lo, hi) - origin) * inv_far;
+        (near[0].max(near[1]).max(near[2]), far[0].min(far[1]).min(far[2]))
+    }
 }
 
 /// The reciprocal with its magnitude limited to 2^127, so that it stays finite when it is raised.
@@ -86,14 +105,16 @@ pub fn own_box(triangle: &Triangle) -> Aabb {
 
 #[inline(always)]
 fn slack(p: Vec3) -> Vec3 {
-    const RELATIVE: f32 = 2.0 * f32::EPSILON; // 2^-22
-    const ABSOLUTE: f32 = 8.077936e-28; // 2^-90
-    (p.abs() * RELATIVE).max(Vec3::splat(ABSOLUTE))
+    (p.abs() * RELATIVE_SLACK).max(Vec3::splat(ABSOLUTE_SLACK))
 }
+
+const RELATIVE_SLACK: f32 = 2.0 * f32::EPSILON; // 2^-22
+const ABSOLUTE_SLACK: f32 = 8.077936e-28; // 2^-90
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{Isa, vectorized};
     use proptest::prelude::*;
 
     const INF: f32 = f32::INFINITY;
@@ -139,6 +160,18 @@ mod tests {
             let (ei, xi) = slab.interval(&inner);
             let (eo, xo) = slab.interval(&outer);
             prop_assert!(eo <= ei && xo >= xi);
+        }
+
+        #[test]
+        fn the_axes_side_by_side_give_the_same(
+            a in point(), b in point(), c in point(), o in point(), e in point()
+        ) {
+            let (triangle, slab) = (Triangle { a, b, c }, SlabRay::new(&Ray::new(o, e, 0.0, INF)));
+            for isa in Isa::available() {
+                let level = isa.level().expect("available");
+                let own = vectorized!(level, simd => slab.own_interval(simd, &triangle));
+                prop_assert_eq!(own, slab.interval(&own_box(&triangle)));
+            }
         }
 
         #[test]

@@ -18,10 +18,10 @@
 //! box as the slab test sees it (see [`super::slab`]): `t` is clamped into that interval. This
 //! makes all boxes around it agree.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f64x4, mask64x4};
+use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64x4, mask64x4};
 
 use super::Triangle;
-use super::slab::{SlabRay, own_box};
+use super::slab::SlabRay;
 use crate::math::Ray;
 
 /// A ray, prepared for verdicts.
@@ -58,8 +58,9 @@ impl ShearRay {
     #[inline(always)]
     fn project<S: Simd>(&self, simd: S, at: impl Fn(usize) -> [f32; 3]) -> [f64x4<S>; 3] {
         let along = |axis: usize| {
-            let [a, b, c] = at(axis).map(f64::from);
-            f64x4::load_array(simd, [a, b, c, 0.0]) - self.origin[axis]
+            let [a, b, c] = at(axis);
+            let (low, high) = f32x4::load_array(simd, [a, b, c, 0.0]).widen();
+            low.combine(high) - self.origin[axis]
         };
         let [x, y, z] = self.axes.map(|axis| axis % 3);
         let (x, y, z) = (along(x), along(y), along(z));
@@ -103,7 +104,7 @@ pub fn verdict<S: Simd>(
     }
     let inv_det = 1.0 / det;
     let t = (distance * inv_det) as f32;
-    let (enter, exit) = slab.interval(&own_box(triangle));
+    let (enter, exit) = slab.own_interval(simd, triangle);
     // Also refuses a NaN, should a huge triangle have made one.
     if !(enter <= exit && t < f32::INFINITY) {
         return None;

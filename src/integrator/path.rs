@@ -11,6 +11,7 @@
 
 use super::weight::{power_heuristic, survival};
 use crate::accel::ClosestHit;
+use crate::material::{Bsdf, BsdfSample};
 use crate::math::{MaterialId, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Surface, World};
@@ -134,7 +135,7 @@ impl<'w> PathTracer<'w> {
 
     /// Takes a path across the end of its segment number `depth`, counted from 1: `ray` has met
     /// `hit`. Emission that it meets is added to `sample`.
-    #[inline]
+    #[inline(always)]
     pub fn advance(
         &self,
         depth: u32,
@@ -183,35 +184,52 @@ impl<'w> PathTracer<'w> {
             self.ask_light(path, &surface, &bsdf, wo)
         };
 
-        let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
-            let direction = surface.frame.to_world(scattered.wi);
-            let passes = passes(&surface, direction, wo, scattered.wi)?;
-            path.throughput *= scattered.weight;
-            path.eta_squared *= scattered.eta * scattered.eta;
-            path.pdf = if scattered.delta { f32::INFINITY } else { scattered.pdf };
-            path.medium = self.medium_beyond(path.medium, &surface, passes);
-            if !path.throughput.is_finite() {
-                sample.radiance = Vec3::NAN; // to be counted and left out, not hidden
-                return None;
+        let next = match bsdf.sample(wo, u_lobe, u_direction) {
+            Some(scattered) => {
+                self.scatter(path, &surface, wo, &scattered, (depth, u_roulette), sample)
             }
-            if self.transport.roulette_depth.is_some_and(|from| depth >= from) {
-                let survival = survival(path.throughput, path.eta_squared);
-                if u_roulette >= survival {
-                    return None;
-                }
-                path.throughput /= survival;
-            }
-            if path.throughput == Vec3::ZERO {
-                return None;
-            }
-            let next = surface.ray_towards(direction);
-            if next == Ray::MISS {
-                sample.radiance = Vec3::NAN; // no direction that can be followed
-                return None;
-            }
-            Some(next)
-        });
+            None => None,
+        };
         Step { shadow, next }
+    }
+
+    /// The ray that goes on from a surface as its material scatters it; `None` where the path ends.
+    #[inline(always)]
+    fn scatter(
+        &self,
+        path: &mut Path,
+        surface: &Surface,
+        wo: Vec3,
+        scattered: &BsdfSample,
+        (depth, u_roulette): (u32, f32),
+        sample: &mut PathSample,
+    ) -> Option<Ray> {
+        let direction = surface.frame.to_world(scattered.wi);
+        let passes = passes(surface, direction, wo, scattered.wi)?;
+        path.throughput *= scattered.weight;
+        path.eta_squared *= scattered.eta * scattered.eta;
+        path.pdf = if scattered.delta { f32::INFINITY } else { scattered.pdf };
+        path.medium = self.medium_beyond(path.medium, surface, passes);
+        if !path.throughput.is_finite() {
+            sample.radiance = Vec3::NAN; // to be counted and left out, not hidden
+            return None;
+        }
+        if self.transport.roulette_depth.is_some_and(|from| depth >= from) {
+            let survival = survival(path.throughput, path.eta_squared);
+            if u_roulette >= survival {
+                return None;
+            }
+            path.throughput /= survival;
+        }
+        if path.throughput == Vec3::ZERO {
+            return None;
+        }
+        let next = surface.ray_towards(direction);
+        if next == Ray::MISS {
+            sample.radiance = Vec3::NAN; // no direction that can be followed
+            return None;
+        }
+        Some(next)
     }
 
     /// The path leaves the scene.
@@ -250,12 +268,12 @@ impl<'w> PathTracer<'w> {
     }
 
     /// Chooses a light, and what of it would reach the camera this way.
-    #[inline]
+    #[inline(always)]
     fn ask_light(
         &self,
         path: &mut Path,
         surface: &Surface,
-        bsdf: &crate::material::Bsdf,
+        bsdf: &Bsdf,
         wo: Vec3,
     ) -> Option<ShadowRay> {
         let u = path.sampler.next_2d();
@@ -291,7 +309,7 @@ enum Passes {
 /// On which side a direction goes on; `None` where shading and geometric normal do not agree about
 /// whether it stays on the viewer's side. About the viewer's own side they need not: where a
 /// smooth normal turns away from him at a silhouette, the surface scatters from its other side.
-#[inline]
+#[inline(always)]
 fn passes(surface: &Surface, direction: Vec3, wo: Vec3, wi: Vec3) -> Option<Passes> {
     let above = surface.normal.dot(direction);
     let stays = (above > 0.0) == surface.front;

@@ -15,7 +15,7 @@ pub struct Lambert {
 
 impl Lambert {
     /// See [`super::Bsdf::eval`].
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         let cos = if wo.z < 0.0 { -wi.z } else { wi.z };
         if !(is_above(wo.z.abs()) && is_above(cos)) {
@@ -26,7 +26,7 @@ impl Lambert {
     }
 
     /// See [`super::Bsdf::sample`].
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
         if !is_above(wo.z.abs()) {
             return None;

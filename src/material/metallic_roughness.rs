@@ -100,7 +100,7 @@ impl MetallicRoughness {
     }
 
     /// See [`super::Bsdf::eval`].
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         // The other side is the same one turned about a tangent, which no isotropic lobe sees.
         let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
@@ -111,7 +111,7 @@ impl MetallicRoughness {
     }
 
     /// See [`super::Bsdf::sample`].
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
         let wo = wo * side;

@@ -172,7 +172,7 @@ impl Bsdf {
 
     /// `f(wo, wi) * |cos wi|` and the density per solid angle with which [`Bsdf::sample`] draws
     /// `wi`. Delta lobes count for nothing.
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         match self {
             Self::Lambert(lambert) => lambert.eval(wo, wi),
@@ -184,7 +184,7 @@ impl Bsdf {
 
     /// Draws a direction towards the light: `u_lobe` chooses what happens, `u` where it goes.
     /// `None` where the light is absorbed, or scatters below the surface.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         match self {
             Self::Lambert(lambert) => lambert.sample(wo, u),

@@ -98,6 +98,7 @@ impl Settings {
     }
 
     /// Starts the path of one sample of the pixel at column `x`, row `y` of the frame.
+    #[inline(always)]
     pub(super) fn start(
         &self,
         camera: &CameraRays,

@@ -41,7 +41,7 @@ impl SamplePattern {
     }
 
     /// The stream of a sample, see [`Sampler::new`].
-    #[inline]
+    #[inline(always)]
     pub fn sampler(self, pixel: u64, sample: u64, seed: u64) -> Sampler {
         match self {
             Self::Sobol => Sampler::new(pixel, sample, seed),
@@ -92,18 +92,18 @@ pub struct Sampler {
 impl Sampler {
     /// The stream of `sample` of the pixel `y << 32 | x`, counted from the corner of the whole
     /// frame, so that a crop's pixels keep their values.
-    #[inline]
+    #[inline(always)]
     pub fn new(pixel: u64, sample: u64, seed: u64) -> Self {
         Self::of_run(pixel, sample >> 16, seed, (sample & 0xffff) as u32)
     }
 
     /// As [`Sampler::new`], but each sample is a point of a sequence of its own.
-    #[inline]
+    #[inline(always)]
     pub fn independent(pixel: u64, sample: u64, seed: u64) -> Self {
         Self::of_run(pixel, !sample, seed, 0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn of_run(pixel: u64, run: u64, seed: u64, index: u32) -> Self {
         let salt = mix64(mix64(seed ^ 0x9e37_79b9_7f4a_7c15).wrapping_add(run));
         // One-to-one for frames of up to 65,536 pixels a side: no two pixels share a key.
@@ -113,7 +113,7 @@ impl Sampler {
     }
 
     /// Makes `dimension` the next value's. Multiples of four are free.
-    #[inline]
+    #[inline(always)]
     pub fn seek(&mut self, dimension: u32) {
         self.dimension = dimension;
         if dimension & 3 != 0 {
@@ -122,7 +122,7 @@ impl Sampler {
     }
 
     /// The next dimension.
-    #[inline]
+    #[inline(always)]
     pub fn next_1d(&mut self) -> f32 {
         let lane = self.dimension & 3;
         if lane == 0 {
@@ -134,7 +134,7 @@ impl Sampler {
 
     /// The next two dimensions; skips one where they would straddle two sets, because a pair from
     /// two sets is not stratified.
-    #[inline]
+    #[inline(always)]
     pub fn next_2d(&mut self) -> Vec2 {
         if self.dimension & 3 == 3 {
             self.dimension = self.dimension.wrapping_add(1);
@@ -143,7 +143,7 @@ impl Sampler {
         Vec2::new(x, self.next_1d())
     }
 
-    #[inline]
+    #[inline(always)]
     fn fill(&mut self) {
         let set = self.dimension >> 2;
         let seed = mix32(self.key ^ mix32(set.wrapping_mul(0x9e37_79b9).wrapping_add(0x85eb_ca6b)));
@@ -154,7 +154,7 @@ impl Sampler {
 /// The first four dimensions of point `index`, below 65,536, under `seed`: the bits of
 /// `sobol_burley::sample_4d(index, 0, seed)` in some half of its time, by tables of four index bits
 /// each where that walks the index bit by bit.
-#[inline]
+#[inline(always)]
 fn sobol(index: u32, seed: u32) -> [f32; 4] {
     let shuffled = owen_scramble_rev(index.reverse_bits(), hash(seed ^ 0x79c6_8e4a));
     let row = |table: usize| Int4::from(SOBOL[table][(shuffled >> (28 - 4 * table)) as usize & 15]);

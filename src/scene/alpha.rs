@@ -3,7 +3,7 @@
 use super::world::{base_color, look_up};
 use super::{AlphaMode, Attributes, World};
 use crate::accel::{ClosestHit, HitFilter};
-use crate::math::{MaterialId, TriangleId};
+use crate::math::{MaterialId, TriangleId, Vec2};
 
 /// Lets rays through where a surface is not there (glTF's alpha modes).
 ///
@@ -26,12 +26,12 @@ impl<'a> AlphaFilter<'a> {
 impl HitFilter for AlphaFilter<'_> {
     fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
         let world = self.world;
-        let (instance, _) = world.triangles.locate(hit.triangle);
+        let (instance, index) = world.triangles.locate(hit.triangle);
         let material = world.scene.instances[instance.index()].material;
         if world.materials[material.index()].opaque {
             return true;
         }
-        let (_, at) = world.texture_point(hit.triangle, hit.u, hit.v);
+        let (_, at) = world.texture_point(instance, index, Vec2::new(hit.u, hit.v));
         let alpha = world.alpha(material, &at);
         match world.material(material).alpha_mode {
             AlphaMode::Opaque => true,

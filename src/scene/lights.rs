@@ -19,10 +19,18 @@ pub struct Lights {
     punctual: usize,
     environment: Option<usize>,
     first_triangle: usize,
-    /// Ids of emitting triangles.
-    triangles: Vec<TriangleId>,
+    /// Emitting triangles.
+    triangles: Vec<Emitter>,
     /// For each instance, the number of its first triangle's light; `u32::MAX`: it does not emit.
     instances: Vec<u32>,
+}
+
+/// A triangle that emits: where it is, so that it need not be looked for.
+#[derive(Clone, Copy, Debug)]
+struct Emitter {
+    instance: InstanceId,
+    /// Its number in the instance's mesh.
+    index: u32,
 }
 
 /// A light chosen for a point, and a direction to it.
@@ -67,7 +75,8 @@ impl Lights {
                 let area = 0.5 * triangles.triangle(id).double_area().length();
                 let radiance = mean_emission(scene, triangles, id);
                 weights.push(weight(PI * area * sides * radiance));
-                emitters.push(id);
+                let instance = InstanceId::from_index(index);
+                emitters.push(Emitter { instance, index: number as u32 });
             }
         }
         if let (Some(light), Some(environment)) = (environment, &scene.environment) {
@@ -116,12 +125,13 @@ impl Lights {
 impl World {
     /// Chooses a light and a direction to it, from a `surface`: by `u_light` which light, by `u`
     /// where on it. `None` where nothing arrives from there.
+    #[inline(always)]
     pub fn sample_light(&self, surface: &Surface, u_light: f32, u: Vec2) -> Option<LightSample> {
         let lights = &self.lights;
         let (light, pmf) = lights.table.as_ref()?.sample(u_light);
         if light >= lights.first_triangle {
-            let id = lights.triangles[light - lights.first_triangle];
-            self.sample_emitter(surface, id, pmf, u)
+            let emitter = lights.triangles[light - lights.first_triangle];
+            self.sample_emitter(surface, emitter, pmf, u)
         } else if light < lights.punctual {
             Self::sample_punctual(surface, &self.scene.lights[light], pmf)
         } else {
@@ -148,6 +158,7 @@ impl World {
     /// What a `surface` sends back along a ray of unit direction that hit it at `distance`, and
     /// the density over solid angle with which [`World::sample_light`] chooses that direction from
     /// the ray's origin; `None` where it does not emit.
+    #[inline]
     pub fn emitted(
         &self,
         surface: &Surface,
@@ -168,14 +179,15 @@ impl World {
         Some((self.emission(surface.material, &surface.attributes), pdf))
     }
 
+    #[inline(always)]
     fn sample_emitter(
         &self,
         surface: &Surface,
-        id: TriangleId,
+        Emitter { instance, index }: Emitter,
         pmf: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let triangle = self.triangles.triangle(id);
+        let triangle = self.triangles.of(instance, index as usize);
         let sample = sample_triangle(&triangle, u);
         let towards = sample.point - surface.position;
         let distance2 = towards.length_squared();
@@ -185,7 +197,7 @@ impl World {
         if !(pdf > 0.0 && pdf.is_finite()) {
             return None; // edge-on, or without area
         }
-        let (material, at) = self.texture_point(id, sample.uv.x, sample.uv.y);
+        let (material, at) = self.texture_point(instance, index as usize, sample.uv);
         if cosine < 0.0 && !self.material(material).double_sided {
             return None;
         }
@@ -212,6 +224,7 @@ impl World {
 }
 
 /// From just beyond a surface to `end`.
+#[inline(always)]
 fn segment(surface: &Surface, direction: Vec3, end: Vec3) -> Ray {
     let origin = offset_origin(surface.position, surface.position_error, surface.normal, direction);
     Ray::new(origin, end - origin, 0.0, 1.0)

@@ -4,7 +4,7 @@ use super::World;
 use super::shading_normal::Shaped;
 use crate::accel::ClosestHit;
 use crate::geom::{Mesh, Triangle};
-use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, TriangleId, Vec2, Vec3, Vec4};
+use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, Vec2, Vec3, Vec4};
 
 /// Bounds the relative error of seven roundings in a row: `n u / (1 - n u)` with n = 7 and
 /// u = 2^-24 (Higham).
@@ -39,7 +39,7 @@ pub struct Surface {
 
 impl Surface {
     /// The ray from here in a unit `direction`, as far as it goes; does not meet this surface.
-    #[inline]
+    #[inline(always)]
     pub fn ray_towards(&self, direction: Vec3) -> Ray {
         let origin = offset_origin(self.position, self.position_error, self.normal, direction);
         Ray::new(origin, direction, 0.0, f32::INFINITY)
@@ -113,6 +113,7 @@ impl Interpolation {
 
 impl World {
     /// The surface that `ray` has hit.
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &ClosestHit) -> Surface {
         let (id, index) = self.triangles.locate(hit.triangle);
         let instance = &self.scene.instances[id.index()];
@@ -152,13 +153,19 @@ impl World {
         }
     }
 
-    /// Material and attributes of a point of a triangle.
-    pub(super) fn texture_point(&self, id: TriangleId, u: f32, v: f32) -> (MaterialId, Attributes) {
-        let (instance, index) = self.triangles.locate(id);
+    /// Material and attributes of a point of triangle number `index` of an instance, given
+    /// by its barycentrics.
+    #[inline]
+    pub(super) fn texture_point(
+        &self,
+        instance: InstanceId,
+        index: usize,
+        at: Vec2,
+    ) -> (MaterialId, Attributes) {
         let instance = &self.scene.instances[instance.index()];
         let textured = self.materials[instance.material.index()].textured;
         let mesh = &*self.scene.meshes[instance.mesh.index()];
-        let point = Interpolation::new(mesh, index, instance.transform.mirrored, u, v);
+        let point = Interpolation::new(mesh, index, instance.transform.mirrored, at.x, at.y);
         (instance.material, point.attributes(mesh, textured))
     }
 }
@@ -177,7 +184,7 @@ pub(super) fn triangle_point(triangle: &Triangle, u: f32, v: f32, slack: f32) ->
 
 /// `point` moved off its surface to the side that `towards` points to, just so far that it lies
 /// on that side of the true surface whatever the error within `error` is (pbrt-v4, 6.8.5).
-#[inline]
+#[inline(always)]
 pub(super) fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, towards: Vec3) -> Vec3 {
     let distance = normal.abs().dot(error);
     let side = if towards.dot(normal) < 0.0 { -normal } else { normal };

@@ -42,6 +42,17 @@ impl Triangles {
         (InstanceId::from_index(instance), (id.0 - self.first[instance]) as usize)
     }
 
+    /// Triangle number `index` of an instance, in the winding of the world: counter-clockwise from
+    /// the front, mirrored or not.
+    #[inline]
+    pub fn of(&self, instance: InstanceId, index: usize) -> Triangle {
+        let instance = &self.instances[instance.index()];
+        let mesh = &self.meshes[instance.mesh.index()];
+        let [a, b, c] =
+            mesh.indices[index].map(|i| instance.transform.point(mesh.positions[i as usize]));
+        if instance.transform.mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } }
+    }
+
     /// The id of an instance's first triangle.
     pub fn first(&self, instance: InstanceId) -> TriangleId {
         TriangleId(self.first[instance.index()])
@@ -55,11 +66,6 @@ impl TriangleSource for Triangles {
 
     fn triangle(&self, id: TriangleId) -> Triangle {
         let (instance, index) = self.locate(id);
-        let instance = &self.instances[instance.index()];
-        let mesh = &self.meshes[instance.mesh.index()];
-        let [a, b, c] =
-            mesh.indices[index].map(|i| instance.transform.point(mesh.positions[i as usize]));
-        // The winding of the world: counter-clockwise from the front, mirrored or not.
-        if instance.transform.mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } }
+        self.of(instance, index)
     }
 }
