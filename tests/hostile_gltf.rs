@@ -36,6 +36,8 @@ fn check(bytes: &[u8]) -> Result<Scene, LoadError> {
         assert!(mesh.positions.iter().all(|p| p.is_finite()));
         assert!(mesh.indices.iter().flatten().all(|&index| (index as usize) < count));
         assert!(mesh.normals.is_empty() || mesh.normals.len() == count);
+        assert!(mesh.tangents.is_empty() || mesh.tangents.len() == count);
+        assert!(mesh.colors.is_empty() || mesh.colors.len() == count);
         assert!(mesh.uvs.iter().all(|set| set.is_empty() || set.len() == count));
     }
     for instance in &scene.instances {

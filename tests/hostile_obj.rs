@@ -1,5 +1,5 @@
-//! Files that are broken, odd or meant to break something: OBJ, MTL, NumPy and
-//! images.
+//! Files that are broken, odd or meant to break something: OBJ, MTL, PLY, NumPy
+//! and images.
 //!
 //! The corpora of the fuzz targets are replayed here, as they are, cut short and with bytes
 //! changed. A file whose name starts with `ok-` is to be read, `bad-` to be refused.
@@ -9,14 +9,20 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use dapple::scene::obj::{check_mtl, check_obj};
-use dapple::scene::{EnvironmentImage, Image, LoadError, LoadOptions, MissingTexture, npy, obj};
+use dapple::scene::{
+    EnvironmentImage, Image, LoadError, LoadOptions, MissingTexture, npy, obj, ply,
+};
 use proptest::prelude::*;
 
 type Check = fn(&[u8]) -> Result<(), String>;
 
-const CHECKS: [(&str, Check); 4] = [
+const CHECKS: [(&str, Check); 5] = [
     ("obj", |bytes| check_obj(bytes).map_err(|error| error.to_string())),
     ("mtl", |bytes| check_mtl(bytes).map_err(|error| error.to_string())),
+    ("ply", |bytes| {
+        let read = ply::parse(Path::new("fuzz.ply"), bytes, &LoadOptions::default());
+        read.map(drop).map_err(|error| error.to_string())
+    }),
     ("npy", |bytes| {
         let read = npy::read_f32_from(bytes, bytes.len() as u64, Path::new("fuzz.npy"), 8);
         read.map(drop).map_err(|error| error.to_string())

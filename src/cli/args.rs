@@ -30,7 +30,7 @@ Examples:
 Exit: 0 done, 2 usage, 3 input, 4 output not written, 5 a limit, 130 or 143 interrupted after
 saving what there was.")]
 pub struct RenderArgs {
-    /// The scene: .gltf, .glb or .obj
+    /// The scene: .gltf, .glb, .obj or .ply
     pub scene_file: PathBuf,
 
     /// Where the picture goes: an EXR with all layers
@@ -134,6 +134,9 @@ pub struct RenderArgs {
     /// Which of a glTF file's scenes, by name or number from 0
     #[arg(long, value_name = "NAME|N", help_heading = "Input", hide_short_help = true)]
     pub scene: Option<String>,
+    /// A variant of a glTF file's materials, by name or number from 0
+    #[arg(long, value_name = "NAME|N", help_heading = "Input", hide_short_help = true)]
+    pub variant: Option<String>,
     /// Refuses a scene that asks for anything that is not honoured
     #[arg(long, help_heading = "Input")]
     pub strict: bool,

@@ -62,6 +62,7 @@ fn settings(args: &RenderArgs, job: &Job) -> String {
         ("strict", Some(args.strict.into())),
         ("transparent", Some(transport.transparent.into())),
         ("up", args.up.map(vector)),
+        ("variant", args.variant.clone().map(Value::from)),
     ];
     let table: Table =
         all.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect();

@@ -5,12 +5,15 @@
 mod accels;
 mod args;
 mod bench;
+mod completions;
 mod diff;
 mod error;
 mod generate;
 mod golden;
 mod header;
+mod info;
 mod input;
+mod man;
 mod memory;
 mod outputs;
 mod prepare;
@@ -23,7 +26,7 @@ mod validate;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 pub use error::CliError;
 
@@ -43,6 +46,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<args::RenderArgs>),
+    Info(info::InfoArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
     Accels(accels::AccelsArgs),
@@ -50,6 +54,8 @@ enum Command {
     Validate(validate::ValidateArgs),
     Bench(bench::BenchArgs),
     Generate(generate::GenerateArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 /// Runs the command that the process was started with.
@@ -64,6 +70,7 @@ pub fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Info(args) => info::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => {
             let picture = |scene: &GoldenScene| {
@@ -77,6 +84,8 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
         Command::Validate(args) => validate::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Generate(args) => generate::run(&args),
+        Command::Completions(args) => completions::run(&args, &mut Cli::command()),
+        Command::Man(args) => man::run(&args, Cli::command()),
     }
 }
 

@@ -47,6 +47,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
             None => MissingTexture::Error,
         },
         scene: args.scene.clone(),
+        variant: args.variant.clone(),
     };
     let mut scene = scene::load(&args.scene_file, &options)?;
     let mut notices = std::mem::take(&mut scene.notices);
@@ -89,7 +90,7 @@ fn camera(
         check_view(eye, target, args)?;
         (Camera::look_at(eye, target, up, fov.unwrap_or(AUTOMATIC_YFOV.to_radians())), None)
     } else if let Some(wanted) = &args.camera {
-        let named = chosen(scene, wanted).ok_or_else(|| no_camera(scene, args, wanted))?;
+        let named = chosen(scene, args, wanted)?;
         (named.camera, named.aspect.or(named.camera.aspect()))
     } else if let Some(named) = scene.cameras.first() {
         if scene.cameras.len() > 1 {
@@ -143,24 +144,15 @@ fn check_view(eye: Vec3, target: Vec3, args: &RenderArgs) -> Result<(), CliError
 }
 
 /// A camera by its name, or else by its number.
-fn chosen<'s>(scene: &'s Scene, wanted: &str) -> Option<&'s scene::NamedCamera> {
-    let by_number = || scene.cameras.get(wanted.parse::<usize>().ok()?);
-    scene.cameras.iter().find(|camera| camera.name == wanted).or_else(by_number)
-}
-
-fn no_camera(scene: &Scene, args: &RenderArgs, wanted: &str) -> CliError {
-    let file = args.scene_file.display();
-    let names: Vec<String> = scene
-        .cameras
-        .iter()
-        .enumerate()
-        .map(|(number, camera)| match camera.name.as_str() {
-            "" => number.to_string(),
-            name => format!("{number} ({name:?})"),
-        })
-        .collect();
-    let have = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-    CliError::Input(format!("{file}: no camera {wanted:?}; it has {have}"))
+fn chosen<'s>(
+    scene: &'s Scene,
+    args: &RenderArgs,
+    wanted: &str,
+) -> Result<&'s scene::NamedCamera, LoadError> {
+    let names = || scene.cameras.iter().map(|camera| camera.name.as_str());
+    let number = scene::chosen(names(), wanted)
+        .ok_or_else(|| LoadError::no_such(&args.scene_file, "camera", wanted, names()))?;
+    Ok(&scene.cameras[number])
 }
 
 fn settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {

@@ -18,6 +18,8 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// Two sets of texture coordinates, each possibly empty.
     pub uvs: [Vec<Vec2>; 2],
+    /// Linear colours and alpha that multiply the material's base colour; empty: white.
+    pub colors: Vec<Vec4>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
     pub indices: Vec<[u32; 3]>,
 }
@@ -29,11 +31,29 @@ impl Mesh {
         Aabb::of_points(corners.map(|&i| self.positions[i as usize]))
     }
 
+    /// Appends a copy of each vertex in `sources`; attributes that are absent stay so.
+    pub fn repeat_vertices(&mut self, sources: &[u32]) {
+        fn repeat<T: Copy>(all: &mut Vec<T>, sources: &[u32]) {
+            if !all.is_empty() {
+                all.reserve_exact(sources.len());
+                for &source in sources {
+                    all.push(all[source as usize]);
+                }
+            }
+        }
+        repeat(&mut self.positions, sources);
+        repeat(&mut self.normals, sources);
+        repeat(&mut self.tangents, sources);
+        self.uvs.iter_mut().for_each(|set| repeat(set, sources));
+        repeat(&mut self.colors, sources);
+    }
+
     /// Bytes on the heap.
     pub fn heap_bytes(&self) -> usize {
         size_of_val(&*self.positions)
             + size_of_val(&*self.normals)
             + size_of_val(&*self.tangents)
+            + size_of_val(&*self.colors)
             + self.uvs.iter().map(|set| size_of_val(&**set)).sum::<usize>()
             + size_of_val(&*self.indices)
     }

@@ -7,6 +7,7 @@ mod mesh;
 pub mod shaft;
 pub mod slab;
 mod source;
+mod tangents;
 pub mod verdict;
 mod verdicts;
 
@@ -17,5 +18,6 @@ pub use mesh::Mesh;
 pub use shaft::Shaft;
 pub use slab::{SlabRay, own_box};
 pub use source::{Corners, Triangle, TriangleList, TriangleSource};
+pub use tangents::add_tangents;
 pub use verdict::{ShearRay, verdict};
 pub use verdicts::{Heading, Verdicts};

@@ -1,7 +1,7 @@
 //! Surfaces with holes: which hits count.
 
-use super::world::look_up;
-use super::{AlphaMode, World};
+use super::world::{base_color, look_up};
+use super::{AlphaMode, Attributes, World};
 use crate::accel::{ClosestHit, HitFilter};
 use crate::math::{MaterialId, TriangleId, Vec2};
 
@@ -31,8 +31,8 @@ impl HitFilter for AlphaFilter<'_> {
         if world.materials[material.index()].opaque {
             return true;
         }
-        let (_, uv) = world.texture_point(instance, index, Vec2::new(hit.u, hit.v));
-        let alpha = world.alpha(material, &uv);
+        let (_, at) = world.texture_point(instance, index, Vec2::new(hit.u, hit.v));
+        let alpha = world.alpha(material, &at);
         match world.material(material).alpha_mode {
             AlphaMode::Opaque => true,
             AlphaMode::Mask(cutoff) => alpha >= cutoff,
@@ -42,28 +42,25 @@ impl HitFilter for AlphaFilter<'_> {
 }
 
 impl World {
-    /// The alpha of a material at texture coordinates `uv`.
-    fn alpha(&self, id: MaterialId, uv: &[Vec2; 2]) -> f32 {
+    /// The alpha of a material at a point.
+    fn alpha(&self, id: MaterialId, at: &Attributes) -> f32 {
         let material = self.material(id);
-        let mut alpha = material.base_color.w;
-        if let Some(texture) = &material.base_color_texture {
-            alpha *= look_up(&self.scene, texture, uv).w;
-        }
+        let mut alpha = base_color(&self.scene, material, at).w;
         if let Some(texture) = &material.alpha_texture {
-            alpha *= look_up(&self.scene, texture, uv).x;
+            alpha *= look_up(&self.scene, texture, &at.uv).x;
         }
         alpha
     }
 
     /// The probability that a ray does not go through a surface.
-    pub(super) fn coverage(&self, id: MaterialId, uv: &[Vec2; 2]) -> f32 {
+    pub(super) fn coverage(&self, id: MaterialId, at: &Attributes) -> f32 {
         if self.materials[id.index()].opaque {
             return 1.0;
         }
         match self.material(id).alpha_mode {
             AlphaMode::Opaque => 1.0,
-            AlphaMode::Mask(cutoff) => f32::from(self.alpha(id, uv) >= cutoff),
-            AlphaMode::Blend => self.alpha(id, uv).clamp(0.0, 1.0),
+            AlphaMode::Mask(cutoff) => f32::from(self.alpha(id, at) >= cutoff),
+            AlphaMode::Blend => self.alpha(id, at).clamp(0.0, 1.0),
         }
     }
 }

@@ -53,6 +53,9 @@ impl Scene {
             digest.bytes(bytemuck::cast_slice(&mesh.tangents));
             mesh.uvs.iter().for_each(|set| digest.bytes(bytemuck::cast_slice(set)));
             digest.bytes(bytemuck::cast_slice(&mesh.indices));
+            if !mesh.colors.is_empty() {
+                digest.bytes(bytemuck::cast_slice(&mesh.colors));
+            }
         }
         let mut described = String::new();
         for instance in &self.instances {

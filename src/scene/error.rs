@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use super::Notice;
+use super::choice::absent;
 
 /// Why a scene could not be loaded. Every message names the file and the place in it.
 #[derive(Debug, thiserror::Error)]
@@ -58,18 +59,20 @@ pub enum LoadError {
         /// All that cannot be used.
         broken: Vec<Broken>,
     },
-    /// There is no scene of the name or number asked for.
-    #[error("{file}: no scene {wanted:?}; it has {}", list(present))]
-    NoSuchScene {
+    /// There is no scene, camera or variant of the name or number asked for.
+    #[error("{file}: {}", absent(what, wanted, names))]
+    NoSuch {
         /// The file.
         file: String,
-        /// The name or number asked for.
+        /// What was asked for: `scene`, `camera`, `variant`.
+        what: &'static str,
+        /// Its name or number.
         wanted: String,
-        /// What there is.
-        present: Vec<String>,
+        /// The names of all there are; empty where they have none.
+        names: Vec<String>,
     },
     /// Neither the ending nor the first bytes tell the format.
-    #[error("{file}: not a scene that dapple reads (.gltf, .glb, .obj)")]
+    #[error("{file}: not a scene that dapple reads (.gltf, .glb, .obj, .ply)")]
     UnknownFormat {
         /// The file.
         file: String,
@@ -83,6 +86,17 @@ pub enum LoadError {
 }
 
 impl LoadError {
+    /// [`LoadError::NoSuch`] for a path.
+    pub fn no_such<'a>(
+        file: &Path,
+        what: &'static str,
+        wanted: &str,
+        names: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let names = names.into_iter().map(str::to_owned).collect();
+        Self::NoSuch { file: file.display().to_string(), what, wanted: wanted.to_owned(), names }
+    }
+
     /// [`LoadError::Read`] for a path.
     pub fn read(file: &Path, source: io::Error) -> Self {
         Self::Read { file: file.display().to_string(), source }

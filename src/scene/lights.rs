@@ -166,13 +166,17 @@ impl World {
         distance: f32,
     ) -> Option<(Vec3, f32)> {
         let material = self.material(surface.material);
+        if material.unlit {
+            // Found by following paths alone: it is no light, but looks its colour from everywhere.
+            return Some((self.emission(surface.material, &surface.attributes), 0.0));
+        }
         if !material.is_emissive() || !(surface.front || material.double_sided) {
             return None;
         }
         let pmf = self.lights.triangle_pmf(surface.instance, surface.triangle);
         let cosine = surface.normal.dot(direction);
         let pdf = pmf * area_to_solid_angle(surface.area, distance * distance, cosine);
-        Some((self.emission(surface.material, &surface.uv), pdf))
+        Some((self.emission(surface.material, &surface.attributes), pdf))
     }
 
     #[inline(always)]
@@ -193,11 +197,11 @@ impl World {
         if !(pdf > 0.0 && pdf.is_finite()) {
             return None; // edge-on, or without area
         }
-        let (material, uv) = self.texture_point(instance, index as usize, sample.uv);
+        let (material, at) = self.texture_point(instance, index as usize, sample.uv);
         if cosine < 0.0 && !self.material(material).double_sided {
             return None;
         }
-        let radiance = self.emission(material, &uv) * self.coverage(material, &uv);
+        let radiance = self.emission(material, &at) * self.coverage(material, &at);
         if radiance == Vec3::ZERO {
             return None;
         }
@@ -271,7 +275,7 @@ fn mean_emission(scene: &Scene, triangles: &Triangles, id: TriangleId) -> f32 {
                 uv.x,
                 uv.y,
             );
-            mean(emission(scene, material, &point.uv(mesh)))
+            mean(emission(scene, material, &point.attributes(mesh, true)))
         })
         .sum();
     (sum / (STEPS * STEPS) as f32).max(1e-3 * mean(material.emissive))

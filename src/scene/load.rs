@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use super::{LoadError, Scene, gltf, obj};
+use super::{LoadError, Scene, gltf, obj, ply};
 use crate::files;
 
 /// What to do about a texture that is missing or broken.
@@ -25,6 +25,23 @@ pub struct LoadOptions {
     pub missing_texture: MissingTexture,
     /// Which of a file's scenes, by its name or else its number from 0; none: the file's default.
     pub scene: Option<String>,
+    /// Which of the file's variants of materials (KHR_materials_variants), by its name or else its
+    /// number from 0; none: the materials that it has without.
+    pub variant: Option<String>,
+}
+
+impl LoadOptions {
+    /// For formats that hold one scene alone: refuses to choose among several.
+    ///
+    /// # Errors
+    /// [`LoadError::NoSuch`].
+    pub(super) fn refuse_choices(&self, path: &Path) -> Result<(), LoadError> {
+        let choices = [("scene", &self.scene), ("variant", &self.variant)];
+        match choices.iter().find_map(|(what, wanted)| Some((*what, wanted.as_deref()?))) {
+            Some((what, wanted)) => Err(LoadError::no_such(path, what, wanted, [])),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Loads a scene; its format is told by its ending, else by its first bytes.
@@ -35,11 +52,14 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     let scene = match ending.as_deref() {
         Some("obj") => obj::load(path, options),
+        Some("ply") => ply::load(path, options),
         Some("gltf" | "glb") => gltf::load(path, options),
         _ => {
             let bytes = read_file(path)?;
             if gltf::is_gltf(&bytes) {
                 gltf::parse(path, &bytes, options)
+            } else if ply::is_ply(&bytes) {
+                ply::parse(path, &bytes, options)
             } else {
                 Err(LoadError::UnknownFormat { file: path.display().to_string() })
             }

@@ -98,6 +98,9 @@ pub struct Material {
     pub transmission: f32,
     /// In its red channel.
     pub transmission_texture: Option<TextureRef>,
+    /// Whether it shows its base colour alone, whatever falls on it (KHR_materials_unlit). The rest
+    /// is then as in [`Material::default`], but for alpha.
+    pub unlit: bool,
     /// Present: the surface bounds a solid; absent: it is infinitely thin.
     pub volume: Option<Volume>,
 }
@@ -127,12 +130,27 @@ impl Default for Material {
             specular_color_texture: None,
             transmission: 0.0,
             transmission_texture: None,
+            unlit: false,
             volume: None,
         }
     }
 }
 
+/// Reflectance of what has no material: that of a new material in Blender.
+pub(super) const GREY: f32 = 0.8;
+
 impl Material {
+    /// What a thing has that has no material: a Lambertian grey.
+    pub fn grey() -> Self {
+        Self {
+            name: "(none)".to_owned(),
+            base_color: Vec4::new(GREY, GREY, GREY, 1.0),
+            metallic: 0.0,
+            specular: 0.0,
+            ..Self::default()
+        }
+    }
+
     /// All textures that it uses.
     pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
         [

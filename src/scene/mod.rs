@@ -1,6 +1,7 @@
 //! Scenes: meshes placed by instances, materials with textures, lights and cameras.
 
 mod alpha;
+mod choice;
 pub mod defaults;
 mod digest;
 mod environment;
@@ -13,24 +14,30 @@ mod load;
 mod material;
 pub mod npy;
 pub mod obj;
+pub mod ply;
+mod repair;
 mod shading_normal;
 mod surface;
+mod survey;
 mod texture;
 mod texture_image;
 mod triangles;
+mod triangulate;
 mod uri;
 mod world;
 
 use std::sync::Arc;
 
 pub use alpha::AlphaFilter;
+pub use choice::chosen;
 pub use environment::{EnvironmentImage, EnvironmentSource};
 pub use error::{Broken, LoadError};
 pub use instance::{Instance, Transform};
 pub use lights::{LightSample, Lights};
 pub use load::{LoadOptions, MissingTexture, load, read_file};
 pub use material::{AlphaMode, Material, TextureRef, Volume};
-pub use surface::Surface;
+pub use surface::{Attributes, Surface};
+pub use survey::Survey;
 pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
 pub use texture_image::{Image, ImageError, Texels};
 pub use triangles::Triangles;
@@ -60,6 +67,26 @@ pub struct Notice {
     pub message: String,
 }
 
+/// An extension that a file uses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsedExtension {
+    /// Its name.
+    pub name: String,
+    /// Whether all of it is done.
+    pub honoured: bool,
+}
+
+/// What a file has to choose from, and what it asks for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Contents {
+    /// Names of its scenes, of which one is loaded; empty where they have none.
+    pub scenes: Vec<String>,
+    /// Names of its variants of materials.
+    pub variants: Vec<String>,
+    /// Extensions of its format, by their names.
+    pub extensions: Vec<UsedExtension>,
+}
+
 /// Everything that a picture is made of.
 #[derive(Debug, Default)]
 pub struct Scene {
@@ -79,4 +106,6 @@ pub struct Scene {
     pub cameras: Vec<NamedCamera>,
     /// What could not be honoured.
     pub notices: Vec<Notice>,
+    /// What else the file holds.
+    pub contents: Contents,
 }

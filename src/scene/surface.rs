@@ -23,8 +23,8 @@ pub struct Surface {
     pub normal: Vec3,
     /// The shading frame; its normal is on the side of the geometric one.
     pub frame: Frame,
-    /// Both sets of texture coordinates; zero where the mesh has none or no texture asks.
-    pub uv: [Vec2; 2],
+    /// What colours it there.
+    pub attributes: Attributes,
     /// The placed mesh that it belongs to.
     pub instance: InstanceId,
     /// The triangle's number in the mesh.
@@ -44,6 +44,20 @@ impl Surface {
         let origin = offset_origin(self.position, self.position_error, self.normal, direction);
         Ray::new(origin, direction, 0.0, f32::INFINITY)
     }
+}
+
+/// What the vertices of a mesh say of the colour at a point between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attributes {
+    /// Both sets of texture coordinates; zero where the mesh has none or no texture asks.
+    pub uv: [Vec2; 2],
+    /// Linear colour and alpha that multiply the base colour.
+    pub color: Vec4,
+}
+
+impl Attributes {
+    /// Those of a mesh that says nothing.
+    pub const NONE: Self = Self { uv: [Vec2::ZERO; 2], color: Vec4::ONE };
 }
 
 /// Corners and weights of a point in a mesh.
@@ -80,13 +94,20 @@ impl Interpolation {
         a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
     }
 
-    /// Texture coordinates of both sets, zero where there are none.
-    pub fn uv(&self, mesh: &Mesh) -> [Vec2; 2] {
-        [0, 1].map(
-            |set: usize| {
-                if mesh.uvs[set].is_empty() { Vec2::ZERO } else { self.vec2(&mesh.uvs[set]) }
-            },
-        )
+    /// What the mesh says of the point's colour; `textured`: whether anybody asks for the texture
+    /// coordinates.
+    #[inline]
+    pub fn attributes(&self, mesh: &Mesh, textured: bool) -> Attributes {
+        let mut attributes = Attributes::NONE;
+        if textured {
+            for (uv, all) in attributes.uv.iter_mut().zip(&mesh.uvs) {
+                *uv = if all.is_empty() { Vec2::ZERO } else { self.vec2(all) };
+            }
+        }
+        if !mesh.colors.is_empty() {
+            attributes.color = self.vec4(&mesh.colors);
+        }
+        attributes
     }
 }
 
@@ -106,7 +127,7 @@ impl World {
         let (normal, area) = normal_and_area(&triangle);
 
         let resolved = &self.materials[instance.material.index()];
-        let uv = if resolved.textured { point.uv(mesh) } else { [Vec2::ZERO; 2] };
+        let attributes = point.attributes(mesh, resolved.textured);
         let shading = self.shading_normal(&Shaped {
             material: self.material(instance.material),
             mesh,
@@ -114,7 +135,7 @@ impl World {
             triangle: &triangle,
             point: &point,
             normal,
-            uv: &uv,
+            uv: &attributes.uv,
         });
         let towards_viewer = -ray.direction();
         let front = normal.dot(towards_viewer) > 0.0;
@@ -123,7 +144,7 @@ impl World {
             position_error,
             normal,
             frame: Frame::from_normal(shading),
-            uv,
+            attributes,
             instance: id,
             triangle: index,
             area,
@@ -132,7 +153,7 @@ impl World {
         }
     }
 
-    /// Texture coordinates and material of a point of triangle number `index` of an instance, given
+    /// Material and attributes of a point of triangle number `index` of an instance, given
     /// by its barycentrics.
     #[inline]
     pub(super) fn texture_point(
@@ -140,14 +161,12 @@ impl World {
         instance: InstanceId,
         index: usize,
         at: Vec2,
-    ) -> (MaterialId, [Vec2; 2]) {
+    ) -> (MaterialId, Attributes) {
         let instance = &self.scene.instances[instance.index()];
-        if !self.materials[instance.material.index()].textured {
-            return (instance.material, [Vec2::ZERO; 2]);
-        }
+        let textured = self.materials[instance.material.index()].textured;
         let mesh = &*self.scene.meshes[instance.mesh.index()];
         let point = Interpolation::new(mesh, index, instance.transform.mirrored, at.x, at.y);
-        (instance.material, point.uv(mesh))
+        (instance.material, point.attributes(mesh, textured))
     }
 }
 

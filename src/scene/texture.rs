@@ -40,6 +40,8 @@ pub enum Filter {
 /// An image as a material looks it up.
 #[derive(Clone)]
 pub struct Texture {
+    /// What its file calls it; for messages.
+    name: String,
     image: Arc<Image>,
     color_space: ColorSpace,
     wrap: [Wrap; 2],
@@ -76,7 +78,18 @@ impl Texture {
                 (Texels::Rgba16(_), ColorSpace::Linear) => (&*LINEAR_16, &*LINEAR_16),
                 (Texels::Rgba32F(_), _) => (&[], &[]),
             };
-        Self { image, color_space, wrap, filter, decode, decode_alpha }
+        let name = String::new();
+        Self { name, image, color_space, wrap, filter, decode, decode_alpha }
+    }
+
+    /// The same called `name`.
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// What its file calls it; empty if nothing.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// One colour everywhere that nobody takes for intended.

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::defaults::bounds;
-use super::{Lights, Material, Scene, TextureRef, Triangles, Volume};
+use super::{AlphaMode, Attributes, Lights, Material, Scene, TextureRef, Triangles, Volume};
+use crate::geom::Mesh;
 use crate::material::{Bsdf, BsdfForm, SurfaceParams};
 use crate::math::{MaterialId, Vec2, Vec3, Vec4};
 
@@ -32,7 +33,7 @@ pub(super) struct Resolved {
     bsdf: Option<Bsdf>,
     /// Whether any texture is looked up at all.
     pub textured: bool,
-    /// See [`Material::is_opaque`].
+    /// See [`Material::is_opaque`]; the colours of vertices have a say in it too.
     pub opaque: bool,
     /// The inside, if it takes away light.
     absorption: Option<Volume>,
@@ -48,8 +49,11 @@ impl World {
     /// The number of triangles, if it is 2^32 - 1 or more.
     pub fn new(scene: Arc<Scene>, form: BsdfForm) -> Result<Self, u64> {
         let triangles = Arc::new(Triangles::new(&scene)?);
-        let materials: Vec<Resolved> =
+        let mut materials: Vec<Resolved> =
             scene.materials.iter().map(|material| Resolved::new(material, form)).collect();
+        for material in seen_through_vertices(&scene) {
+            materials[material.index()].opaque = false;
+        }
         let lights = Lights::new(&scene, &triangles);
         let used = |instance: &super::Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
@@ -68,19 +72,19 @@ impl World {
         &self.scene.materials[id.index()]
     }
 
-    /// What a material scatters at texture coordinates `uv`.
+    /// What a material scatters at a point.
     #[inline]
-    pub fn bsdf(&self, id: MaterialId, uv: &[Vec2; 2]) -> Bsdf {
+    pub fn bsdf(&self, id: MaterialId, at: &Attributes) -> Bsdf {
         match self.materials[id.index()].bsdf {
-            Some(bsdf) => bsdf,
-            None => Bsdf::new(&surface_params(&self.scene, self.material(id), uv), self.form),
+            Some(bsdf) if at.color == Vec4::ONE => bsdf,
+            _ => Bsdf::new(&surface_params(&self.scene, self.material(id), at), self.form),
         }
     }
 
-    /// What a material emits at texture coordinates `uv`, on the side that shines.
+    /// What a material emits at a point, on the side that shines.
     #[inline]
-    pub fn emission(&self, id: MaterialId, uv: &[Vec2; 2]) -> Vec3 {
-        emission(&self.scene, self.material(id), uv)
+    pub fn emission(&self, id: MaterialId, at: &Attributes) -> Vec3 {
+        emission(&self.scene, self.material(id), at)
     }
 
     /// Whether the inside of a material takes away light.
@@ -117,7 +121,7 @@ impl Resolved {
         ];
         let constant = looked_up.iter().all(Option::is_none);
         let plain =
-            || Bsdf::new(&surface_params(&Scene::default(), material, &[Vec2::ZERO; 2]), form);
+            || Bsdf::new(&surface_params(&Scene::default(), material, &Attributes::NONE), form);
         Self {
             bsdf: constant.then(plain),
             textured: !constant || elsewhere.iter().any(Option::is_some),
@@ -137,23 +141,48 @@ pub(super) fn look_up(scene: &Scene, texture: &TextureRef, uv: &[Vec2; 2]) -> Ve
     scene.textures[texture.texture.index()].sample(uv)
 }
 
-/// What a material emits at texture coordinates `uv`.
-pub(super) fn emission(scene: &Scene, material: &Material, uv: &[Vec2; 2]) -> Vec3 {
+/// What a material emits at a point.
+pub(super) fn emission(scene: &Scene, material: &Material, at: &Attributes) -> Vec3 {
+    if material.unlit {
+        return base_color(scene, material, at).truncate();
+    }
     match &material.emissive_texture {
-        Some(texture) => material.emissive * look_up(scene, texture, uv).truncate(),
+        Some(texture) => material.emissive * look_up(scene, texture, &at.uv).truncate(),
         None => material.emissive,
     }
 }
 
+/// Colour and alpha at a point: factor times texture times the vertices' colour.
+pub(super) fn base_color(scene: &Scene, material: &Material, at: &Attributes) -> Vec4 {
+    let color = material.base_color * at.color;
+    match &material.base_color_texture {
+        Some(texture) => color * look_up(scene, texture, &at.uv),
+        None => color,
+    }
+}
+
+/// Materials that do not ignore alpha, on meshes with vertices that are not opaque.
+fn seen_through_vertices(scene: &Scene) -> impl Iterator<Item = MaterialId> {
+    let clear = |mesh: &Arc<Mesh>| mesh.colors.iter().any(|color| color.w < 1.0);
+    let clear: Vec<bool> = scene.meshes.iter().map(clear).collect();
+    let used = scene.instances.iter().filter(move |instance| clear[instance.mesh.index()]);
+    used.map(|instance| instance.material)
+        .filter(|id| scene.materials[id.index()].alpha_mode != AlphaMode::Opaque)
+}
+
 /// Factors times textures.
-fn surface_params(scene: &Scene, material: &Material, uv: &[Vec2; 2]) -> SurfaceParams {
+fn surface_params(scene: &Scene, material: &Material, at: &Attributes) -> SurfaceParams {
+    if material.unlit {
+        // Black and without a coat: all that comes from it is its emission.
+        return SurfaceParams { base_color: Vec3::ZERO, specular: 0.0, ..SurfaceParams::default() };
+    }
     let texel = |texture: &Option<TextureRef>| match texture {
-        Some(texture) => look_up(scene, texture, uv),
+        Some(texture) => look_up(scene, texture, &at.uv),
         None => Vec4::ONE,
     };
     let metallic_roughness = texel(&material.metallic_roughness_texture);
     SurfaceParams {
-        base_color: (material.base_color * texel(&material.base_color_texture)).truncate(),
+        base_color: base_color(scene, material, at).truncate(),
         metallic: material.metallic * metallic_roughness.z,
         roughness: material.roughness * metallic_roughness.y,
         ior: material.ior,

@@ -81,9 +81,10 @@ pub const FLAWS: &[Flaw] = &[
     flaw("MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT", "", Refused, &[
         ("/meshes/0/primitives/0/attributes/NORMAL", "2"), ("/accessors/2", r#"{"bufferView": 0,
         "componentType": 5126, "type": "VEC3", "count": 2}"#)]),
-    // Both extensions are left out, and said so.
-    flaw("MULTIPLE_EXTENSIONS", "", Warned, &[("/extensionsUsed", r#"["KHR_materials_unlit"]"#),
-        ("/materials/0/extensions", r#"{"KHR_materials_unlit": {}}"#)]),
+    // The one is honoured; of the others it is said that they have no part in it.
+    flaw("MULTIPLE_EXTENSIONS", "", Warned, &[("/extensionsUsed", r#"["KHR_materials_ior",
+        "KHR_materials_unlit"]"#), ("/materials/0/extensions",
+        r#"{"KHR_materials_unlit": {}, "KHR_materials_ior": {}}"#)]),
     flaw("NODE_EMPTY", "", Ignored, &[("/nodes/1", "{}")]),
     flaw("NODE_LOOP", "", Refused, &[("/nodes/2", r#"{"children": [2]}"#)]),
     flaw("NODE_MATRIX_TRS", "", Refused, &[("/nodes/0/scale", "[1, 1, 1]"),

@@ -65,6 +65,14 @@ impl Gltf {
             let accessor = self.accessor(bytemuck::cast_slice(uvs), 5126, count, "VEC2");
             attributes.insert(format!("TEXCOORD_{set}"), accessor.into());
         }
+        if !shape.colors.is_empty() {
+            // As bytes, in which the format holds them more often than not.
+            let bytes = shape.colors.iter().flatten().map(|x| (x * 255.0).round() as u8);
+            let bytes: Vec<u8> = bytes.collect();
+            let accessor = self.accessor(&bytes, 5121, count, "VEC4");
+            self.list("accessors")[accessor]["normalized"] = json!(true);
+            attributes.insert("COLOR_0".into(), accessor.into());
+        }
         let count = shape.indices.len();
         let indices = self.accessor(bytemuck::cast_slice(&shape.indices), 5123, count, "SCALAR");
         json!({ "attributes": attributes, "indices": indices, "material": material })
@@ -79,6 +87,16 @@ impl Gltf {
         let accessor =
             json!({ "bufferView": view, "componentType": component, "count": count, "type": kind });
         self.push("accessors", accessor)
+    }
+
+    /// The extension of a node whose mesh stands in many places.
+    pub fn copies(&mut self, places: &[[f32; 3]], turns: &[[f32; 4]], sizes: &[[f32; 3]]) -> Value {
+        let count = places.len();
+        let places = self.accessor(bytemuck::cast_slice(places), 5126, count, "VEC3");
+        let turns = self.accessor(bytemuck::cast_slice(turns), 5126, count, "VEC4");
+        let sizes = self.accessor(bytemuck::cast_slice(sizes), 5126, count, "VEC3");
+        let attributes = json!({ "TRANSLATION": places, "ROTATION": turns, "SCALE": sizes });
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } })
     }
 
     /// A shape where it was modelled.

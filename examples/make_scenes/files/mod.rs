@@ -2,6 +2,7 @@
 
 mod gltf;
 mod materials;
+mod painted;
 mod pictures;
 mod placements;
 mod rooms;
@@ -22,6 +23,7 @@ pub fn all() -> Vec<(String, Vec<u8>)> {
         placements::instanced(),
         placements::many_lights(),
         placements::orthographic(),
+        painted::painted(),
     ];
     let mut files: Vec<(String, Vec<u8>)> = scenes.into_iter().flatten().collect();
     files.extend(tower::files());

@@ -12,6 +12,8 @@ pub struct Shape {
     pub normals: Vec<[f32; 3]>,
     /// Two sets, either possibly empty.
     pub uvs: [Vec<[f32; 2]>; 2],
+    /// Linear colours and alpha; empty: white.
+    pub colors: Vec<[f32; 4]>,
     pub indices: Vec<u16>,
 }
 
@@ -28,6 +30,7 @@ impl Shape {
         let first = self.positions.len() as u16;
         self.positions.extend(&other.positions);
         self.normals.extend(&other.normals);
+        self.colors.extend(&other.colors);
         for (set, others) in self.uvs.iter_mut().zip(&other.uvs) {
             set.extend(others);
         }
@@ -55,6 +58,7 @@ pub fn quad(corner: Vec3, right: Vec3, up: Vec3) -> Shape {
         positions: corners.map(|c| c.to_array()).to_vec(),
         normals: vec![normal.to_array(); 4],
         uvs: [vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]], Vec::new()],
+        colors: Vec::new(),
         indices: vec![0, 1, 2, 0, 2, 3],
     }
 }

@@ -11,6 +11,7 @@ use crate::math::{Mat3, Quat, Vec3};
 pub struct Document {
     lists: Map<String, Value>,
     lights: Vec<Value>,
+    variants: Vec<Value>,
     roots: Vec<usize>,
 }
 
@@ -60,6 +61,11 @@ impl Document {
         }));
     }
 
+    /// Names the variants of materials.
+    pub fn variants(&mut self, names: &[&str]) {
+        self.variants = names.iter().map(|name| json!({ "name": name })).collect();
+    }
+
     /// The document, made by `generator`; `buffer` is glTF's object.
     pub fn finish(mut self, generator: &str, buffer: Value) -> Value {
         self.push("buffers", buffer);
@@ -67,9 +73,15 @@ impl Document {
         root.insert("asset".into(), json!({ "version": "2.0", "generator": generator }));
         root.insert("scene".into(), json!(0));
         root.insert("scenes".into(), json!([{ "nodes": self.roots }]));
-        if !self.lights.is_empty() {
-            let lights = json!({ "KHR_lights_punctual": { "lights": self.lights } });
-            root.insert("extensions".into(), lights);
+        let own = [
+            ("KHR_lights_punctual", "lights", self.lights),
+            ("KHR_materials_variants", "variants", self.variants),
+        ];
+        let own = own.into_iter().filter(|(_, _, list)| !list.is_empty());
+        let own: Map<_, _> =
+            own.map(|(name, key, list)| (name.to_owned(), json!({ key: list }))).collect();
+        if !own.is_empty() {
+            root.insert("extensions".into(), own.into());
         }
         let mut root = Value::Object(root);
         let mut used = BTreeSet::new();

@@ -138,6 +138,11 @@ pub struct Accessor {
 }
 
 impl Accessor {
+    /// Whether its elements are vectors of so many numbers.
+    pub fn is_vector(&self, numbers: u64) -> bool {
+        self.shape == Shape::Vector(numbers)
+    }
+
     /// Bytes per element, without those between elements.
     pub fn element_size(&self) -> u64 {
         self.shape.size(self.component)

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -9,6 +10,7 @@ use glam::{DAffine3, DVec3};
 use super::accessor::{Accessor, View};
 use super::camera::CameraDeclaration;
 use super::document::Document;
+use super::instancing::Instancing;
 use super::json::Fault;
 use super::light::LightDeclaration;
 use super::mesh::{Geometry, MeshDeclaration, Primitive};
@@ -17,6 +19,7 @@ use super::notices::Notices;
 use super::primitive;
 use super::read::Storage;
 use super::resources;
+use super::skin::{self, Skin};
 use super::texture::ImageSource;
 use crate::math::{Aabb, MaterialId, MeshId};
 use crate::scene::{Instance, LoadError, LoadOptions, Material, Scene, Transform};
@@ -34,7 +37,9 @@ pub fn assemble(
     notices: &mut Notices,
 ) -> Result<Scene, LoadError> {
     let Some(roots) = document.scene_roots(options.scene.as_deref()) else {
-        return Err(no_such_scene(&document, path, options));
+        let names = document.scenes.iter().map(|scene| scene.name.as_str());
+        let wanted = options.scene.as_deref().unwrap_or_default();
+        return Err(LoadError::no_such(path, "scene", wanted, names));
     };
     let placed = nodes::place(&document.nodes, roots);
     let mut drawn: Vec<usize> =
@@ -51,7 +56,13 @@ pub fn assemble(
         ImageSource::Uri(_) => None,
     });
     let views = views.chain(primitives().flat_map(|primitive| {
-        primitive.geometry.accessors().flat_map(|index| views_of(&document.accessors[index]))
+        primitive.accessors().flat_map(|index| views_of(&document.accessors[index]))
+    }));
+    let views = views.chain(placed.iter().flat_map(|at| {
+        let Node { copies, skin, .. } = &document.nodes[at.node];
+        let copies = copies.iter().flat_map(Instancing::accessors);
+        let matrices = skin.and_then(|skin| document.skins[skin].accessor());
+        copies.chain(matrices).flat_map(|index| views_of(&document.accessors[index]))
     }));
     let needed = needed_buffers(&document.views, document.buffers.len(), views);
 
@@ -74,12 +85,24 @@ pub fn assemble(
         return Err(LoadError::References { file: path.display().to_string(), broken });
     }
 
-    let mut builder =
-        Builder { storage, palette, meshes: BTreeMap::new(), scene: Scene::default() };
+    let mut worlds = vec![None; document.nodes.len()];
     for at in &placed {
-        let Some(mesh) = document.nodes[at.node].mesh else { continue };
+        worlds[at.node] = Some(at.to_world);
+    }
+    let mut builder = Builder {
+        storage,
+        palette,
+        skins: document.skins,
+        worlds,
+        joints: BTreeMap::new(),
+        meshes: BTreeMap::new(),
+        scene: Scene::default(),
+    };
+    for at in &placed {
+        let node = &document.nodes[at.node];
+        let Some(mesh) = node.mesh else { continue };
         builder
-            .place(&document.meshes[mesh], at, notices)
+            .place_node(&document.meshes[mesh], node, at, notices)
             .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
     }
     let mut scene = builder.scene;
@@ -118,19 +141,6 @@ fn place_cameras_and_lights(
     }
     found.sort_by_key(|&(camera, _)| camera);
     scene.cameras = found.into_iter().map(|(_, camera)| camera).collect();
-}
-
-fn no_such_scene(document: &Document, path: &Path, options: &LoadOptions) -> LoadError {
-    let scenes = document.scenes.iter().enumerate();
-    let present = scenes.map(|(i, scene)| match scene.name.as_str() {
-        "" => i.to_string(),
-        name => format!("{i} ({name:?})"),
-    });
-    LoadError::NoSuchScene {
-        file: path.display().to_string(),
-        wanted: options.scene.clone().unwrap_or_default(),
-        present: present.collect(),
-    }
 }
 
 /// The buffer views that an accessor reads.
@@ -204,17 +214,76 @@ impl Palette {
 struct Builder<'a> {
     storage: Storage<'a>,
     palette: Palette,
+    skins: Vec<Skin>,
+    /// Of each node where it stands, if it is in the scene.
+    worlds: Vec<Option<DAffine3>>,
+    /// Of each skin that was asked for its matrices; none where joints are not in the scene.
+    joints: BTreeMap<usize, Option<Rc<[DAffine3]>>>,
     /// What is built already, and its box.
-    meshes: BTreeMap<Geometry, (MeshId, Aabb)>,
+    meshes: BTreeMap<Key, (MeshId, Aabb)>,
     scene: Scene,
 }
 
+/// What tells meshes apart: their accessors, the material if tangents are made for its normal map,
+/// and the skin.
+type Key = (Geometry, Option<MaterialId>, Option<usize>);
+
+/// How a mesh is bent before it is placed.
+#[derive(Clone, Default)]
+struct Pose<'a> {
+    /// Weights of morph targets; none: the mesh's own.
+    weights: Option<&'a [f32]>,
+    /// A skin and its matrices.
+    skin: Option<(usize, Rc<[DAffine3]>)>,
+}
+
 impl Builder<'_> {
+    /// Places a mesh at a node, or all its copies there, or where the node's skin holds it.
+    fn place_node(
+        &mut self,
+        mesh: &MeshDeclaration,
+        node: &Node,
+        at: &Placed,
+        notices: &mut Notices,
+    ) -> Result<(), Fault> {
+        let mut pose = Pose { weights: node.weights.as_deref(), skin: None };
+        if let Some(skin) = node.skin {
+            let Some(matrices) = self.joints(skin)? else {
+                let message = "joints are not in the scene: the mesh stands at its node";
+                notices.add(self.skins[skin].place.clone(), message);
+                return self.place(mesh, at, &pose, notices);
+            };
+            // The skin puts vertices into the world itself (3.7.3.3).
+            pose.skin = Some((skin, matrices));
+            let at = Placed { node: at.node, to_world: DAffine3::IDENTITY };
+            return self.place(mesh, &at, &pose, notices);
+        }
+        let Some(copies) = &node.copies else { return self.place(mesh, at, &pose, notices) };
+        let most = MAX_INSTANCES - self.scene.instances.len();
+        for placement in copies.placements(&self.storage, most)? {
+            let to_world = at.to_world * placement;
+            self.place(mesh, &Placed { node: at.node, to_world }, &pose, notices)?;
+        }
+        Ok(())
+    }
+
+    /// The matrices of a skin's joints.
+    fn joints(&mut self, skin: usize) -> Result<Option<Rc<[DAffine3]>>, Fault> {
+        if let Some(known) = self.joints.get(&skin) {
+            return Ok(known.clone());
+        }
+        let matrices = self.skins[skin].matrices(&self.worlds, &self.storage)?;
+        let matrices: Option<Rc<[DAffine3]>> = matrices.map(Into::into);
+        self.joints.insert(skin, matrices.clone());
+        Ok(matrices)
+    }
+
     /// Places all primitives of a mesh.
     fn place(
         &mut self,
         mesh: &MeshDeclaration,
         at: &Placed,
+        pose: &Pose,
         notices: &mut Notices,
     ) -> Result<(), Fault> {
         let node = || format!("/nodes/{}", at.node);
@@ -223,7 +292,13 @@ impl Builder<'_> {
             return Err(Fault::new(node(), message));
         }
         for primitive in &mesh.primitives {
-            let (id, bounds) = self.mesh(primitive, &mesh.name, notices)?;
+            let material = self.palette.id(primitive);
+            let (id, bounds) = match pose.weights {
+                Some(weights) => {
+                    self.mesh(&primitive.posed(weights), material, pose, &mesh.name, notices)?
+                }
+                None => self.mesh(primitive, material, pose, &mesh.name, notices)?,
+            };
             if bounds.is_empty() {
                 continue; // has no triangles
             }
@@ -231,7 +306,6 @@ impl Builder<'_> {
                 let message = "places its mesh beyond the range of 32-bit floats";
                 return Err(Fault::new(node(), message));
             }
-            let material = self.palette.id(primitive);
             self.note_missing_sets(primitive, id, material, notices);
             let transform = Transform::new(nodes::narrowed(&at.to_world));
             self.scene.instances.push(Instance { mesh: id, material, transform });
@@ -239,20 +313,34 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The mesh of a primitive: what is made of the same accessors is stored once.
+    /// The mesh of a primitive, stored once for each [`Key`].
     fn mesh(
         &mut self,
         primitive: &Primitive,
+        material: MaterialId,
+        pose: &Pose,
         name: &str,
         notices: &mut Notices,
     ) -> Result<(MeshId, Aabb), Fault> {
-        if let Some(&known) = self.meshes.get(&primitive.geometry) {
+        let normal_map = self.palette.materials[material.index()].normal_texture;
+        let normal_map = normal_map.filter(|map| primitive.geometry.lacks_tangents(map.uv_set));
+        // Without joints of its own it does not follow any.
+        let skin = pose.skin.as_ref().filter(|_| !primitive.geometry.joints.is_empty());
+        let key =
+            (primitive.geometry.clone(), normal_map.map(|_| material), skin.map(|(id, _)| *id));
+        if let Some(&known) = self.meshes.get(&key) {
             return Ok(known);
         }
-        let mesh = primitive::build(primitive, name, &self.storage, notices)?;
+        let mut mesh = primitive::build(primitive, name, &self.storage, notices)?;
+        if let Some((_, matrices)) = skin {
+            skin::pose(&mut mesh, primitive, matrices, &self.storage)?;
+        }
+        if let Some(map) = normal_map {
+            primitive::add_tangents(&mut mesh, &map, &primitive.place, &self.storage)?;
+        }
         let built = (MeshId::from_index(self.scene.meshes.len()), mesh.bounds());
         self.scene.meshes.push(Arc::new(mesh));
-        self.meshes.insert(primitive.geometry.clone(), built);
+        self.meshes.insert(key, built);
         Ok(built)
     }
 

@@ -12,8 +12,10 @@ use super::mesh::{self, MeshDeclaration};
 use super::nodes::{self, Counts, Node};
 use super::notices::Notices;
 use super::resources::{self, BufferDeclaration};
+use super::skin::{self, Skin};
 use super::texture::{self, ImageDeclaration, Slots, TextureDeclaration};
-use crate::scene::Material;
+use super::variants::{self, Variants};
+use crate::scene::{Contents, Material, UsedExtension, chosen};
 
 /// One of the scenes of a document.
 #[derive(Clone, Debug)]
@@ -45,6 +47,8 @@ pub struct Document {
     pub meshes: Vec<MeshDeclaration>,
     /// Nodes; they form trees.
     pub nodes: Vec<Node>,
+    /// Skins.
+    pub skins: Vec<Skin>,
     /// Nodes without parents.
     pub roots: Vec<usize>,
     /// Cameras.
@@ -55,6 +59,10 @@ pub struct Document {
     pub scenes: Vec<SceneDeclaration>,
     /// The scene to show if none is asked for.
     pub default_scene: Option<usize>,
+    /// Names of variants of materials.
+    pub variants: Vec<String>,
+    /// Extensions that it uses.
+    pub extensions: Vec<UsedExtension>,
 }
 
 /// Why a document is not read.
@@ -64,6 +72,8 @@ pub enum Refusal {
     Fault(Fault),
     /// It requires extensions that are not supported.
     Extensions(Vec<String>),
+    /// It has no such variant of materials as is asked for, but these.
+    Variant(Vec<String>),
 }
 
 impl From<Fault> for Refusal {
@@ -74,15 +84,19 @@ impl From<Fault> for Refusal {
 
 impl Document {
     /// Reads and checks all of a document, also what no scene uses, but for the contents of its
-    /// buffers and images.
-    pub fn read(value: &Value, notices: &mut Notices) -> Result<Self, Refusal> {
+    /// buffers and images. `variant` is the variant of materials to show, by name or number.
+    pub fn read(
+        value: &Value,
+        variant: Option<&str>,
+        notices: &mut Notices,
+    ) -> Result<Self, Refusal> {
         let root = Object::new(value, String::new())?;
         check_version(&root)?;
         let unsupported = extensions::unsupported(&root)?;
         if !unsupported.is_empty() {
             return Err(Refusal::Extensions(unsupported));
         }
-        extensions::note(value, &root, notices)?;
+        let extensions = extensions::note(value, &root, notices)?;
         if !root.array("animations")?.is_empty() {
             notices
                 .add(root.at("animations"), "animations are not played: all is in its rest pose");
@@ -96,15 +110,26 @@ impl Document {
         let textures = texture::textures(&root, images.len())?;
         let mut slots = Slots::new(textures.len());
         let materials = material::read(&root, &mut slots, notices)?;
-        let meshes = mesh::read(&root, accessors.len(), materials.len(), notices)?;
+        let variants = variants::names(&root)?;
+        let shown = match variant {
+            None => None,
+            Some(wanted) => match chosen(variants.iter().map(String::as_str), wanted) {
+                None => return Err(Refusal::Variant(variants)),
+                found => found,
+            },
+        };
+        let choice = Variants { count: variants.len(), materials: materials.len(), shown };
+        let meshes = mesh::read(&root, accessors.len(), choice, notices)?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
+        let skins = skin::read(&root, root.array("nodes")?.len(), accessors.len())?;
         let counts = Counts {
             nodes: root.array("nodes")?.len(),
             meshes: meshes.len(),
+            accessors: accessors.len(),
             cameras: cameras.len(),
             lights: lights.len(),
-            skins: root.array("skins")?.len(),
+            skins: skins.len(),
         };
         let nodes = nodes::read(&root, counts, notices)?;
         let parents = nodes::parents(&nodes)?;
@@ -121,12 +146,24 @@ impl Document {
             slots,
             meshes,
             nodes,
+            skins,
             roots,
             cameras,
             lights,
             scenes,
             default_scene,
+            variants,
+            extensions,
         })
+    }
+
+    /// What the document declares, for those who choose.
+    pub fn contents(&self) -> Contents {
+        Contents {
+            scenes: self.scenes.iter().map(|scene| scene.name.clone()).collect(),
+            variants: self.variants.clone(),
+            extensions: self.extensions.clone(),
+        }
     }
 
     /// The roots of the scene called `wanted` or else of that number; if none is asked for those
@@ -136,9 +173,8 @@ impl Document {
             let scene = self.scenes.get(self.default_scene.unwrap_or(0));
             return Some(scene.map_or(&self.roots, |scene| &scene.roots));
         };
-        let named = self.scenes.iter().find(|scene| scene.name == wanted);
-        let numbered = || self.scenes.get(wanted.parse::<usize>().ok()?);
-        named.or_else(numbered).map(|scene| &*scene.roots)
+        let number = chosen(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
+        Some(&self.scenes[number].roots)
     }
 }
 
@@ -185,7 +221,7 @@ mod tests {
     fn document(members: &str) -> Result<Document, Refusal> {
         let text = format!("{{\"asset\": {{\"version\": \"2.0\"}}{members}}}");
         let value = json::parse(text.as_bytes()).expect("valid JSON");
-        Document::read(&value, &mut Notices::default())
+        Document::read(&value, None, &mut Notices::default())
     }
 
     #[test]
@@ -221,7 +257,8 @@ mod tests {
         for asset in [r#""1.0""#, r#""3.0""#, r#""2.1", "minVersion": "2.1""#, "2"] {
             let text = format!("{{\"asset\": {{\"version\": {asset}}}}}");
             let value = json::parse(text.as_bytes()).expect("valid JSON");
-            assert!(Document::read(&value, &mut Notices::default()).is_err(), "{asset}");
+            let read = Document::read(&value, None, &mut Notices::default());
+            assert!(read.is_err(), "{asset}");
         }
     }
 }

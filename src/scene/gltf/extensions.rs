@@ -6,15 +6,19 @@ use serde_json::Value;
 
 use super::json::{Fault, Object, mismatch, pointer};
 use super::notices::Notices;
+use crate::scene::UsedExtension;
 
 /// What this loader does all of.
-const HONOURED: [&str; 9] = [
+const HONOURED: [&str; 12] = [
+    "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -30,12 +34,9 @@ fn is_supported(name: &str) -> bool {
 /// What leaving an extension out means for the picture.
 fn consequence(name: &str) -> &'static str {
     match name {
-        "KHR_materials_unlit" => "the surface is lit like any other",
         "KHR_materials_clearcoat" => "the coat is left out",
         "KHR_materials_sheen" => "the sheen is left out",
-        "KHR_materials_variants" => "the default materials are used",
         "KHR_materials_pbrSpecularGlossiness" => "the metallic-roughness values are used",
-        "EXT_mesh_gpu_instancing" => "the mesh is drawn once",
         "KHR_texture_basisu" => "the texture's other image is used",
         _ => "it is left out",
     }
@@ -49,8 +50,13 @@ pub fn unsupported(root: &Object) -> Result<Vec<String>, Fault> {
     Ok(names)
 }
 
-/// Notes every extension that is used and not honoured, and those used but not declared.
-pub fn note(document: &Value, root: &Object, notices: &mut Notices) -> Result<(), Fault> {
+/// Notes every extension that is used and not honoured, and those used but not declared. All that
+/// are used or declared, by their names.
+pub fn note(
+    document: &Value,
+    root: &Object,
+    notices: &mut Notices,
+) -> Result<Vec<UsedExtension>, Fault> {
     let declared = strings(root, "extensionsUsed")?;
     let mut met = BTreeSet::new();
     each_extension(document, "", &mut |place, name| {
@@ -68,7 +74,9 @@ pub fn note(document: &Value, root: &Object, notices: &mut Notices) -> Result<()
             notices.add(format!("/extensionsUsed/{i}"), message);
         }
     }
-    Ok(())
+    met.extend(declared);
+    let used = met.into_iter().map(|name| UsedExtension { honoured: is_supported(&name), name });
+    Ok(used.collect())
 }
 
 fn strings(root: &Object, key: &str) -> Result<Vec<String>, Fault> {

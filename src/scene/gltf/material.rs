@@ -44,6 +44,15 @@ impl Reader<'_, '_> {
         }
         material.emissive_texture = self.member(object, "emissiveTexture", ColorSpace::Srgb)?;
         self.extensions(&mut material)?;
+        if let Some(mark) = object.extension("KHR_materials_unlit")? {
+            let others = object.object("extensions")?;
+            if others.is_some_and(|all| all.members().any(|(name, _)| is_of_light(name))) {
+                let message =
+                    "an unlit material has a colour alone: its other extensions do nothing";
+                self.notices.add(mark.place(), message);
+            }
+            return Ok(unlit(material));
+        }
         Ok(material)
     }
 
@@ -207,6 +216,26 @@ impl Reader<'_, '_> {
     }
 }
 
+/// Whether an extension tells how a material answers to light.
+fn is_of_light(name: &str) -> bool {
+    let other = ["KHR_materials_unlit", "KHR_materials_variants"];
+    name.starts_with("KHR_materials_") && !other.contains(&name)
+}
+
+/// What is left of a material that is not lit: colour, alpha and sides.
+fn unlit(material: Material) -> Material {
+    let Material { name, base_color, base_color_texture, alpha_mode, double_sided, .. } = material;
+    Material {
+        name,
+        base_color,
+        base_color_texture,
+        alpha_mode,
+        double_sided,
+        unlit: true,
+        ..Material::default()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::json;
@@ -269,6 +298,17 @@ mod tests {
         assert_eq!(volume("0"), None);
         let expected = Volume { attenuation_color: Vec3::ONE, attenuation_distance: 2.0 };
         assert_eq!(volume("0.1"), Some(expected));
+    }
+
+    #[test]
+    fn an_unlit_surface_has_its_colour_alone() {
+        let (made, _) = material(
+            r#"{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1], "metallicFactor": 0.3},
+                "emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_unlit": {}}}"#,
+        )
+        .expect("valid");
+        let base_color = Vec4::new(1.0, 0.5, 0.0, 1.0);
+        assert_eq!(made, Material { base_color, unlit: true, ..Material::default() });
     }
 
     #[test]

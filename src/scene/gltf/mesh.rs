@@ -2,6 +2,7 @@
 
 use super::json::{Fault, Object};
 use super::notices::Notices;
+use super::variants::Variants;
 
 /// A mesh: several primitives, each with a material of its own.
 #[derive(Clone, Debug)]
@@ -23,9 +24,11 @@ pub enum Mode {
     Fan,
 }
 
-/// A morph target: the bits of its weight, and the accessors of the displacements of positions,
-/// normals and tangents.
-pub type Target = (u32, [Option<usize>; 3]);
+/// The accessors of the displacements of positions, normals and tangents.
+pub type Displacements = [Option<usize>; 3];
+
+/// A morph target: the bits of its weight, and its displacements.
+pub type Target = (u32, Displacements);
 
 /// The accessors that a primitive's geometry is made of. Equal ones make equal meshes.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,18 +43,32 @@ pub struct Geometry {
     pub tangents: Option<usize>,
     /// TEXCOORD_0 and TEXCOORD_1.
     pub uvs: [Option<usize>; 2],
+    /// COLOR_0.
+    pub colors: Option<usize>,
     /// Which vertices, in which order; none: all, as they stand.
     pub indices: Option<usize>,
+    /// JOINTS_n and WEIGHTS_n, pair by pair.
+    pub joints: Vec<[usize; 2]>,
     /// Morph targets with a weight other than zero.
     pub targets: Vec<Target>,
 }
 
 impl Geometry {
+    /// Whether tangents for a normal map, which is looked up by a set of texture coordinates, can be
+    /// made and must be.
+    pub fn lacks_tangents(&self, uv_set: u8) -> bool {
+        let uvs = self.uvs[usize::from(uv_set)];
+        self.tangents.is_none() && self.normals.is_some() && uvs.is_some()
+    }
+
     /// All accessors that it reads.
     pub fn accessors(&self) -> impl Iterator<Item = usize> {
-        let optional = [self.normals, self.tangents, self.uvs[0], self.uvs[1], self.indices];
+        let Self { normals, tangents, uvs, colors, indices, .. } = *self;
+        let optional = [normals, tangents, uvs[0], uvs[1], colors, indices];
         let targets = self.targets.iter().flat_map(|(_, accessors)| *accessors);
-        [self.positions].into_iter().chain(optional.into_iter().chain(targets).flatten())
+        let joints = self.joints.iter().flatten().copied();
+        let optional = optional.into_iter().chain(targets).flatten();
+        [self.positions].into_iter().chain(joints).chain(optional)
     }
 }
 
@@ -64,23 +81,39 @@ pub struct Primitive {
     pub geometry: Geometry,
     /// Which material; none: the default one.
     pub material: Option<usize>,
+    /// The accessors of all its morph targets.
+    morphs: Vec<Displacements>,
 }
 
-/// Reads all meshes; `accessors` and `materials` are how many there are.
+impl Primitive {
+    /// All accessors that it may read, however it is posed.
+    pub fn accessors(&self) -> impl Iterator<Item = usize> {
+        self.geometry.accessors().chain(self.morphs.iter().flatten().copied().flatten())
+    }
+
+    /// The same with other weights of its morph targets, as a node may ask.
+    pub fn posed(&self, weights: &[f32]) -> Self {
+        let mut posed = self.clone();
+        posed.geometry.targets = weighted(&self.morphs, weights);
+        posed
+    }
+}
+
+/// Reads all meshes; `accessors` is how many there are, `variants` tells the materials to show.
 pub fn read(
     root: &Object,
     accessors: usize,
-    materials: usize,
+    variants: Variants,
     notices: &mut Notices,
 ) -> Result<Vec<MeshDeclaration>, Fault> {
     let meshes = root.objects("meshes")?;
-    meshes.iter().map(|object| mesh(object, accessors, materials, notices)).collect()
+    meshes.iter().map(|object| mesh(object, accessors, variants, notices)).collect()
 }
 
 fn mesh(
     object: &Object,
     accessors: usize,
-    materials: usize,
+    variants: Variants,
     notices: &mut Notices,
 ) -> Result<MeshDeclaration, Fault> {
     if !object.has("primitives") {
@@ -89,13 +122,13 @@ fn mesh(
     let weights = weights(object)?;
     let mut primitives = Vec::new();
     for primitive in object.objects("primitives")? {
-        primitives.extend(self::primitive(&primitive, &weights, accessors, materials, notices)?);
+        primitives.extend(self::primitive(&primitive, &weights, accessors, variants, notices)?);
     }
     Ok(MeshDeclaration { name: object.name()?, primitives })
 }
 
-/// The weights of the morph targets.
-fn weights(object: &Object) -> Result<Vec<f32>, Fault> {
+/// The weights of the morph targets, of a mesh or a node.
+pub fn weights(object: &Object) -> Result<Vec<f32>, Fault> {
     let elements = object.array("weights")?.iter().enumerate();
     let weight = |(i, value): (usize, &serde_json::Value)| {
         let weight = value.as_f64().map(|weight| weight as f32);
@@ -112,7 +145,7 @@ fn primitive(
     object: &Object,
     weights: &[f32],
     accessors: usize,
-    materials: usize,
+    variants: Variants,
     notices: &mut Notices,
 ) -> Result<Option<Primitive>, Fault> {
     let attributes = object.object("attributes")?.ok_or_else(|| object.absent("attributes"))?;
@@ -122,8 +155,9 @@ fn primitive(
     }
     let attribute = |name| attributes.reference(name, "accessor", accessors);
     let indices = object.reference("indices", "accessor", accessors)?;
-    let material = object.reference("material", "material", materials)?;
-    let targets = targets(object, weights, accessors)?;
+    let material = variants.material(object)?;
+    let morphs = morphs(object, accessors)?;
+    let joints = joints(&attributes, accessors)?;
     let mode = match object.whole("mode")?.unwrap_or(4) {
         0..=3 => {
             notices.add(object.place(), "points and lines have no area and are left out");
@@ -148,16 +182,18 @@ fn primitive(
         // Without normals tangents are to be ignored (3.7.2.1).
         tangents: if normals.is_some() { attribute("TANGENT")? } else { None },
         uvs: [attribute("TEXCOORD_0")?, attribute("TEXCOORD_1")?],
+        colors: attribute("COLOR_0")?,
         indices,
-        targets,
+        joints,
+        targets: weighted(&morphs, weights),
     };
-    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material }))
+    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material, morphs }))
 }
 
 /// Says which attributes are not looked at. Those of applications, with an underscore, are theirs.
 fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
     let message = match name.split_once('_') {
-        Some(("COLOR", _)) => "colours of vertices are not supported and left out",
+        Some(("COLOR", set)) if set != "0" => "only the first colours of vertices are supported",
         Some(("TEXCOORD", set)) if set != "0" && set != "1" => {
             "only two sets of texture coordinates are supported"
         }
@@ -166,17 +202,32 @@ fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
     notices.add(attributes.at(name), message);
 }
 
-fn targets(object: &Object, weights: &[f32], accessors: usize) -> Result<Vec<Target>, Fault> {
-    let mut targets = Vec::new();
-    for (i, target) in object.objects("targets")?.iter().enumerate() {
-        let attribute = |name| target.reference(name, "accessor", accessors);
-        let parts = [attribute("POSITION")?, attribute("NORMAL")?, attribute("TANGENT")?];
-        match weights.get(i) {
-            Some(&weight) if weight != 0.0 => targets.push((weight.to_bits(), parts)),
-            _ => {}
+/// Pairs of joints and weights, as many as there are.
+fn joints(attributes: &Object, accessors: usize) -> Result<Vec<[usize; 2]>, Fault> {
+    let mut all = Vec::new();
+    loop {
+        let number = all.len();
+        let attribute =
+            |name: &str| attributes.reference(&format!("{name}_{number}"), "accessor", accessors);
+        match (attribute("JOINTS")?, attribute("WEIGHTS")?) {
+            (Some(joints), Some(weights)) => all.push([joints, weights]),
+            _ => return Ok(all),
         }
     }
-    Ok(targets)
+}
+
+fn morphs(object: &Object, accessors: usize) -> Result<Vec<Displacements>, Fault> {
+    let morph = |target: &Object| {
+        let attribute = |name| target.reference(name, "accessor", accessors);
+        Ok([attribute("POSITION")?, attribute("NORMAL")?, attribute("TANGENT")?])
+    };
+    object.objects("targets")?.iter().map(morph).collect()
+}
+
+/// The morph targets of some weight.
+fn weighted(morphs: &[Displacements], weights: &[f32]) -> Vec<Target> {
+    let all = weights.iter().zip(morphs).filter(|(weight, _)| **weight != 0.0);
+    all.map(|(weight, morph)| (weight.to_bits(), *morph)).collect()
 }
 
 #[cfg(test)]
@@ -187,7 +238,8 @@ mod tests {
     fn meshes(text: &str) -> Result<Vec<MeshDeclaration>, Fault> {
         let value = json::parse(format!("{{\"meshes\": {text}}}").as_bytes()).expect("valid JSON");
         let root = Object::new(&value, String::new()).expect("an object");
-        read(&root, 4, 1, &mut Notices::default())
+        let variants = Variants { materials: 1, ..Variants::default() };
+        read(&root, 4, variants, &mut Notices::default())
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod camera;
 mod document;
 mod extensions;
 mod glb;
+mod instancing;
 mod json;
 mod light;
 mod material;
@@ -23,7 +24,9 @@ mod notices;
 mod primitive;
 mod read;
 mod resources;
+mod skin;
 mod texture;
+mod variants;
 
 use std::path::Path;
 
@@ -62,14 +65,22 @@ pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, 
         (bytes, None)
     };
     let value = json::parse(json).map_err(in_file)?;
-    let document = Document::read(&value, &mut notices).map_err(|refusal| match refusal {
-        Refusal::Fault(fault) => in_file(fault),
-        Refusal::Extensions(extensions) => {
-            LoadError::Extensions { file: path.display().to_string(), extensions }
-        }
-    })?;
+    let wanted = options.variant.as_deref();
+    let document =
+        Document::read(&value, wanted, &mut notices).map_err(|refusal| match refusal {
+            Refusal::Fault(fault) => in_file(fault),
+            Refusal::Extensions(extensions) => {
+                LoadError::Extensions { file: path.display().to_string(), extensions }
+            }
+            Refusal::Variant(names) => {
+                let names = names.iter().map(String::as_str);
+                LoadError::no_such(path, "variant", wanted.unwrap_or_default(), names)
+            }
+        })?;
     drop(value);
+    let contents = document.contents();
     let mut scene = assemble::assemble(document, binary, path, options, &mut notices)?;
     scene.notices = notices.finish(path);
+    scene.contents = contents;
     Ok(scene)
 }

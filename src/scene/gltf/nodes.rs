@@ -5,7 +5,9 @@
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
+use super::instancing::Instancing;
 use super::json::{Fault, Object};
+use super::mesh;
 use super::notices::Notices;
 use crate::math::Affine3A;
 
@@ -16,6 +18,8 @@ pub struct Counts {
     pub nodes: usize,
     /// Meshes.
     pub meshes: usize,
+    /// Accessors.
+    pub accessors: usize,
     /// Cameras.
     pub cameras: usize,
     /// Lights of KHR_lights_punctual.
@@ -33,6 +37,12 @@ pub struct Node {
     pub children: Vec<usize>,
     /// What it draws.
     pub mesh: Option<usize>,
+    /// What that follows instead of this node.
+    pub skin: Option<usize>,
+    /// Weights of its morph targets; none: those of the mesh.
+    pub weights: Option<Vec<f32>>,
+    /// Where copies of that stand; none: it stands at the node alone.
+    pub copies: Option<Instancing>,
     /// A camera that it carries.
     pub camera: Option<usize>,
     /// A light that it carries.
@@ -60,17 +70,13 @@ fn node(object: &Object, counts: Counts, notices: &mut Notices) -> Result<Node, 
         Some(extension) => Some(extension.required_reference("light", "light", counts.lights)?),
         None => None,
     };
-    if object.reference("skin", "skin", counts.skins)?.is_some() {
-        let message = "skins are not supported: the mesh stands in its rest pose";
-        notices.add(object.at("skin"), message);
-    }
-    if object.has("weights") {
-        notices.add(object.at("weights"), "weights of morph targets at nodes are not supported");
-    }
     Ok(Node {
         name: object.name()?,
         children: object.references("children", "node", counts.nodes)?,
         mesh: object.reference("mesh", "mesh", counts.meshes)?,
+        skin: object.reference("skin", "skin", counts.skins)?,
+        weights: if object.has("weights") { Some(mesh::weights(object)?) } else { None },
+        copies: Instancing::read(object, counts.accessors, notices)?,
         camera: object.reference("camera", "camera", counts.cameras)?,
         light,
         local: local(object, notices)?,

@@ -4,8 +4,9 @@ use super::json::Fault;
 use super::mesh::{Geometry, Mode, Primitive};
 use super::notices::Notices;
 use super::read::Storage;
-use crate::geom::Mesh;
+use crate::geom::{self, Mesh};
 use crate::math::{Vec2, Vec3, Vec4};
+use crate::scene::{TextureRef, repair};
 
 /// Builds the mesh of a primitive.
 ///
@@ -29,6 +30,7 @@ pub fn build(
         reader.attribute(geometry.uvs[0], "TEXCOORD_0", Vec2::from_array)?,
         reader.attribute(geometry.uvs[1], "TEXCOORD_1", Vec2::from_array)?,
     ];
+    let colors = reader.colors(geometry.colors)?;
     reader.morph(geometry, &mut positions, &mut normals, &mut tangents)?;
     if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
         let accessor = &storage.accessor(geometry.positions).place;
@@ -37,9 +39,30 @@ pub fn build(
     }
     let indices = reader.triangles(geometry, notices)?;
 
-    let mut mesh = Mesh { name: name.to_owned(), positions, normals, tangents, uvs, indices };
-    repair(&mut mesh, place, notices);
+    let mut mesh =
+        Mesh { name: name.to_owned(), positions, normals, tangents, uvs, colors, indices };
+    put_right(&mut mesh, place, notices);
     Ok(mesh)
+}
+
+/// Gives a mesh that has normals and texture coordinates the tangents that a normal map is meant for
+/// which is looked up as `map` says.
+///
+/// # Errors
+/// If that takes more memory than the file can justify.
+pub fn add_tangents(
+    mesh: &mut Mesh,
+    map: &TextureRef,
+    place: &str,
+    storage: &Storage,
+) -> Result<(), Fault> {
+    // For each vertex its tangent, for each corner at most another vertex.
+    let bytes = mesh.positions.len() as u64 * 16 + mesh.indices.len() as u64 * 3 * 48;
+    storage.reserve(place, bytes)?;
+    let uvs = &mesh.uvs[usize::from(map.uv_set)];
+    let uvs: Vec<Vec2> = uvs.iter().map(|&uv| map.transform(uv)).collect();
+    geom::add_tangents(mesh, &uvs);
+    Ok(())
 }
 
 struct Reader<'a> {
@@ -65,6 +88,16 @@ impl Reader<'_> {
         }
         let vectors = self.storage.vectors::<N>(accessor)?;
         Ok(vectors.into_iter().map(convert).collect())
+    }
+
+    /// Linear colours of three or four numbers; alpha is one where there is none.
+    fn colors(&self, accessor: Option<usize>) -> Result<Vec<Vec4>, Fault> {
+        let has_alpha = accessor.is_some_and(|at| self.storage.accessor(at).is_vector(4));
+        if has_alpha {
+            self.attribute(accessor, "COLOR_0", Vec4::from_array)
+        } else {
+            self.attribute(accessor, "COLOR_0", |[r, g, b]| Vec4::new(r, g, b, 1.0))
+        }
     }
 
     /// Adds the displacements of the morph targets in their resting pose.
@@ -147,27 +180,19 @@ impl Reader<'_> {
 }
 
 /// Makes normals and tangents unit vectors, replaces those that cannot be, and coordinates of
-/// textures that are not numbers.
-fn repair(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
-    let mut broken = Vec::new();
-    for (i, normal) in mesh.normals.iter_mut().enumerate() {
-        match unit(*normal) {
-            Some(unit) => *normal = unit,
-            None => broken.push(i),
-        }
-    }
-    if !broken.is_empty() {
+/// textures and colours that are not numbers.
+fn put_right(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
+    if repair::normals(mesh) {
         notices.add(
             format!("{place}/attributes/NORMAL"),
             "some normals have no direction; those of the faces take their place",
         );
-        replace_normals(mesh, &broken);
     }
 
     let mut whole = true;
     for tangent in &mut mesh.tangents {
         let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
-        match unit(tangent.truncate()) {
+        match repair::unit(tangent.truncate()) {
             Some(unit) => *tangent = unit.extend(sign),
             None => whole = false,
         }
@@ -179,42 +204,14 @@ fn repair(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
     }
 
     for (set, uvs) in mesh.uvs.iter_mut().enumerate() {
-        let mut all = true;
-        for uv in uvs.iter_mut().filter(|uv| !uv.is_finite()) {
-            *uv = Vec2::ZERO;
-            all = false;
-        }
-        if !all {
+        if repair::uvs(uvs) {
             let place = format!("{place}/attributes/TEXCOORD_{set}");
             notices.add(place, "some texture coordinates are no numbers; 0 takes their place");
         }
     }
-}
-
-/// The unit vector along `v`, unless `v` is zero or not finite. Scaled first, so that neither a
-/// tiny nor a huge vector is lost when squared.
-fn unit(v: Vec3) -> Option<Vec3> {
-    let longest = v.abs().max_element();
-    if longest > 0.0 && v.is_finite() { (v / longest).try_normalize() } else { None }
-}
-
-/// Gives the vertices in `broken`, which are in order, the sum of their triangles' normals by area;
-/// up where that is none either.
-fn replace_normals(mesh: &mut Mesh, broken: &[usize]) {
-    let mut sums = vec![Vec3::ZERO; broken.len()];
-    for &triangle in &mesh.indices {
-        let slots = triangle.map(|vertex| broken.binary_search(&(vertex as usize)).ok());
-        if slots == [None; 3] {
-            continue;
-        }
-        let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-        let double_area = (b - a).cross(c - a);
-        for slot in slots.into_iter().flatten() {
-            sums[slot] += double_area;
-        }
-    }
-    for (&vertex, &sum) in broken.iter().zip(&sums) {
-        mesh.normals[vertex] = unit(sum).unwrap_or(Vec3::Y);
+    if repair::colors(&mut mesh.colors) {
+        let place = format!("{place}/attributes/COLOR_0");
+        notices.add(place, "some colours are not within 0 to 1; the nearer of them is used");
     }
 }
 
@@ -245,25 +242,13 @@ mod tests {
     }
 
     #[test]
-    fn normals_without_a_direction_take_that_of_their_faces() {
-        let mut mesh = Mesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
-            normals: vec![Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 1.0), Vec3::X * 1e-30, Vec3::ZERO],
-            indices: vec![[0, 1, 2]],
-            ..Mesh::default()
-        };
-        repair(&mut mesh, "/p", &mut Notices::default());
-        assert_eq!(mesh.normals, [Vec3::Z, Vec3::Z, Vec3::X, Vec3::Y]);
-    }
-
-    #[test]
     fn a_tangent_without_a_direction_takes_all_with_it() {
         let mut mesh = Mesh {
             tangents: vec![Vec4::new(2.0, 0.0, 0.0, -3.0), Vec4::ZERO],
             uvs: [vec![Vec2::NAN, Vec2::ONE], Vec::new()],
             ..Mesh::default()
         };
-        repair(&mut mesh, "/p", &mut Notices::default());
+        put_right(&mut mesh, "/p", &mut Notices::default());
         assert!(mesh.tangents.is_empty());
         assert_eq!(mesh.uvs[0], [Vec2::ZERO, Vec2::ONE]);
     }

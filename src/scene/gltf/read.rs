@@ -85,6 +85,24 @@ impl<'a> Storage<'a> {
         })
     }
 
+    /// Matrices of four columns, of floats.
+    pub fn matrices(&self, index: usize) -> Result<Vec<[f32; 16]>, Fault> {
+        let accessor = &self.accessors[index];
+        if accessor.shape != Shape::Matrix(4) || accessor.component != Component::F32 {
+            let message = "must be of type MAT4 and of floats to be used for matrices";
+            return Err(Fault::new(accessor.place.clone(), message));
+        }
+        self.reserve(&accessor.place, accessor.count.saturating_mul(64))?;
+        let decode = decoder(Component::F32, false);
+        self.elements(accessor, [0.0; 16], |bytes| {
+            let mut matrix = [0.0; 16];
+            for (slot, number) in matrix.iter_mut().zip(bytes.chunks_exact(4)) {
+                *slot = decode(number);
+            }
+            matrix
+        })
+    }
+
     /// Unsigned integers.
     pub fn indices(&self, index: usize) -> Result<Vec<u32>, Fault> {
         let accessor = &self.accessors[index];

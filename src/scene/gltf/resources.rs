@@ -86,6 +86,15 @@ fn shown(uri: &str) -> String {
     }
 }
 
+/// What to call an image: the file that it is in, else what the document calls it.
+fn name_of(image: &ImageDeclaration) -> String {
+    let file = match &image.source {
+        ImageSource::Uri(uri) => shown(uri),
+        ImageSource::View(_) => String::new(),
+    };
+    if file.is_empty() { image.name.clone() } else { file }
+}
+
 /// Memory that decoded images may always take, and beyond it for each byte of their files.
 const FREE_BYTES: u64 = 4 << 30;
 const EXPANSION: u64 = 256;
@@ -105,18 +114,17 @@ pub fn load_textures(
     let mut decoded = decode_images(slots, textures, images, storage, folder);
     for (&image, result) in &decoded {
         if let Err(reason) = result {
-            let ImageDeclaration { place, source } = &images[image];
-            let name = match source {
-                ImageSource::Uri(uri) => shown(uri),
-                ImageSource::View(_) => String::new(),
-            };
-            report(name, place, reason, missing, broken, notices);
+            let place = &images[image].place;
+            report(name_of(&images[image]), place, reason, missing, broken, notices);
         }
     }
     let mut texture = |&(index, color_space): &(usize, ColorSpace)| {
         let TextureDeclaration { place, image, wrap, filter } = &textures[index];
         match image.and_then(|image| decoded.get_mut(&image)) {
-            Some(Ok(image)) => Texture::new(image.clone(), color_space, *wrap, *filter),
+            Some(Ok(found)) => {
+                let name = image.map(|image| name_of(&images[image])).unwrap_or_default();
+                Texture::new(found.clone(), color_space, *wrap, *filter).named(name)
+            }
             Some(Err(_)) => Texture::magenta(),
             None => {
                 let reason = "has no image that dapple can read";

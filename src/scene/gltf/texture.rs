@@ -56,6 +56,8 @@ impl Slots {
 /// An image file, or where in the buffers one is.
 #[derive(Clone, Debug)]
 pub struct ImageDeclaration {
+    /// What the file calls it.
+    pub name: String,
     /// The pointer to it.
     pub place: String,
     /// Where it is.
@@ -94,7 +96,7 @@ pub fn images(root: &Object, views: usize) -> Result<Vec<ImageDeclaration>, Faul
             (Some(_), Some(_)) => return Err(object.fault("has both a URI and a buffer view")),
             (None, None) => return Err(object.fault("has neither a URI nor a buffer view")),
         };
-        Ok(ImageDeclaration { place: object.place().to_owned(), source })
+        Ok(ImageDeclaration { name: object.name()?, place: object.place().to_owned(), source })
     };
     root.objects("images")?.iter().map(image).collect()
 }

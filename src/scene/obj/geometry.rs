@@ -15,6 +15,8 @@ pub(super) const NONE: u32 = u32::MAX;
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     pub positions: Vec<Vec3>,
+    /// As many as positions, in sRGB, where any vertex has a colour.
+    pub colors: Vec<Vec3>,
     /// As in the file: v counts upwards.
     pub uvs: Vec<Vec2>,
     /// Of unit length, or zero where the file's is.
@@ -110,13 +112,7 @@ impl Ahead {
 impl Reader {
     fn statement(&mut self, s: &Statement, remarks: &mut Remarks) -> Result<(), String> {
         match s.keyword {
-            "v" => {
-                let ([x, y, z, ..], count) = lines::numbers(s.rest, 3)?;
-                if count >= 6 {
-                    remarks.add(s.line, "colours of vertices are not honoured");
-                }
-                limited(&mut self.geometry.positions, Vec3::new(x, y, z))
-            }
+            "v" => self.vertex(s, remarks),
             "vt" => {
                 let ([u, v, ..], _) = lines::numbers(s.rest, 1)?;
                 limited(&mut self.geometry.uvs, Vec2::new(u, v))
@@ -160,6 +156,25 @@ impl Reader {
                 Ok(())
             }
         }
+    }
+
+    /// Three numbers; where there are six, the last three are the colour that scanners add.
+    fn vertex(&mut self, s: &Statement, remarks: &mut Remarks) -> Result<(), String> {
+        let ([x, y, z, r, g, b, ..], count) = lines::numbers(s.rest, 3)?;
+        let Geometry { positions, colors, .. } = &mut self.geometry;
+        if count >= 6 {
+            let color = Vec3::new(r, g, b);
+            let shown = color.clamp(Vec3::ZERO, Vec3::ONE);
+            if shown != color {
+                let message = "colours of vertices are not within 0 to 1; the nearer is used";
+                remarks.add(s.line, message);
+            }
+            colors.resize(positions.len(), Vec3::ONE);
+            colors.push(shown);
+        } else if !colors.is_empty() {
+            colors.push(Vec3::ONE);
+        }
+        limited(positions, Vec3::new(x, y, z))
     }
 
     fn use_material(&mut self, name: String, line: usize) {
@@ -364,10 +379,12 @@ mod tests {
     fn what_is_left_out_is_said_once() {
         let (geometry, remarks) = parsed(&format!(
             "{TRIANGLE}p 1\nl 1 2\ncstype bezier\nsurf 0 1 0 1 1\nf 1 2\nwhatever 3\ns 1\n\
-             f 1 2 3\nv 0 0 0 1 0 0\nv 0 0 0 0.5\nvn 0 0 0\n"
+             f 1 2 3\nv 0 0 0 2 0 0\nv 0 0 0 0.5\nvn 0 0 0\n"
         ))
         .unwrap();
         assert_eq!(geometry.positions.len(), 5);
+        let white = Vec3::ONE;
+        assert_eq!(geometry.colors, [white, white, white, Vec3::X, white]);
         assert_eq!(
             remarks,
             [
@@ -376,7 +393,7 @@ mod tests {
                 "faces of fewer than three corners are skipped",
                 "whatever is not honoured",
                 "smoothing groups without normals are not honoured: shading is flat",
-                "colours of vertices are not honoured",
+                "colours of vertices are not within 0 to 1; the nearer is used",
                 "a normal is zero: there the shading is flat",
             ]
         );

@@ -61,7 +61,7 @@ impl<'a> Maps<'a> {
             Some(image) => {
                 let image = prepared(&image, usage, map.channel);
                 let space = if usage == Use::Color { ColorSpace::Srgb } else { ColorSpace::Linear };
-                Texture::new(image, space, wrap(map), Filter::Bilinear)
+                Texture::new(image, space, wrap(map), Filter::Bilinear).named(&map.name)
             }
             None if usage == Use::Color => Texture::magenta(),
             None => return None,
@@ -103,7 +103,8 @@ impl<'a> Maps<'a> {
         });
         let image = Arc::new(Image::new(width, height, Texels::Rgba16(texels.collect())));
         let map = roughness.or(metallic)?;
-        let id = self.push(Texture::new(image, ColorSpace::Linear, wrap(map), Filter::Bilinear));
+        let texture = Texture::new(image, ColorSpace::Linear, wrap(map), Filter::Bilinear);
+        let id = self.push(texture.named(&map.name));
         Some(placed(map, id))
     }
 

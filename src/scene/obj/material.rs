@@ -18,11 +18,11 @@
 
 use std::path::Path;
 
-use super::GREY;
 use super::maps::{Maps, Use};
 use super::mtl::MtlMaterial;
 use super::remarks::Remarks;
 use crate::math::Vec3;
+use crate::scene::material::GREY;
 use crate::scene::{AlphaMode, Material, Volume};
 
 /// The material that stands in `file`; `remarks` are about that file.

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use super::geometry::{Corner, Geometry, NONE, Part};
-use super::triangulate::{Intricate, Triangulator, newell};
 use crate::geom::Mesh;
 use crate::math::{DVec3, Vec2, Vec3};
+use crate::scene::srgb_to_linear;
+use crate::scene::triangulate::{Intricate, Triangulator, newell};
 
 /// The mesh of each part that has polygons, with the part's number.
 ///
@@ -73,6 +74,10 @@ impl<'a> Builder<'a> {
         let Self { geometry, mesh, .. } = self;
         *self.vertices.entry((corner.position, corner.uv, normal_key)).or_insert_with(|| {
             mesh.positions.push(geometry.positions[corner.position as usize]);
+            if let Some(color) = geometry.colors.get(corner.position as usize) {
+                let linear = color.to_array().map(srgb_to_linear);
+                mesh.colors.push(Vec3::from_array(linear).extend(1.0));
+            }
             if self.has_uvs {
                 let uv = geometry.uvs.get(corner.uv as usize).copied().unwrap_or_default();
                 // The first row of an image is its upper one.
@@ -133,6 +138,15 @@ mod tests {
         assert_eq!(mesh.normals[..3], [Vec3::X; 3]);
         assert_eq!(mesh.normals[3..6], [Vec3::Z; 3]);
         assert_eq!(mesh.normals[6..], [Vec3::X; 3]);
+    }
+
+    #[test]
+    fn colours_of_vertices_become_linear() {
+        let mesh = &meshes("v 0 0 0 1 0.5 0\nv 1 0 0\nv 0 1 0 0 0 1 1\nf 1 2 3\n")[0];
+        let expected =
+            [Vec3::new(1.0, srgb_to_linear(0.5), 0.0), Vec3::ONE, Vec3::Z].map(|c| c.extend(1.0));
+        assert_eq!(mesh.colors, expected);
+        assert!(meshes(&format!("{SQUARE}f 1 2 3\n"))[0].colors.is_empty());
     }
 
     #[test]

@@ -10,6 +10,8 @@
 //! - Shading is flat where the file gives no normals. OBJ counts v of texture coordinates upwards;
 //!   they are turned over.
 //! - Materials are mapped as `material.rs` tells. Emitters shine from the front of their triangles.
+//! - Colours after the coordinates of vertices, as scanners write them, are sRGB and multiply the
+//!   material's.
 //! - A material that is missing is grey; in place of a missing library the one that is called like
 //!   the scene is read; both are said. A texture that is missing is an error as for any other
 //!   format. References may not leave the scene's folder.
@@ -22,7 +24,6 @@ mod mesh;
 mod mtl;
 mod remarks;
 mod texture_statement;
-mod triangulate;
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
@@ -41,10 +42,7 @@ use crate::math::{Affine3A, MaterialId, MeshId, Vec4};
 /// # Errors
 /// [`LoadError`] with the line of a malformed statement, or a list of all unusable textures.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
-    if let Some(wanted) = &options.scene {
-        let file = path.display().to_string();
-        return Err(LoadError::NoSuchScene { file, wanted: wanted.clone(), present: Vec::new() });
-    }
+    options.refuse_choices(path)?;
     let mut remarks = Remarks::new(path);
     let geometry = geometry::parse(&read_file(path)?, path, &mut remarks)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -106,21 +104,15 @@ fn materials(
     ids
 }
 
-/// Reflectance of what has no material: that of a new material in Blender.
-const GREY: f32 = 0.8;
-
-/// What has no material: a Lambertian grey, kept once.
+/// The material of what has none, kept once: grey, or white under colours of vertices.
 fn grey_id(scene: &mut Scene) -> MaterialId {
-    const NAME: &str = "(none)";
-    let at = scene.materials.iter().position(|material| material.name == NAME);
+    let mut grey = Material::grey();
+    if scene.meshes.iter().any(|mesh| !mesh.colors.is_empty()) {
+        grey.base_color = Vec4::ONE;
+    }
+    let at = scene.materials.iter().position(|material| material.name == grey.name);
     MaterialId::from_index(at.unwrap_or_else(|| {
-        scene.materials.push(Material {
-            name: NAME.to_owned(),
-            base_color: Vec4::new(GREY, GREY, GREY, 1.0),
-            metallic: 0.0,
-            specular: 0.0,
-            ..Material::default()
-        });
+        scene.materials.push(grey);
         scene.materials.len() - 1
     }))
 }

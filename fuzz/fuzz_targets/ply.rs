@@ -1,0 +1,11 @@
+//! PLY files, cut into triangles: `cargo fuzz run ply`.
+#![no_main]
+
+use std::path::Path;
+
+use dapple::scene::{LoadOptions, MissingTexture, ply};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let options = LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
+    let _ = ply::parse(Path::new("no-such-folder/fuzz.ply"), bytes, &options);
+});

@@ -1,0 +1,114 @@
+//! Skins and morph targets of glTF: what they bend, stands bent as the file has it at rest.
+
+mod gltf_file;
+
+use dapple::math::Vec3;
+use dapple::scene::Scene;
+use gltf_file::{File, message};
+use serde_json::{Value, json};
+
+/// The square, its left side held by node 1 and its right side by node 2, as `nodes` places them;
+/// node 0, which carries it, is somewhere else.
+fn skinned(nodes: [Value; 2], joints: [[u8; 4]; 4]) -> File {
+    let mut file = File::square();
+    let joints = file.accessor(&joints.concat(), 5121, 4, "VEC4");
+    let weights = file.floats(&[[1.0, 0.0, 0.0, 0.0]; 4], "VEC4");
+    let attributes = &mut file.document["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_0"] = json!(joints);
+    attributes["WEIGHTS_0"] = json!(weights);
+    file.document["nodes"][0] = json!({"mesh": 0, "skin": 0, "translation": [50, 0, 0]});
+    for node in nodes {
+        file.push("nodes", node);
+    }
+    file.push("skins", json!({"joints": [1, 2]}));
+    file
+}
+
+const SIDES: [[u8; 4]; 4] = [[0; 4], [1, 0, 0, 0], [1, 0, 0, 0], [0; 4]];
+
+/// Corners of the only instance in the world.
+fn corners(scene: &Scene) -> Vec<Vec3> {
+    let instance = &scene.instances[0];
+    let mesh = &scene.meshes[instance.mesh.index()];
+    mesh.positions.iter().map(|&p| instance.transform.point(p)).collect()
+}
+
+#[test]
+fn a_skin_holds_each_vertex_by_its_joint_and_not_by_its_node() {
+    let file = skinned([json!({}), json!({"translation": [2, 0, 1]})], SIDES);
+    let scene = file.load().expect("loads");
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    let expected = [[0.0, 0.0, 0.0], [3.0, 0.0, 1.0], [3.0, 1.0, 1.0], [0.0, 1.0, 0.0]];
+    assert_eq!(corners(&scene), expected.map(Vec3::from_array));
+}
+
+#[test]
+fn inverse_bind_matrices_come_first() {
+    let mut file = skinned([json!({}), json!({"rotation": [0, 0, 1, 0]})], SIDES);
+    // The second joint's origin is the lower right corner.
+    let mut matrices = [[0.0_f32; 16]; 2];
+    for matrix in &mut matrices {
+        for i in [0, 5, 10, 15] {
+            matrix[i] = 1.0;
+        }
+    }
+    matrices[1][12] = -1.0;
+    let matrices = file.floats(&matrices, "MAT4");
+    file.document["skins"][0]["inverseBindMatrices"] = json!(matrices);
+    let scene = file.load().expect("loads");
+    let expected = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+    assert_eq!(corners(&scene), expected.map(Vec3::from_array));
+}
+
+#[test]
+fn a_mirrored_skin_keeps_its_front() {
+    let mirror = json!({"scale": [-1, 1, 1]});
+    let scene = skinned([mirror.clone(), mirror], SIDES).load().expect("loads");
+    let mesh = &scene.meshes[0];
+    let corner = |k: usize| mesh.positions[mesh.indices[0][k] as usize];
+    let normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalize();
+    assert_eq!((normal, mesh.normals[0]), (Vec3::Z, Vec3::Z));
+}
+
+#[test]
+fn broken_skins_are_refused() {
+    let plain = || [json!({}), json!({})];
+    let beyond = skinned(plain(), [[0; 4], [2, 0, 0, 0], [0; 4], [0; 4]]);
+    let said = "a.gltf: /meshes/0/primitives/0: a vertex follows joint 2 of 2";
+    assert_eq!(message(beyond.load()), said);
+    let mut nothing = skinned(plain(), SIDES);
+    nothing.document["skins"][0]["joints"] = json!([]);
+    assert!(message(nothing.load()).contains("must name at least one node"));
+    let mut few = skinned(plain(), SIDES);
+    let matrix = few.floats(&[[1.0; 16]], "MAT4");
+    few.document["skins"][0]["inverseBindMatrices"] = json!(matrix);
+    assert!(message(few.load()).contains("has 1 inverse bind matrices for 2 joints"));
+    let far = [json!({"translation": [3e38, 0, 0]}), json!({})];
+    assert!(message(skinned(far, [[0; 4]; 4]).load()).contains("beyond 32-bit floats"));
+}
+
+#[test]
+fn a_skin_whose_joints_are_elsewhere_is_told() {
+    let mut file = skinned([json!({}), json!({})], SIDES);
+    file.document["scenes"] = json!([{"nodes": [0]}]);
+    let scene = file.load().expect("loads");
+    assert_eq!(corners(&scene)[0], Vec3::new(50.0, 0.0, 0.0));
+    assert_eq!(scene.notices.len(), 1);
+    assert!(scene.notices[0].message.contains("joints are not in the scene"));
+}
+
+#[test]
+fn weights_of_a_node_go_before_those_of_its_mesh() {
+    let mut file = File::square();
+    let lift = file.floats(&[[0.0, 0.0, 2.0]; 4], "VEC3");
+    file.document["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": lift}]);
+    file.document["meshes"][0]["weights"] = json!([0.5]);
+    file.push("nodes", json!({"mesh": 0, "weights": [2]}));
+    file.push("nodes", json!({"mesh": 0, "weights": [0]}));
+    let scene = file.load().expect("loads");
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    let height = |i: usize| scene.meshes[scene.instances[i].mesh.index()].positions[0].z;
+    assert_eq!([0, 1, 2].map(height), [1.0, 4.0, 0.0]);
+    file.document["nodes"][1]["weights"] = json!([null]);
+    assert!(message(file.load()).contains("/nodes/1/weights/0"));
+}
