@@ -239,3 +239,16 @@ fn a_script_can_read_what_structures_there_are() {
     assert_eq!(option("cache")["min"], 1);
     assert_eq!(option("triangles")["choices"][0], "inline");
 }
+
+#[test]
+fn a_raster_of_rays_gives_the_same_hits() {
+    let folder = folder();
+    for flags in ["", "--single", "--width 40", "--width 7", "--width 65536"] {
+        for accel in ["auto", "bvh-packet"] {
+            let words = format!("trace tt.npy --rays rays.npy {flags} --accel {accel} --json");
+            let (code, out, err) = run(folder.path(), &words);
+            assert_eq!(code, 0, "{words}: {err}");
+            assert!(out.contains("\"hits\":1000"), "{words}: {out}");
+        }
+    }
+}

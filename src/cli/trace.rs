@@ -14,6 +14,7 @@ use super::outputs::{self, Output};
 use super::{CliError, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;
+use crate::math::Ray;
 use crate::scene::npy;
 use crate::simd::Isa;
 
@@ -24,7 +25,8 @@ use crate::simd::Isa;
 /// one byte a ray. The time is from rows to hits in memory, after one pass that is not timed.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  dapple trace bunny.obj --rays rays.npy --hits hits.npy\n  \
-    dapple trace tris.npy --rays rays.npy --any --accel bvh2 --threads 1 --repeat 5 --json")]
+    dapple trace tris.npy --rays rays.npy --any --accel bvh2 --threads 1 --repeat 5 --json\n  \
+    dapple trace tris.npy --rays primary.npy --width 1024 --accel bvh-packet --counters")]
 pub struct TraceArgs {
     /// A scene file, or an .npy of (N, 9) float32 triangles whose order is their number
     scene: PathBuf,
@@ -53,6 +55,10 @@ pub struct TraceArgs {
     /// Ask ray by ray, in slices of one
     #[arg(long)]
     single: bool,
+    /// The rays are pixels of a raster so many wide, row by row: structures for coherent rays gain
+    #[arg(long, value_name = "N", conflicts_with = "single")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    width: Option<u32>,
     /// Count the work of a further pass
     #[arg(long)]
     counters: bool,
@@ -63,6 +69,51 @@ pub struct TraceArgs {
 
 /// Rays that a thread takes at once; `validate` replays slices of up to as many.
 pub const SLICE: usize = 4096;
+
+/// How rays are handed over.
+#[derive(Clone, Copy)]
+enum Slices {
+    /// One by one.
+    Single,
+    /// In runs of [`SLICE`].
+    Runs,
+    /// In bands of whole rows of a raster of that width, high enough for square packets.
+    Bands(usize),
+}
+
+impl Slices {
+    /// Rows of the tallest packets.
+    const BAND: usize = 16;
+
+    fn new(args: &TraceArgs) -> Self {
+        match args.width {
+            Some(width) => Self::Bands(width as usize),
+            None if args.single => Self::Single,
+            None => Self::Runs,
+        }
+    }
+
+    /// Rays that are read at once, and rays of a slice of these.
+    fn lengths(self) -> (usize, usize) {
+        match self {
+            Self::Single => (SLICE, 1),
+            Self::Runs => (SLICE, SLICE),
+            Self::Bands(width) => {
+                let band = width * (SLICE / width).next_multiple_of(Self::BAND).max(Self::BAND);
+                (band, band)
+            }
+        }
+    }
+
+    fn batch(self, rays: &[Ray]) -> Batch<'_> {
+        match self {
+            Self::Bands(width) => {
+                Batch::new(rays).with_grid(width as u32, (rays.len() / width) as u32)
+            }
+            _ => Batch::new(rays),
+        }
+    }
+}
 
 /// The answers to all rays.
 enum Answers {
@@ -81,7 +132,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
     let source = input::triangles(&args.scene)?;
     let rows = npy::read_f32(&args.rays, 8)?;
     let rays = rows.len() / 8;
-    let triangles = source.len();
+    let (triangles, slices) = (source.len(), Slices::new(args));
     input::on_threads(args.threads, || {
         let accel = build(&args.accel, source, args.isa)?;
         let mut answers = if args.any {
@@ -89,16 +140,16 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
         } else {
             Answers::Closest(vec![ClosestHit::MISS; rays])
         };
-        shoot(&*accel, &rows, &mut answers, args.single, false);
+        shoot(&*accel, &rows, &mut answers, slices, false);
         let mut seconds: Vec<f64> = (0..args.repeat)
             .map(|_| {
                 let start = Instant::now();
-                shoot(&*accel, &rows, &mut answers, args.single, false);
+                shoot(&*accel, &rows, &mut answers, slices, false);
                 start.elapsed().as_secs_f64()
             })
             .collect();
         seconds.sort_by(f64::total_cmp);
-        let counts = args.counters.then(|| shoot(&*accel, &rows, &mut answers, args.single, true));
+        let counts = args.counters.then(|| shoot(&*accel, &rows, &mut answers, slices, true));
         if let Some(path) = &args.hits {
             match &answers {
                 Answers::Closest(hits) => npy::write_f32(path, 4, bytemuck::cast_slice(hits))?,
@@ -136,17 +187,17 @@ fn shoot(
     accel: &dyn Accel,
     rows: &[f32],
     answers: &mut Answers,
-    single: bool,
+    slices: Slices,
     counting: bool,
 ) -> Counts {
     match answers {
         Answers::Closest(hits) => {
-            shoot_all(accel, rows, hits, single, counting, |tracer, batch, hits| {
+            shoot_all(accel, rows, hits, slices, counting, |tracer, batch, hits| {
                 tracer.closest_hits(batch, hits);
             })
         }
         Answers::Any(hits) => {
-            shoot_all(accel, rows, hits, single, counting, |tracer, batch, hits| {
+            shoot_all(accel, rows, hits, slices, counting, |tracer, batch, hits| {
                 tracer.any_hits(batch, hits);
             })
         }
@@ -157,23 +208,22 @@ fn shoot_all<A: Send>(
     accel: &dyn Accel,
     rows: &[f32],
     answers: &mut [A],
-    single: bool,
+    slices: Slices,
     counting: bool,
     ask: impl Fn(&mut dyn Tracer, &Batch<'_>, &mut [A]) + Sync,
 ) -> Counts {
     let tracer = || if counting { accel.counting_tracer() } else { accel.tracer() };
+    let (read, slice) = slices.lengths();
     // A task of many slices, so that a tracer is not made anew for each.
-    let task =
-        (answers.len() / rayon::current_num_threads() / 4).max(SLICE).next_multiple_of(SLICE);
+    let task = (answers.len() / rayon::current_num_threads() / 4).max(1).next_multiple_of(read);
     let tasks = rows.par_chunks(task * 8).zip(answers.par_chunks_mut(task));
     let counts: Vec<Counts> = tasks
         .map(|(rows, answers)| {
             let mut tracer = tracer();
-            for (rows, answers) in rows.chunks(SLICE * 8).zip(answers.chunks_mut(SLICE)) {
+            for (rows, answers) in rows.chunks(read * 8).zip(answers.chunks_mut(read)) {
                 let rays = from_rows(rows);
-                let slice = if single { 1 } else { SLICE };
                 for (rays, answers) in rays.chunks(slice).zip(answers.chunks_mut(slice)) {
-                    ask(&mut *tracer, &Batch::new(rays), answers);
+                    ask(&mut *tracer, &slices.batch(rays), answers);
                 }
             }
             tracer.counts()
