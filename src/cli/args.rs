@@ -24,7 +24,7 @@ use crate::simd::Isa;
 #[command(after_help = "\
 Examples:
   dapple render scenes/cornell.gltf -o cornell.exr --png cornell.png
-  dapple render bunny.obj -o bunny.exr --env studio.hdr --look-from 0,1,3 --look-at 0,0,0
+  dapple render bunny.obj -o bunny.exr --env studio.hdr --look-from 0.1,0.2,0.4 --look-at 0,0.1,0
   dapple render kitchen.glb -o kitchen.exr --spp 512 --resolution 1920x1080 --accel bvh2
 
 Exit: 0 done, 2 usage, 3 input, 4 output not written, 5 a limit, 130 or 143 interrupted after
@@ -60,7 +60,7 @@ pub struct RenderArgs {
     pub resolution: Option<(u32, u32)>,
     /// Samples a pixel
     #[arg(long, value_name = "N", default_value_t = 64, help_heading = "Image")]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 32), allow_negative_numbers = true)]
     pub spp: u64,
     /// Another number, another noise
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Image")]
@@ -92,6 +92,7 @@ pub struct RenderArgs {
     pub bsdf: BsdfForm,
     /// Light from all around: an image of latitude and longitude (.hdr, .exr, …), or a colour
     #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light", value_parser = parsed::<EnvironmentSource>)]
+    #[arg(allow_hyphen_values = true)]
     pub env: Option<EnvironmentSource>,
     /// Multiplies it
     #[arg(long, value_name = "X", default_value_t = 1.0, help_heading = "Light")]
@@ -128,7 +129,7 @@ pub struct RenderArgs {
     pub aperture: Option<f32>,
     /// Distance of what is sharp [default: that of --look-at, or the middle of the scene]
     #[arg(long, value_name = "METRES", help_heading = "Camera", value_parser = positive)]
-    #[arg(requires = "aperture", hide_short_help = true)]
+    #[arg(requires = "aperture", hide_short_help = true, allow_negative_numbers = true)]
     pub focus: Option<f32>,
 
     /// Which of a glTF file's scenes, by name or number from 0

@@ -225,13 +225,16 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
         .flatten()
         .map(|path| path.display().to_string())
         .collect();
+    let samples = match rendered.samples {
+        (fewest, most) if fewest == most => fewest.to_string(),
+        (fewest, most) => format!("{fewest} to {most}"),
+    };
     let memory = memory::peak()
         .map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
     format!(
-        "{}: {width}x{height}, {} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
+        "{}: {width}x{height}, {samples} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
          {:.2} µs a path; load {:.2} s, build {:.2} s{memory}",
         outputs.join(", "),
-        rendered.samples.0,
         rays / 1e6,
         seconds,
         rays / seconds.max(1e-9) / 1e6,

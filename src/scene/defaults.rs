@@ -8,8 +8,16 @@ use crate::math::{Aabb, Vec3};
 /// Vertical field of view of the automatic camera, degrees.
 pub const AUTOMATIC_YFOV: f32 = 40.0;
 
-/// Radiance of the automatic sky: white paper under it comes out light, and is not cut off.
-pub const AUTOMATIC_SKY: Vec3 = Vec3::splat(0.8);
+/// Radiance of the automatic sky at the horizon.
+const SKY_MEAN: f32 = 0.55;
+/// How it grows with the direction: brightest above, a little to the left and in front, so that
+/// shapes show. White paper under it comes out between 0.3 and 0.8.
+const SKY_SLOPE: Vec3 = Vec3::new(-0.12, 0.35, 0.1);
+
+/// The radiance of the automatic sky from a unit direction.
+pub fn automatic_sky_radiance(direction: Vec3) -> f32 {
+    SKY_MEAN + SKY_SLOPE.dot(direction)
+}
 
 /// The box of all triangles in the world; empty if there are none.
 pub fn bounds(scene: &Scene) -> Aabb {
@@ -47,7 +55,8 @@ pub fn nothing_to_see(scene: &Scene, file: &str) -> Option<Notice> {
     Some(Notice { place: file.to_owned(), message })
 }
 
-/// A neutral sky for a scene without any light, and how to say so; none if something shines.
+/// A neutral sky for a scene without any light, brightest above, and how to say so; none if
+/// something shines.
 pub fn automatic_sky(scene: &Scene, file: &str) -> Option<(Environment, Notice)> {
     let emits = scene.instances.iter().any(|instance| {
         scene.materials[instance.material.index()].is_emissive()
@@ -56,9 +65,22 @@ pub fn automatic_sky(scene: &Scene, file: &str) -> Option<(Environment, Notice)>
     if emits || !scene.lights.is_empty() || scene.environment.is_some() {
         return None;
     }
-    let sky = AUTOMATIC_SKY;
-    let message = format!("no light: under a neutral sky of radiance {} (--env)", sky.x);
-    Some((Environment::constant(sky), Notice { place: file.to_owned(), message }))
+    let message = "no light: under a neutral sky, brightest above (--env)".to_owned();
+    Some((sky_image(), Notice { place: file.to_owned(), message }))
+}
+
+fn sky_image() -> Environment {
+    const HEIGHT: usize = 64;
+    const WIDTH: usize = 2 * HEIGHT;
+    let pixel = |i: usize| {
+        let (x, y) = (i % WIDTH, i / WIDTH);
+        let longitude = ((x as f32 + 0.5) / WIDTH as f32 - 0.5) * std::f32::consts::TAU;
+        let latitude = (0.5 - (y as f32 + 0.5) / HEIGHT as f32) * std::f32::consts::PI;
+        let (sin, cos) = (libm::sinf(latitude), libm::cosf(latitude));
+        let across = Vec3::new(libm::sinf(longitude), 0.0, -libm::cosf(longitude));
+        [automatic_sky_radiance(across * cos + Vec3::Y * sin); 3]
+    };
+    Environment::image(WIDTH, HEIGHT, (0..WIDTH * HEIGHT).map(pixel).collect(), 1.0, 0.0)
 }
 
 #[cfg(test)]
@@ -126,8 +148,12 @@ mod tests {
     fn the_automatic_sky_shines_where_nothing_else_does() {
         let mut scene = scene(1.0, Vec3::ZERO);
         let (sky, notice) = automatic_sky(&scene, "a.obj").expect("nothing shines");
-        assert_eq!(sky.radiance(Vec3::Y), AUTOMATIC_SKY);
-        assert_eq!(notice.message, "no light: under a neutral sky of radiance 0.8 (--env)");
+        for direction in [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::new(-0.48, 0.6, 0.64)] {
+            let radiance = sky.radiance(direction);
+            assert!((radiance.x - automatic_sky_radiance(direction)).abs() < 0.01, "{radiance}");
+            assert!(radiance.x == radiance.y && radiance.y == radiance.z, "it is grey");
+        }
+        assert_eq!(notice.message, "no light: under a neutral sky, brightest above (--env)");
         scene.materials[0].emissive = Vec3::X;
         assert!(automatic_sky(&scene, "a.obj").is_none());
         scene.materials[0].emissive = Vec3::ZERO;

@@ -20,12 +20,13 @@ pub fn key_limit(t_max: f32) -> u32 {
     (t_max.to_bits() | LANE).saturating_add(BIAS)
 }
 
-/// Sorts keys in descending order and stores them and the links of their lanes.
+/// Sorts keys in descending order and stores them and the links of their lanes; unless `SORTED`,
+/// any order will do.
 ///
 /// `hits` has a bit for each lane whose key is not zero. What is stored beyond their number has no
 /// meaning.
 #[inline(always)]
-pub fn store_sorted<S: Simd, const W: usize>(
+pub fn store_keys<const SORTED: bool, S: Simd, const W: usize>(
     simd: S,
     keys: [u32; W],
     hits: u32,
@@ -35,7 +36,7 @@ pub fn store_sorted<S: Simd, const W: usize>(
 ) {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = simd.level().as_avx2() {
-        return x86::store_sorted(avx2, keys, hits, links, to_keys, to_links);
+        return x86::store_keys::<SORTED, W>(avx2, keys, hits, links, to_keys, to_links);
     }
     let _ = simd;
     let mut lanes = hits;
@@ -88,7 +89,7 @@ mod x86 {
     };
 
     #[inline(always)]
-    pub fn store_sorted<const W: usize>(
+    pub fn store_keys<const SORTED: bool, const W: usize>(
         avx2: Avx2,
         keys: [u32; W],
         hits: u32,
@@ -108,7 +109,8 @@ mod x86 {
                 links.store_slice(to_links);
             }
             8 => {
-                let sorted = sort8(avx2, u32x8::from_slice(avx2, keys).into(), hits);
+                let keys = hits_first(avx2, u32x8::from_slice(avx2, keys).into(), hits);
+                let sorted = if SORTED { sort8(avx2, keys, hits) } else { keys };
                 let links = pick8(avx2, u32x8::from_slice(avx2, links).into(), sorted);
                 let (sorted, links): (u32x8<_>, u32x8<_>) =
                     (sorted.simd_into(avx2), links.simd_into(avx2));
@@ -151,7 +153,17 @@ mod x86 {
     );
 
     fearless_simd::kernel!(
-        /// Moves the hits to the front and sorts these; most often four lanes are enough.
+        /// Moves the hits to the front.
+        #[inline(always)]
+        fn hits_first(avx2: Avx2, keys: __m256i, hits: u32) -> __m256i {
+            let order = HITS_FIRST[hits as usize & 255] as i64;
+            let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order));
+            _mm256_permutevar8x32_epi32(keys, order)
+        }
+    );
+
+    fearless_simd::kernel!(
+        /// Sorts keys whose hits are in front; most often four lanes are enough.
         #[inline(always)]
         fn sort8(avx2: Avx2, keys: __m256i, hits: u32) -> __m256i {
             macro_rules! layer {
@@ -162,9 +174,6 @@ mod x86 {
                     _mm256_blend_epi32::<$lower>(high, low)
                 }};
             }
-            let order = HITS_FIRST[hits as usize & 255] as i64;
-            let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order));
-            let keys = _mm256_permutevar8x32_epi32(keys, order);
             if hits.count_ones() <= 4 {
                 let front = sort4(avx2, _mm256_castsi256_si128(keys));
                 return _mm256_zextsi128_si256(front);
@@ -231,7 +240,7 @@ mod tests {
         let links: [u32; W] = std::array::from_fn(|lane| 1000 + lane as u32);
         let (mut to_keys, mut to_links) = ([7; W], [7; W]);
         let level = isa.level().expect("available");
-        vectorized!(level, simd => store_sorted(
+        vectorized!(level, simd => store_keys::<true, _, W>(
             simd, keys, hits, &links, &mut to_keys, &mut to_links
         ));
         let mut expected: Vec<u32> = keys.iter().copied().filter(|&key| key != 0).collect();
@@ -240,6 +249,14 @@ mod tests {
         for (key, link) in expected.iter().zip(to_links) {
             assert_eq!(link, 1000 + (key & LANE), "{isa} {W}");
         }
+        vectorized!(level, simd => store_keys::<false, _, W>(
+            simd, keys, hits, &links, &mut to_keys, &mut to_links
+        ));
+        for (key, link) in to_keys.iter().zip(to_links).take(expected.len()) {
+            assert_eq!(link, 1000 + (key & LANE), "{isa} {W}");
+        }
+        to_keys[..expected.len()].sort_unstable_by(|a, b| b.cmp(a));
+        assert_eq!(to_keys[..expected.len()], expected, "{isa} {W}");
     }
 
     proptest! {

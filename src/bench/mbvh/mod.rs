@@ -37,7 +37,9 @@ const STRUCTURES: [(&str, usize, Mode); 7] = [
 const AUTO: &str = "auto";
 
 /// Those of figure 4, which all store their triangles: its columns and curves.
-const INCOHERENT: [&str; 3] = ["bvh2", "mbvh4", "mbvh8"];
+const INCOHERENT: [&str; 4] = ["bvh2", "mbvh4", "mbvh8", PACKETS];
+/// Traces packets of rays together.
+const PACKETS: &str = "bvh-packet";
 
 /// Rays that are asked about at once.
 const SLICE: usize = 4096;
@@ -243,8 +245,10 @@ pub fn measure(
         shadow,
     });
     let structures = structures.collect();
+    let packets = built(PACKETS, "triangles=inline")?;
     tell(&format!("{name}: packets"));
-    let incoherence = incoherence(&target, &accels, settings)?;
+    let incoherence = incoherence(&target, &accels, &*packets, settings)?;
+    drop(packets);
 
     let mut rows = Vec::new();
     if caches {
@@ -292,11 +296,15 @@ fn rates(
 fn incoherence(
     target: &Target<'_>,
     accels: &[Box<dyn Accel>],
+    packet: &dyn Accel,
     settings: &Settings,
 ) -> Result<Vec<Incoherence>, BenchError> {
     let size = (PACKET.0 * PACKET.1) as usize;
     let packets = (settings.rays / PART).div_ceil(size).max(1);
     let inline = |wanted: &str| {
+        if wanted == PACKETS {
+            return packet;
+        }
         let found = STRUCTURES.iter().zip(accels);
         let found = found.filter(|((id, _, mode), _)| *id == wanted && *mode == Mode::Inline);
         found.map(|(_, accel)| &**accel).next().expect("is among the structures")

@@ -142,7 +142,11 @@ where
         }
         let (planes, links) = rows.node(link);
         let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
-        stack.push(simd, keys, hits, links, top);
+        if Q::ANY {
+            stack.push::<false, S>(simd, keys, hits, links, top);
+        } else {
+            stack.push::<true, S>(simd, keys, hits, links, top);
+        }
         ControlFlow::Continue(())
     }
 }

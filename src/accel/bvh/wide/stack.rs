@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::sah;
-use crate::simd::order::store_sorted;
+use crate::simd::order::store_keys;
 
 /// Rows of a stack. A level puts `W` aside and takes one of them, and the last store is a whole
 /// vector: with one row for the bottom, that is enough for any tree that builders make.
@@ -28,9 +28,9 @@ impl<const W: usize> Stack<W> {
         Self { keys: [[0; W]; ROWS + 1], links: [[0; W]; ROWS + 1] }
     }
 
-    /// Puts a node's children on top that the ray enters, the nearest uppermost.
+    /// Puts a node's children on top that the ray enters, the nearest uppermost if `SORTED`.
     #[inline(always)]
-    pub fn push<S: Simd>(
+    pub fn push<const SORTED: bool, S: Simd>(
         &mut self,
         simd: S,
         keys: [u32; W],
@@ -43,7 +43,7 @@ impl<const W: usize> Stack<W> {
         let to_links = &mut self.links.as_flattened_mut()[place..place + W];
         let to_keys = to_keys.try_into().expect("W keys");
         let to_links = to_links.try_into().expect("W links");
-        store_sorted(simd, keys, hits, links, to_keys, to_links);
+        store_keys::<SORTED, S, W>(simd, keys, hits, links, to_keys, to_links);
         *top += hits.count_ones() as usize;
     }
 
@@ -75,7 +75,7 @@ impl<const W: usize> Stack<W> {
             *top += 1;
             return Some(Link(links[near]));
         }
-        self.push(simd, *keys, hits, links, top);
+        self.push::<true, S>(simd, *keys, hits, links, top);
         Some(self.pop(top).1)
     }
 
