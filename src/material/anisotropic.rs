@@ -13,8 +13,8 @@ use crate::sampling::warp;
 ///
 /// Along the tangent alpha is `mix(alpha, 1, strength²)`, across it alpha, as the specification
 /// has it. In [`BsdfForm::Conserving`] all is made up for as in [`MetallicRoughness`], by the
-/// greatest albedo of any azimuth: what is white never reflects more than it gets, and at extreme
-/// strengths some of it less.
+/// greatest albedo of any azimuth: what is white reflects no more than it gets, to 2%, and at
+/// extreme strengths less.
 #[derive(Clone, Copy, Debug)]
 pub struct Anisotropic {
     surface: MetallicRoughness,

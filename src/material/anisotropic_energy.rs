@@ -2,7 +2,7 @@
 //!
 //! The table is indexed by the roots of both alphas and of the cosine.
 //! Each entry is the greatest albedo of any azimuth, factor by factor, so that what is made up for
-//! is never too much.
+//! is too much nowhere but for the table's own error: 2% between two alphas of a mirror.
 
 use std::sync::LazyLock;
 

@@ -23,8 +23,8 @@ pub struct Sheen {
     color: Vec3,
     alpha: f32,
     shadowing: Shadowing,
-    /// The roughness' place among the table's rows.
-    row: f32,
+    /// The roughness in steps of the table.
+    step: f32,
     form: BsdfForm,
 }
 
@@ -36,13 +36,13 @@ impl Sheen {
     pub fn new(color: Vec3, roughness: f32, form: BsdfForm) -> Self {
         let roughness = roughness.max(LEAST_ROUGHNESS);
         let alpha = roughness * roughness;
-        let row = (roughness - LEAST_ROUGHNESS) / (1.0 - LEAST_ROUGHNESS) * (ROWS - 1) as f32;
-        Self { color, alpha, shadowing: Shadowing::new(alpha), row, form }
+        let step = (roughness - LEAST_ROUGHNESS) / (1.0 - LEAST_ROUGHNESS) * STEPS as f32;
+        Self { color, alpha, shadowing: Shadowing::new(alpha), step, form }
     }
 
     /// The share of light from a direction that white fibres would scatter.
     fn white(&self, w: Vec3) -> f32 {
-        albedo(self.row, w.z.abs())
+        albedo(self.step, w.z.abs())
     }
 
     /// The share of light from a direction that it scatters, all colours together.
@@ -111,22 +111,34 @@ impl Shadowing {
     }
 }
 
+/// Roughness is taken in so many steps, of which the first few, where much happens, are parted.
+const STEPS: usize = 15;
+const PARTED: usize = 2;
+const PARTS: usize = 4;
 /// Entries along roughness, then along the root of the cosine.
-const ROWS: usize = 16;
+const ROWS: usize = STEPS + 1 + PARTED * (PARTS - 1);
 const COLUMNS: usize = 32;
 
 /// Directional albedos of white sheen.
 static ALBEDOS: LazyLock<Box<[[f32; COLUMNS]; ROWS]>> = LazyLock::new(|| {
     Box::new(std::array::from_fn(|row| {
-        let step = row as f32 / (ROWS - 1) as f32;
-        let roughness = LEAST_ROUGHNESS + (1.0 - LEAST_ROUGHNESS) * step;
+        let step = match row.checked_sub(PARTED * PARTS) {
+            Some(beyond) => (PARTED + beyond) as f32,
+            None => row as f32 / PARTS as f32,
+        };
+        let roughness = LEAST_ROUGHNESS + (1.0 - LEAST_ROUGHNESS) * (step / STEPS as f32);
         integrate_row(roughness * roughness)
     }))
 });
 
-fn albedo(row: f32, cos: f32) -> f32 {
+fn albedo(step: f32, cos: f32) -> f32 {
     let table = &**ALBEDOS;
-    let (i, row_t) = cell::<ROWS>(row);
+    let (i, row_t) = if step < PARTED as f32 {
+        cell::<{ PARTED * PARTS + 1 }>(step * PARTS as f32)
+    } else {
+        let (i, t) = cell::<{ STEPS + 1 }>(step);
+        (i + PARTED * (PARTS - 1), t)
+    };
     let (j, t) = cell::<COLUMNS>(cos.sqrt() * (COLUMNS - 1) as f32);
     let at = |row: &[f32; COLUMNS]| row[j] + (row[j + 1] - row[j]) * t;
     let (below, above) = (at(&table[i]), at(&table[i + 1]));
