@@ -122,7 +122,7 @@ fn an_unlit_surface_shows_its_colour_and_reflects_nothing() {
     let at = Attributes { uv: [Vec2::ZERO; 2], color: Vec4::new(1.0, 0.5, 1.0, 1.0) };
     let material = world.scene.instances[0].material;
     assert_eq!(world.emission(material, &at), Vec3::new(0.5, 0.125, 1.0));
-    assert_eq!(world.bsdf(material, &at).albedo(), Vec3::ZERO);
+    assert_eq!(world.bare_bsdf(material, &at).albedo(), Vec3::ZERO);
     assert!(world.lights.is_dark());
 }
 
@@ -143,7 +143,7 @@ fn colours_of_vertices_multiply_the_base_colour_and_alpha() {
     let world = World::new(scene.into(), BsdfForm::Conserving).expect("is small");
     assert!(world.is_see_through(), "a vertex is clear");
     let at = Attributes { color: Vec4::new(1.0, 0.0, 0.2, 1.0), ..Attributes::NONE };
-    let albedo = world.bsdf(world.scene.instances[0].material, &at).albedo();
+    let albedo = world.bare_bsdf(world.scene.instances[0].material, &at).albedo();
     assert!(albedo.distance(Vec3::new(0.5, 0.0, 0.1)) < 1e-6, "{albedo}");
 }
 

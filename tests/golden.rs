@@ -12,7 +12,17 @@ fn every_golden_picture_comes_out_again() {
     let table = String::from_utf8_lossy(&output.stdout);
     let messages = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{table}\n{messages}");
-    for name in ["cornell", "furnace", "metals", "glass", "textured", "sky", "instanced", "alpha"] {
+    for name in [
+        "cornell",
+        "furnace",
+        "metals",
+        "glass",
+        "finishes",
+        "textured",
+        "sky",
+        "instanced",
+        "alpha",
+    ] {
         assert!(table.contains(name), "{name} is not in\n{table}");
     }
 }

@@ -159,7 +159,7 @@ impl<'w> PathTracer<'w> {
         if depth > 1 && depth >= self.transport.max_depth {
             return Step::END;
         }
-        let bsdf = world.bsdf(surface.material, &surface.attributes);
+        let bsdf = world.bsdf(&surface, hit);
         let wo = surface.frame.to_local(-ray.direction());
         if depth == 1 {
             let side = if surface.front { 1.0 } else { -1.0 };

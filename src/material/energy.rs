@@ -45,8 +45,9 @@ impl Albedo {
         (1.0 - self.f0 - self.f90).max(0.0)
     }
 
+    /// Linear interpolation.
     #[inline]
-    fn mix(self, other: Self, t: f32) -> Self {
+    pub fn mix(self, other: Self, t: f32) -> Self {
         Self { f0: self.f0 + (other.f0 - self.f0) * t, f90: self.f90 + (other.f90 - self.f90) * t }
     }
 }
@@ -100,7 +101,7 @@ impl Albedos {
 
 /// The interval of an axis of `M` entries that holds `x`, and the place in it.
 #[inline]
-fn cell<const M: usize>(x: f32) -> (usize, f32) {
+pub fn cell<const M: usize>(x: f32) -> (usize, f32) {
     // Through i32, the one conversion that is one instruction.
     let index = (x as i32).clamp(0, M as i32 - 2);
     (index as usize, (x - index as f32).min(1.0))

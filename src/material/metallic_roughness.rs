@@ -61,10 +61,23 @@ impl MetallicRoughness {
     }
 
     pub(super) fn with_metallic(params: &SurfaceParams, metallic: f32, form: BsdfForm) -> Self {
-        let (roughness, specular) = (unit(params.roughness), unit(params.specular));
-        let (base, dielectric) = (params.base_color, 1.0 - metallic);
+        let roughness = unit(params.roughness);
         let alpha = (roughness * roughness).max(LEAST_ALPHA);
         let row = Row::of(alpha);
+        Self::with_average(params, metallic, form, alpha, || Albedos::get().average(row))
+    }
+
+    /// The same with a lobe of a given average albedo.
+    #[inline]
+    pub(super) fn with_average(
+        params: &SurfaceParams,
+        metallic: f32,
+        form: BsdfForm,
+        alpha: f32,
+        average: impl FnOnce() -> Albedo,
+    ) -> Self {
+        let specular = unit(params.specular);
+        let (base, dielectric) = (params.base_color, 1.0 - metallic);
 
         let root = (params.ior - 1.0) / (params.ior + 1.0);
         let coat = (params.specular_color * (root * root)).min(Vec3::ONE) * specular;
@@ -72,7 +85,7 @@ impl MetallicRoughness {
 
         let (mut coat_scale, mut multiple, mut multiple_scale) = (1.0, Vec3::ZERO, 0.0);
         if form == BsdfForm::Conserving {
-            let average = Albedos::get().average(row);
+            let average = average();
             let below = 1.0 - average.of(coat_f0, coat_f90);
             coat_scale = if below > 1e-4 { 1.0 / below } else { 0.0 };
             let loss = average.loss();
@@ -91,7 +104,7 @@ impl MetallicRoughness {
             coat_f0,
             coat_f90,
             alpha,
-            row,
+            row: Row::of(alpha),
             coat_scale,
             multiple,
             multiple_scale,
@@ -138,42 +151,64 @@ impl MetallicRoughness {
     #[inline]
     fn view(&self, cos: f32) -> View {
         let albedo = Albedos::get().at(self.row, cos);
+        View { albedo, specular: self.choice(albedo) }
+    }
+
+    /// The probability of the specular lobe where its albedo is this.
+    #[inline(always)]
+    pub(super) fn choice(&self, albedo: Albedo) -> f32 {
         let specular = mean(self.f0) * albedo.f0 + self.f90 * albedo.f90;
         let below = mean(self.diffuse) * (1.0 - albedo.of(self.coat_f0, self.coat_f90));
         let other = below + mean(self.multiple) * albedo.loss();
-        let specular = if other <= 0.0 {
+        if other <= 0.0 {
             1.0
         } else if specular <= 0.0 {
             0.0
         } else {
             (specular / (specular + other)).max(LEAST_SPECULAR)
-        };
-        View { albedo, specular }
+        }
     }
 
     #[inline]
     fn evaluate(&self, view: &View, wo: Vec3, wi: Vec3, h: Vec3) -> (Vec3, f32) {
         let weight = fresnel::schlick_weight(wo.dot(h));
         let lobe = ggx::Lobe::new(h, wo.z, wi.z, self.alpha);
-        let fresnel = self.f0 + (self.f90 - self.f0) * weight;
-        let specular = fresnel * lobe.reflected;
-        let smooth = match self.form {
+        let specular = self.fresnel(weight) * lobe.reflected;
+        let smooth = self.smooth(weight, view.albedo, || Albedos::get().at(self.row, wi.z));
+        let value = (smooth * FRAC_1_PI + specular) * wi.z;
+        let choice = view.specular;
+        let pdf = choice * lobe.visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI;
+        (value, pdf)
+    }
+
+    /// The specular lobe's colour, of Schlick's weight at the half vector.
+    #[inline(always)]
+    pub(super) fn fresnel(&self, weight: f32) -> Vec3 {
+        self.f0 + (self.f90 - self.f0) * weight
+    }
+
+    /// What follows the cosine, times π: of Schlick's weight at the half vector, and of the lobe's
+    /// albedos from the viewer and towards the light.
+    #[inline(always)]
+    pub(super) fn smooth(
+        &self,
+        weight: f32,
+        view: Albedo,
+        towards: impl FnOnce() -> Albedo,
+    ) -> Vec3 {
+        match self.form {
             BsdfForm::AppendixB => {
                 let coat = self.coat_f0 + (self.coat_f90 - self.coat_f0) * weight;
                 self.diffuse * (1.0 - coat)
             }
             BsdfForm::Conserving => {
-                let towards = Albedos::get().at(self.row, wi.z);
+                let towards = towards();
                 let through = |albedo: Albedo| 1.0 - albedo.of(self.coat_f0, self.coat_f90);
-                let below = through(view.albedo) * through(towards) * self.coat_scale;
-                let again = view.albedo.loss() * towards.loss() * self.multiple_scale;
+                let below = through(view) * through(towards) * self.coat_scale;
+                let again = view.loss() * towards.loss() * self.multiple_scale;
                 self.diffuse * below + self.multiple * again
             }
-        };
-        let value = (smooth * FRAC_1_PI + specular) * wi.z;
-        let choice = view.specular;
-        let pdf = choice * lobe.visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI;
-        (value, pdf)
+        }
     }
 
     /// See [`super::Bsdf::albedo`].

@@ -7,14 +7,22 @@
 //! Everything that transports radiance across a boundary scales it by the square of the relative
 //! index of refraction (Veach, PhD thesis 1997, 5.2), so these are BSDFs for paths from the camera.
 
+mod anisotropic;
+mod anisotropic_energy;
+mod clearcoat;
 mod dielectric;
 mod energy;
 mod fresnel;
 mod ggx;
 mod lambert;
+#[cfg(test)]
+mod layer_tests;
+mod layered;
+mod layers;
 mod metallic_roughness;
 mod mixed;
 mod rough_dielectric;
+mod sheen;
 #[cfg(test)]
 mod tests;
 
@@ -27,6 +35,8 @@ use crate::math::{Vec2, Vec3};
 
 pub use dielectric::Dielectric;
 pub use lambert::Lambert;
+pub use layered::Layered;
+pub use layers::Layers;
 pub use metallic_roughness::MetallicRoughness;
 pub use mixed::Mixed;
 
@@ -150,6 +160,8 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// Some of both: a transmission between 0 and 1.
     Mixed(Mixed),
+    /// Any of those, but stretched, under cloth or under lacquer.
+    Layered(Layered),
 }
 
 impl Bsdf {
@@ -170,6 +182,14 @@ impl Bsdf {
         }
     }
 
+    /// The BSDF of a surface with something on it.
+    pub fn layered(params: &SurfaceParams, layers: &Layers, form: BsdfForm) -> Self {
+        match Layered::new(params, layers, form) {
+            Some(layered) => Self::Layered(layered),
+            None => Self::new(params, form),
+        }
+    }
+
     /// `f(wo, wi) * |cos wi|` and the density per solid angle with which [`Bsdf::sample`] draws
     /// `wi`. Delta lobes count for nothing.
     #[inline(always)]
@@ -179,6 +199,7 @@ impl Bsdf {
             Self::MetallicRoughness(surface) => surface.eval(wo, wi),
             Self::Dielectric(glass) => glass.eval(wo, wi),
             Self::Mixed(mixed) => mixed.eval(wo, wi),
+            Self::Layered(layered) => layered.eval(wo, wi),
         }
     }
 
@@ -191,6 +212,7 @@ impl Bsdf {
             Self::MetallicRoughness(surface) => surface.sample(wo, u_lobe, u),
             Self::Dielectric(glass) => glass.sample(wo, u_lobe, u),
             Self::Mixed(mixed) => mixed.sample(wo, u_lobe, u),
+            Self::Layered(layered) => layered.sample(wo, u_lobe, u),
         }
     }
 
@@ -203,7 +225,11 @@ impl Bsdf {
     /// Whether light may pass from one side to the other.
     #[inline]
     pub fn transmits(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::Mixed(_))
+        match self {
+            Self::Lambert(_) | Self::MetallicRoughness(_) => false,
+            Self::Dielectric(_) | Self::Mixed(_) => true,
+            Self::Layered(layered) => layered.transmits(),
+        }
     }
 
     /// About the share of light that it returns, by colour; for the albedo layer.
@@ -213,6 +239,7 @@ impl Bsdf {
             Self::MetallicRoughness(surface) => surface.albedo(),
             Self::Dielectric(glass) => glass.albedo(),
             Self::Mixed(mixed) => mixed.albedo(),
+            Self::Layered(layered) => layered.albedo(),
         }
     }
 }

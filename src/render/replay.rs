@@ -75,7 +75,7 @@ fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit) {
     let place = format!("{side} of {:?} at {:?}", material.name, surface.position);
     let normals = format!("normal {:?}, shading {:?}", surface.normal, surface.frame.normal);
     line(text, &format!("{head}: {place}, {normals}"));
-    line(text, &format!("  {:?}", world.bsdf(surface.material, &surface.attributes)));
+    line(text, &format!("  {:?}", world.bsdf(&surface, hit)));
 }
 
 fn of_ray(ray: &Ray) -> String {

@@ -1,5 +1,6 @@
 //! Materials as files describe them: factors and textures.
 
+use super::MaterialLayers;
 use crate::math::{TextureId, Vec2, Vec3, Vec4};
 
 /// A texture as a material uses it.
@@ -101,6 +102,8 @@ pub struct Material {
     /// Whether it shows its base colour alone, whatever falls on it (KHR_materials_unlit). The rest
     /// is then as in [`Material::default`], but for alpha.
     pub unlit: bool,
+    /// What lies on it; `None`: nothing.
+    pub layers: Option<Box<MaterialLayers>>,
     /// Present: the surface bounds a solid; absent: it is infinitely thin.
     pub volume: Option<Volume>,
 }
@@ -131,6 +134,7 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             unlit: false,
+            layers: None,
             volume: None,
         }
     }
@@ -166,6 +170,13 @@ impl Material {
         ]
         .into_iter()
         .flatten()
+        .chain(self.layers.iter_mut().flat_map(|layers| layers.textures_mut()))
+    }
+
+    /// The texture whose coordinates tell the tangents of a mesh that brings none.
+    pub fn tangent_texture(&self) -> Option<TextureRef> {
+        let of_layers = || self.layers.as_ref()?.tangent_texture();
+        self.normal_texture.or_else(of_layers)
     }
 
     /// Whether any point of it may emit.

@@ -23,20 +23,9 @@ impl World {
     /// The unit shading normal, on the side of the geometric one.
     #[inline]
     pub(super) fn shading_normal(&self, at: &Shaped<'_>) -> Vec3 {
-        let mut smooth = at.normal;
-        if !at.mesh.normals.is_empty() {
-            let interpolated = at.transform.normal(at.point.vec3(&at.mesh.normals));
-            smooth = on_side_of(interpolated.normalize_or(at.normal), at.normal);
-        }
+        let smooth = smooth_normal(at);
         if let Some(texture) = &at.material.normal_texture {
-            match tangent(at, texture, smooth) {
-                Some((tangent, sign)) => {
-                    let mapped =
-                        self.mapped_normal(at.material, texture, at.uv, smooth, tangent, sign);
-                    on_side_of(mapped, at.normal)
-                }
-                None => smooth,
-            }
+            self.mapped_normal(at, texture, at.material.normal_scale, smooth)
         } else if let Some(texture) = &at.material.bump_texture {
             match uv_slopes(at, texture) {
                 Some((along_u, along_v)) => {
@@ -51,20 +40,21 @@ impl World {
         }
     }
 
-    /// The normal that a tangent-space normal texture makes of `normal`.
-    fn mapped_normal(
+    /// The normal that a tangent-space normal texture makes of `smooth`.
+    #[inline]
+    pub(super) fn mapped_normal(
         &self,
-        material: &Material,
+        at: &Shaped<'_>,
         texture: &TextureRef,
-        uv: &[Vec2; 2],
-        normal: Vec3,
-        tangent: Vec3,
-        sign: f32,
+        scale: f32,
+        smooth: Vec3,
     ) -> Vec3 {
-        let mut mapped = look_up(&self.scene, texture, uv).truncate() * 2.0 - 1.0;
-        mapped.x *= material.normal_scale;
-        mapped.y *= material.normal_scale * sign;
-        Frame::from_normal_tangent(normal, tangent).to_world(mapped).normalize_or(normal)
+        let Some((tangent, sign)) = tangent(at, texture, smooth) else { return smooth };
+        let mut mapped = look_up(&self.scene, texture, at.uv).truncate() * 2.0 - 1.0;
+        mapped.x *= scale;
+        mapped.y *= scale * sign;
+        let mapped = Frame::from_normal_tangent(smooth, tangent).to_world(mapped);
+        on_side_of(mapped.normalize_or(smooth), at.normal)
     }
 
     /// The normal that a height map makes of `normal`: that of the surface displaced along it,
@@ -90,6 +80,16 @@ impl World {
     }
 }
 
+/// The interpolated normal, on the side of the geometric one.
+#[inline]
+pub(super) fn smooth_normal(at: &Shaped<'_>) -> Vec3 {
+    if at.mesh.normals.is_empty() {
+        return at.normal;
+    }
+    let interpolated = at.transform.normal(at.point.vec3(&at.mesh.normals));
+    on_side_of(interpolated.normalize_or(at.normal), at.normal)
+}
+
 /// `normal`, or its mirror image by the surface, so that it is on the side of `geometric`.
 #[inline]
 fn on_side_of(normal: Vec3, geometric: Vec3) -> Vec3 {
@@ -99,7 +99,7 @@ fn on_side_of(normal: Vec3, geometric: Vec3) -> Vec3 {
 /// The tangent at a point and the sign of its bitangent; `None` where no texture coordinates lead.
 /// Without tangents of its own a mesh gets them by triangle. Green points up in a texture whose v
 /// counts down: against the derivative by v.
-fn tangent(at: &Shaped<'_>, texture: &TextureRef, smooth: Vec3) -> Option<(Vec3, f32)> {
+pub(super) fn tangent(at: &Shaped<'_>, texture: &TextureRef, smooth: Vec3) -> Option<(Vec3, f32)> {
     if at.mesh.tangents.is_empty() {
         let (along_u, along_v) = uv_slopes(at, texture)?;
         let sign = if smooth.dot(along_u.cross(along_v)) > 0.0 { -1.0 } else { 1.0 };

@@ -3,7 +3,11 @@
 use std::sync::Arc;
 
 use super::defaults::bounds;
-use super::{AlphaMode, Attributes, Lights, Material, Scene, TextureRef, Triangles, Volume};
+use super::{
+    AlphaMode, Attributes, Lights, Material, Scene, Surface, TextureRef, Triangles, Volume,
+    layered_point,
+};
+use crate::accel::ClosestHit;
 use crate::geom::Mesh;
 use crate::material::{Bsdf, BsdfForm, SurfaceParams};
 use crate::math::{MaterialId, Vec2, Vec3, Vec4};
@@ -22,7 +26,7 @@ pub struct World {
     /// Bounds how far off a verdict in f64 may put a plane of the scene, metres: some 2000 units
     /// in the last place of the scene's size.
     pub(super) slack: f32,
-    form: BsdfForm,
+    pub(super) form: BsdfForm,
     see_through: bool,
 }
 
@@ -31,6 +35,8 @@ pub struct World {
 pub(super) struct Resolved {
     /// The scattering, if no texture changes it from point to point.
     bsdf: Option<Bsdf>,
+    /// Whether something lies on it.
+    layered: bool,
     /// Whether any texture is looked up at all.
     pub textured: bool,
     /// See [`Material::is_opaque`]; the colours of vertices have a say in it too.
@@ -72,13 +78,27 @@ impl World {
         &self.scene.materials[id.index()]
     }
 
-    /// What a material scatters at a point.
+    /// What a surface scatters where `hit` has met it.
     #[inline]
-    pub fn bsdf(&self, id: MaterialId, at: &Attributes) -> Bsdf {
-        match self.materials[id.index()].bsdf {
-            Some(bsdf) if at.color == Vec4::ONE => bsdf,
-            _ => Bsdf::new(&surface_params(&self.scene, self.material(id), at), self.form),
+    pub fn bsdf(&self, surface: &Surface, hit: &ClosestHit) -> Bsdf {
+        let resolved = &self.materials[surface.material.index()];
+        match resolved.bsdf {
+            Some(bsdf) if surface.attributes.color == Vec4::ONE => bsdf,
+            _ if resolved.layered => self.layered_bsdf(surface, hit),
+            _ => self.bare_bsdf(surface.material, &surface.attributes),
         }
+    }
+
+    /// What a material scatters at a point, but for what lies on it.
+    #[inline]
+    pub fn bare_bsdf(&self, id: MaterialId, at: &Attributes) -> Bsdf {
+        Bsdf::new(&self.surface_params(id, at), self.form)
+    }
+
+    /// The parameters of what a material scatters at a point, but for what lies on it.
+    #[inline]
+    pub(super) fn surface_params(&self, id: MaterialId, at: &Attributes) -> SurfaceParams {
+        surface_params(&self.scene, self.material(id), at)
     }
 
     /// What a material emits at a point, on the side that shines.
@@ -113,18 +133,21 @@ impl Resolved {
             material.specular_color_texture,
             material.transmission_texture,
         ];
-        let elsewhere = [
-            material.normal_texture,
-            material.bump_texture,
-            material.emissive_texture,
-            material.alpha_texture,
-        ];
-        let constant = looked_up.iter().all(Option::is_none);
-        let plain =
-            || Bsdf::new(&surface_params(&Scene::default(), material, &Attributes::NONE), form);
+        // Where layers have directions of their own, each point has.
+        let layers = material.layers.as_deref();
+        let constant = looked_up.iter().all(Option::is_none)
+            && layers.is_none_or(|layers| layered_point::is_constant(material, layers));
+        let plain = || {
+            let params = surface_params(&Scene::default(), material, &Attributes::NONE);
+            match layers {
+                Some(layers) => Bsdf::layered(&params, &layered_point::factors(layers), form),
+                None => Bsdf::new(&params, form),
+            }
+        };
         Self {
             bsdf: constant.then(plain),
-            textured: !constant || elsewhere.iter().any(Option::is_some),
+            layered: layers.is_some(),
+            textured: material.clone().textures_mut().next().is_some(),
             opaque: material.is_opaque(),
             absorption: material.volume.filter(|volume| {
                 volume.attenuation_distance.is_finite()

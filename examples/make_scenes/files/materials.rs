@@ -59,3 +59,24 @@ pub fn solid_glass(color: Rgb, distance: f64, roughness: f64) -> Value {
     });
     material
 }
+
+/// Any material under lacquer.
+pub fn lacquered(mut below: Value, strength: f64, roughness: f64) -> Value {
+    below["extensions"]["KHR_materials_clearcoat"] =
+        json!({ "clearcoatFactor": strength, "clearcoatRoughnessFactor": roughness });
+    below
+}
+
+/// Any material with fibres that stand off it.
+pub fn cloth(mut below: Value, color: Rgb, roughness: f64) -> Value {
+    below["extensions"]["KHR_materials_sheen"] =
+        json!({ "sheenColorFactor": color, "sheenRoughnessFactor": roughness });
+    below
+}
+
+/// Any material, its reflection stretched at an angle to the tangent.
+pub fn brushed(mut below: Value, strength: f64, angle: f64) -> Value {
+    below["extensions"]["KHR_materials_anisotropy"] =
+        json!({ "anisotropyStrength": strength, "anisotropyRotation": angle });
+    below
+}

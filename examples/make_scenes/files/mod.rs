@@ -1,5 +1,6 @@
 //! The files of `scenes/`: small scenes that each show something, and test it.
 
+mod finishes;
 mod gltf;
 mod materials;
 mod painted;
@@ -17,6 +18,7 @@ pub fn all() -> Vec<(String, Vec<u8>)> {
         rooms::furnace(),
         rooms::metals(),
         rooms::glass(),
+        finishes::finishes(),
         surfaces::textured(),
         surfaces::alpha(),
         surfaces::sky(),

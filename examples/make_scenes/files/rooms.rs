@@ -98,7 +98,7 @@ fn spheres(g: &mut Gltf, balls: &[(Value, [f32; 3], f32)]) {
 }
 
 /// A floor that bends up into a back wall, as photographers have it.
-fn backdrop() -> Shape {
+pub fn backdrop() -> Shape {
     let bend = |t: f32| {
         // Flat up to a third, a quarter circle of radius 3 up to two thirds, then upright.
         let (along, turn) = (t * 3.0, (t * 3.0 - 1.0).clamp(0.0, 1.0));

@@ -9,9 +9,11 @@ use std::process::ExitCode;
 use super::{CliError, table};
 use crate::camera::Projection;
 use crate::light::{Punctual, PunctualKind};
+use crate::math::Vec3;
 use crate::scene::defaults::bounds;
 use crate::scene::{
-    self, AlphaMode, ColorSpace, LoadOptions, Material, MissingTexture, Scene, Survey, Texels,
+    self, AlphaMode, ColorSpace, LoadOptions, Material, MaterialLayers, MissingTexture, Scene,
+    Survey, Texels,
 };
 
 /// Tell what a scene holds, what of it is not honoured, and what looks like a mistake.
@@ -115,12 +117,16 @@ fn bits(texels: &Texels) -> u32 {
 /// What sets a material apart, in words.
 fn traits(material: &Material) -> Vec<&'static str> {
     let textured = material.clone().textures_mut().next().is_some();
+    let of_layer = |is: fn(&MaterialLayers) -> bool| material.layers.as_deref().is_some_and(is);
     let all = [
         ("unlit", material.unlit),
         ("emits", material.is_emissive()),
         ("metal", !material.unlit && material.metallic == 1.0),
         ("transmits", material.transmission > 0.0),
         ("solid", material.volume.is_some()),
+        ("clearcoat", of_layer(|layers| layers.clearcoat > 0.0)),
+        ("sheen", of_layer(|layers| layers.sheen_color != Vec3::ZERO)),
+        ("anisotropic", of_layer(|layers| layers.anisotropy > 0.0)),
         ("masked", matches!(material.alpha_mode, AlphaMode::Mask(_))),
         ("blended", material.alpha_mode == AlphaMode::Blend),
         ("double-sided", material.double_sided),

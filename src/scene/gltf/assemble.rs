@@ -322,7 +322,7 @@ impl Builder<'_> {
         name: &str,
         notices: &mut Notices,
     ) -> Result<(MeshId, Aabb), Fault> {
-        let normal_map = self.palette.materials[material.index()].normal_texture;
+        let normal_map = self.palette.materials[material.index()].tangent_texture();
         let normal_map = normal_map.filter(|map| primitive.geometry.lacks_tangents(map.uv_set));
         // Without joints of its own it does not follow any.
         let skin = pose.skin.as_ref().filter(|_| !primitive.geometry.joints.is_empty());

@@ -16,10 +16,10 @@ pub fn read(
     materials.iter().map(|object| Reader { object, slots, notices }.material()).collect()
 }
 
-struct Reader<'a, 'b> {
-    object: &'a Object<'a>,
+pub(super) struct Reader<'a, 'b> {
+    pub object: &'a Object<'a>,
     slots: &'b mut Slots,
-    notices: &'b mut Notices,
+    pub notices: &'b mut Notices,
 }
 
 impl Reader<'_, '_> {
@@ -119,6 +119,7 @@ impl Reader<'_, '_> {
         if let Some(volume) = object.extension("KHR_materials_volume")? {
             material.volume = self.volume(&volume)?;
         }
+        material.layers = self.layers(material.transmission)?;
         Ok(())
     }
 
@@ -156,7 +157,7 @@ impl Reader<'_, '_> {
     }
 
     /// A factor from 0 to 1.
-    fn share(&mut self, object: &Object, key: &str, default: f32) -> Result<f32, Fault> {
+    pub(super) fn share(&mut self, object: &Object, key: &str, default: f32) -> Result<f32, Fault> {
         let value = object.number(key)?.unwrap_or(default);
         self.check_unit(object, key, &[value]);
         Ok(value.clamp(0.0, 1.0))
@@ -170,7 +171,7 @@ impl Reader<'_, '_> {
 
     /// A colour that may be brighter than the format allows: files of other programs' making use
     /// this for emission, and what they mean is plain.
-    fn color(&mut self, object: &Object, key: &str, color: [f64; 3]) -> Vec3 {
+    pub(super) fn color(&mut self, object: &Object, key: &str, color: [f64; 3]) -> Vec3 {
         let color = Vec3::from_array(color.map(|x| x as f32));
         if color.min_element() < 0.0 {
             self.notices.add(object.at(key), "is negative; 0 is used");
@@ -180,7 +181,7 @@ impl Reader<'_, '_> {
         color.max(Vec3::ZERO)
     }
 
-    fn member(
+    pub(super) fn member(
         &mut self,
         object: &Object,
         key: &str,
@@ -192,7 +193,11 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn texture(&mut self, info: &Object, color_space: ColorSpace) -> Result<TextureRef, Fault> {
+    pub(super) fn texture(
+        &mut self,
+        info: &Object,
+        color_space: ColorSpace,
+    ) -> Result<TextureRef, Fault> {
         let mut reference = TextureRef::new(self.slots.slot(info, color_space)?);
         let mut set = info.whole("texCoord")?.unwrap_or(0);
         if let Some(transform) = info.extension("KHR_texture_transform")? {

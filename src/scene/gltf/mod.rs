@@ -16,6 +16,7 @@ mod extensions;
 mod glb;
 mod instancing;
 mod json;
+mod layers;
 mod light;
 mod material;
 mod mesh;

@@ -1,0 +1,170 @@
+//! Brushed surfaces: glTF's opaque material with a stretched specular lobe
+//! (KHR_materials_anisotropy).
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use super::anisotropic_energy::Row;
+use super::metallic_roughness::LEAST_ALPHA;
+use super::{BsdfForm, BsdfSample, MetallicRoughness, SurfaceParams, fresnel, is_above, unit};
+use crate::math::{Vec2, Vec3};
+use crate::sampling::warp;
+
+/// Metal or coated base whose microfacets tilt more along one tangent than across it.
+///
+/// Along the tangent alpha is `mix(alpha, 1, strength²)`, across it alpha, as the specification
+/// has it. In [`BsdfForm::Conserving`] all is made up for as in [`MetallicRoughness`], by the
+/// greatest albedo of any azimuth: what is white reflects no more than it gets, to 2%, and at
+/// extreme strengths less.
+#[derive(Clone, Copy, Debug)]
+pub struct Anisotropic {
+    surface: MetallicRoughness,
+    lobe: Lobe,
+    row: Row,
+    /// Cosine and sine of the angle of the tangent.
+    direction: Vec2,
+}
+
+impl Anisotropic {
+    /// What `params` describe but for transmission, brushed along the unit `direction`.
+    pub fn new(params: &SurfaceParams, strength: f32, direction: Vec2, form: BsdfForm) -> Self {
+        let roughness = unit(params.roughness);
+        let across = (roughness * roughness).max(LEAST_ALPHA);
+        let along = across + (1.0 - across) * strength * strength;
+        let row = Row::of(along, across);
+        let metallic = unit(params.metallic);
+        let surface =
+            MetallicRoughness::with_average(params, metallic, form, across, || row.average());
+        Self { surface, lobe: Lobe { along, across }, row, direction }
+    }
+
+    /// From the local frame to that of the brush strokes.
+    fn turned(&self, w: Vec3) -> Vec3 {
+        let Vec2 { x: cos, y: sin } = self.direction;
+        Vec3::new(cos * w.x + sin * w.y, cos * w.y - sin * w.x, w.z)
+    }
+
+    /// From the frame of the brush strokes to the local one.
+    fn turned_back(&self, w: Vec3) -> Vec3 {
+        let Vec2 { x: cos, y: sin } = self.direction;
+        Vec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z)
+    }
+
+    /// See [`super::Bsdf::eval`].
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        // A lobe that is symmetric about both tangents looks the same from behind.
+        let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
+        if !(is_above(wo.z) && is_above(wi.z)) {
+            return (Vec3::ZERO, 0.0);
+        }
+        let (wo, wi) = (self.turned(wo), self.turned(wi));
+        let h = (wo + wi).normalize();
+        let weight = fresnel::schlick_weight(wo.dot(h));
+        let (visible, reflected) = self.lobe.eval(h, wo, wi);
+        let view = self.row.at(wo.z);
+        let smooth = self.surface.smooth(weight, view, || self.row.at(wi.z));
+        let value = (smooth * FRAC_1_PI + self.surface.fresnel(weight) * reflected) * wi.z;
+        let choice = self.surface.choice(view);
+        (value, choice * visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI)
+    }
+
+    /// See [`super::Bsdf::sample`].
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
+        let above = wo * side;
+        if !is_above(above.z) {
+            return None;
+        }
+        let wi = if u_lobe < self.surface.choice(self.row.at(above.z)) {
+            let wo = self.turned(above);
+            let h = self.lobe.sample_visible_normal(wo, u);
+            self.turned_back(h * (2.0 * wo.dot(h)) - wo)
+        } else {
+            warp::cosine_hemisphere(u)
+        };
+        if !is_above(wi.z) {
+            return None;
+        }
+        let (value, pdf) = self.eval(above, wi);
+        let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta: 1.0 };
+        (pdf > 0.0).then_some(sample)
+    }
+
+    /// See [`super::Bsdf::albedo`].
+    pub fn albedo(&self) -> Vec3 {
+        self.surface.albedo()
+    }
+}
+
+/// The GGX distribution of two alphas with separable Smith shadowing; see [`super::ggx`] for the
+/// isotropic one. Directions are above the surface, X the tangent.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobe {
+    /// Alpha along X.
+    pub along: f32,
+    /// Alpha along Y.
+    pub across: f32,
+}
+
+impl Lobe {
+    /// `D(h) G1(wo) / (2 wo.z)` and `D V`, as [`super::ggx::Lobe`] has them.
+    pub fn eval(&self, h: Vec3, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let (product, ratio) = (self.along * self.across, self.along / self.across);
+        let t = h.x * h.x / ratio + h.y * h.y * ratio + product * h.z * h.z;
+        let towards = self.inverse_masking(wi);
+        let reflected = product / (PI * t * t * self.inverse_masking(wo) * towards);
+        (reflected * towards, reflected)
+    }
+
+    /// Twice the cosine over Smith's masking.
+    fn inverse_masking(&self, w: Vec3) -> f32 {
+        let (x, y) = (w.x * self.along, w.y * self.across);
+        w.z + (x * x + y * y + w.z * w.z).sqrt()
+    }
+
+    /// Smith's masking.
+    pub fn masking(&self, w: Vec3) -> f32 {
+        2.0 * w.z / self.inverse_masking(w)
+    }
+
+    /// A normal as seen from `wo` (Dupuy and Benyoub 2023).
+    pub fn sample_visible_normal(&self, wo: Vec3, u: Vec2) -> Vec3 {
+        let stretched = Vec3::new(wo.x * self.along, wo.y * self.across, wo.z).normalize();
+        let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
+        let ring = warp::unit_circle(u.x) * (1.0 - z * z).max(0.0).sqrt();
+        let h = Vec3::new(ring.x, ring.y, z) + stretched;
+        Vec3::new(h.x * self.along, h.y * self.across, h.z.max(1e-12)).normalize()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ggx;
+    use super::*;
+
+    #[test]
+    fn of_equal_alphas_it_is_the_isotropic_one() {
+        let lobe = Lobe { along: 0.3, across: 0.3 };
+        let (wo, wi) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.36, 0.48, 0.8));
+        let h = (wo + wi).normalize();
+        let (visible, reflected) = lobe.eval(h, wo, wi);
+        let expected = ggx::Lobe::new(h, wo.z, wi.z, 0.3);
+        assert!((visible / expected.visible - 1.0).abs() < 1e-5);
+        assert!((reflected / expected.reflected - 1.0).abs() < 1e-5);
+        let u = Vec2::new(0.3, 0.7);
+        let normal = ggx::sample_visible_normal(wo, 0.3, u);
+        assert!(lobe.sample_visible_normal(wo, u).distance(normal) < 1e-6);
+    }
+
+    /// Rough along X: light from above spreads further that way.
+    #[test]
+    fn the_highlight_is_stretched_along_the_direction() {
+        let params = SurfaceParams { metallic: 1.0, roughness: 0.3, ..SurfaceParams::default() };
+        let direction = Vec2::new(0.6, 0.8);
+        let brushed = Anisotropic::new(&params, 0.7, direction, BsdfForm::Conserving);
+        let towards = |way: Vec2| {
+            let wi = (way * 0.5).extend(libm::sqrtf(0.75));
+            brushed.eval(Vec3::Z, wi).0.x
+        };
+        assert!(towards(direction) > 4.0 * towards(Vec2::new(-0.8, 0.6)));
+    }
+}

@@ -1,0 +1,297 @@
+//! Surfaces with something on them: cloth, lacquer, or both, over any of the others.
+
+use super::anisotropic::Anisotropic;
+use super::clearcoat::Clearcoat;
+use super::sheen::Sheen;
+use super::{Bsdf, BsdfForm, BsdfSample, Layers, SurfaceParams, is_above, mean, unit};
+use crate::math::{Vec2, Vec3};
+use crate::sampling::ONE_MINUS_EPSILON;
+
+/// Each lobe is drawn with at least this probability, before all are made to add up to one: what
+/// reflects little in all may reflect nearly everything at grazing half vectors.
+const LEAST_CHOICE: f32 = 0.1;
+
+/// A coat over a sheen over a base, of which any may be missing, packed: it is unpacked for each
+/// question, so that surfaces without layers stay small and pay nothing for it.
+///
+/// What a layer reflects, those below it do not get: they are scaled by what it lets through, and
+/// for the coat in [`BsdfForm::AppendixB`] by the product of that for both directions (as
+/// KHR_materials_clearcoat has it), else by the lesser of both (as KHR_materials_sheen has it),
+/// which is reciprocal and never gives more than there is. A coat over glass that is solid lies
+/// on the outside only. Emission is not dimmed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layered {
+    base_color: Vec3,
+    specular_color: Vec3,
+    ior: f32,
+    /// X and y of the coat's normal.
+    coat_slope: Vec2,
+    sheen_color: Vec3,
+    anisotropy_direction: Vec2,
+    anisotropy: Share,
+    metallic: Share,
+    roughness: Share,
+    specular: Share,
+    transmission: Share,
+    clearcoat: Share,
+    clearcoat_roughness: Share,
+    sheen_roughness: Share,
+    thin: bool,
+    form: BsdfForm,
+}
+
+/// A number from 0 to 1 in 16 bits, some 1e-5 apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Share(u16);
+
+impl Share {
+    const ONE: f32 = 65535.0;
+
+    /// `x` taken to the range, NaN to 0.
+    fn new(x: f32) -> Self {
+        Self((unit(x) * Self::ONE + 0.5) as u16)
+    }
+
+    fn get(self) -> f32 {
+        f32::from(self.0) / Self::ONE
+    }
+}
+
+impl Layered {
+    /// What both describe; `None` where `layers` add nothing.
+    pub(super) fn new(params: &SurfaceParams, layers: &Layers, form: BsdfForm) -> Option<Self> {
+        let sheen_color = Vec3::from_array(layers.sheen_color.to_array().map(unit));
+        let transmission = unit(params.transmission) * (1.0 - unit(params.metallic));
+        let made = Self {
+            base_color: params.base_color,
+            specular_color: params.specular_color,
+            ior: params.ior,
+            coat_slope: layers.clearcoat_normal.truncate(),
+            sheen_color,
+            anisotropy_direction: layers.anisotropy_direction,
+            // What bends light has one roughness.
+            anisotropy: Share::new(if transmission > 0.0 { 0.0 } else { layers.anisotropy }),
+            metallic: Share::new(params.metallic),
+            roughness: Share::new(params.roughness),
+            specular: Share::new(params.specular),
+            transmission: Share::new(params.transmission),
+            clearcoat: Share::new(layers.clearcoat),
+            clearcoat_roughness: Share::new(layers.clearcoat_roughness),
+            sheen_roughness: Share::new(layers.sheen_roughness),
+            thin: params.thin,
+            form,
+        };
+        let none = made.clearcoat == Share(0) && made.anisotropy == Share(0);
+        (!none || sheen_color != Vec3::ZERO).then_some(made)
+    }
+
+    fn unpack(&self) -> Stack {
+        let params = SurfaceParams {
+            base_color: self.base_color,
+            metallic: self.metallic.get(),
+            roughness: self.roughness.get(),
+            ior: self.ior,
+            specular: self.specular.get(),
+            specular_color: self.specular_color,
+            transmission: self.transmission.get(),
+            thin: self.thin,
+        };
+        let (form, anisotropy) = (self.form, self.anisotropy.get());
+        let base = if anisotropy > 0.0 {
+            let direction = self.anisotropy_direction;
+            Base::Brushed(Anisotropic::new(&params, anisotropy, direction, form))
+        } else {
+            Base::Plain(Bsdf::new(&params, form))
+        };
+        let coat = (self.clearcoat != Share(0)).then(|| {
+            let z = (1.0 - self.coat_slope.length_squared()).max(0.0).sqrt();
+            let normal = self.coat_slope.extend(z);
+            Clearcoat::new(self.clearcoat.get(), self.clearcoat_roughness.get(), normal, form)
+        });
+        let sheen = (self.sheen_color != Vec3::ZERO)
+            .then(|| Sheen::new(self.sheen_color, self.sheen_roughness.get(), form));
+        let both_sides = self.thin || !base.transmits();
+        Stack { base, coat, sheen, both_sides, form }
+    }
+
+    /// See [`Bsdf::eval`].
+    #[inline(never)]
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        self.unpack().eval(wo, wi)
+    }
+
+    /// See [`Bsdf::sample`].
+    #[inline(never)]
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        self.unpack().sample(wo, u_lobe, u)
+    }
+
+    /// See [`Bsdf::transmits`].
+    pub fn transmits(&self) -> bool {
+        self.unpack().base.transmits()
+    }
+
+    /// See [`Bsdf::albedo`].
+    pub fn albedo(&self) -> Vec3 {
+        let stack = self.unpack();
+        let sheen = stack.sheen.map_or(0.0, |sheen| sheen.albedo(Vec3::Z));
+        let fibres = self.sheen_color * (sheen / mean(self.sheen_color).max(1e-6));
+        let coat = stack.coat.map_or(0.0, |coat| coat.albedo(Vec3::Z));
+        let (through_coat, through_sheen) = stack.through(Vec3::Z, Vec3::Z);
+        Vec3::splat(coat) + (fibres + stack.base.albedo() * through_sheen) * through_coat
+    }
+}
+
+/// What lies below all layers.
+#[derive(Clone, Copy, Debug)]
+enum Base {
+    Plain(Bsdf),
+    Brushed(Anisotropic),
+}
+
+impl Base {
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        match self {
+            Self::Plain(bsdf) => bsdf.eval(wo, wi),
+            Self::Brushed(brushed) => brushed.eval(wo, wi),
+        }
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        match self {
+            Self::Plain(bsdf) => bsdf.sample(wo, u_lobe, u),
+            Self::Brushed(brushed) => brushed.sample(wo, u_lobe, u),
+        }
+    }
+
+    fn transmits(&self) -> bool {
+        matches!(self, Self::Plain(bsdf) if bsdf.transmits())
+    }
+
+    fn albedo(&self) -> Vec3 {
+        match self {
+            Self::Plain(bsdf) => bsdf.albedo(),
+            Self::Brushed(brushed) => brushed.albedo(),
+        }
+    }
+}
+
+/// The layers at a point, ready to be asked.
+#[derive(Clone, Copy, Debug)]
+struct Stack {
+    base: Base,
+    coat: Option<Clearcoat>,
+    sheen: Option<Sheen>,
+    /// Whether the layers lie on the back too; else the back is the inside of a solid.
+    both_sides: bool,
+    form: BsdfForm,
+}
+
+/// Probabilities of the lobes; that of the base is the rest.
+struct Choice {
+    coat: f32,
+    sheen: f32,
+}
+
+impl Choice {
+    fn base(&self) -> f32 {
+        1.0 - self.coat - self.sheen
+    }
+}
+
+impl Stack {
+    /// Seen from the front, if both sides are alike, and whether that took a turn.
+    fn turned(&self, wo: Vec3) -> (Vec3, f32) {
+        let side = if self.both_sides && wo.z < 0.0 { -1.0 } else { 1.0 };
+        (wo * side, side)
+    }
+
+    /// What of light between two directions the coat and the sheen leave to what is below.
+    fn through(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let outside = |w: Vec3| self.both_sides || w.z > 0.0;
+        let of = |through: &dyn Fn(Vec3) -> f32| {
+            let share = |w: Vec3| if outside(w) { through(w) } else { 1.0 };
+            (share(wo), share(wi))
+        };
+        let coat = self.coat.as_ref().map_or(1.0, |coat| {
+            let (o, i) = of(&|w| coat.through(w));
+            if self.form == BsdfForm::AppendixB { o * i } else { o.min(i) }
+        });
+        let sheen = self.sheen.as_ref().map_or(1.0, |sheen| {
+            let (o, i) = of(&|w| sheen.through(w));
+            o.min(i)
+        });
+        (coat, sheen)
+    }
+
+    /// By what each lobe reflects of the light that comes from the viewer.
+    fn choice(&self, wo: Vec3) -> Choice {
+        if wo.z < 0.0 {
+            return Choice { coat: 0.0, sheen: 0.0 };
+        }
+        let (through_coat, through_sheen) = self.through(wo, wo);
+        let coat = self.coat.as_ref().map_or(0.0, |coat| coat.albedo(wo));
+        let sheen = self.sheen.as_ref().map_or(0.0, |sheen| sheen.albedo(wo) * through_coat);
+        let base = mean(self.base.albedo()).clamp(0.0, 1.0) * through_coat * through_sheen;
+        let least = LEAST_CHOICE * (coat + sheen + base) + 1e-6;
+        let coat = if self.coat.is_some() { coat.max(least) } else { 0.0 };
+        let sheen = if self.sheen.is_some() { sheen.max(least) } else { 0.0 };
+        let total = coat + sheen + base.max(least);
+        Choice { coat: coat / total, sheen: sheen / total }
+    }
+
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let (wo, side) = self.turned(wo);
+        if !is_above(wo.z.abs()) {
+            return (Vec3::ZERO, 0.0);
+        }
+        self.evaluate(&self.choice(wo), wo, wi * side)
+    }
+
+    fn evaluate(&self, choice: &Choice, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let (through_coat, through_sheen) = self.through(wo, wi);
+        let (below, below_pdf) = self.base.eval(wo, wi);
+        let (mut value, mut pdf) = (below * through_sheen, below_pdf * choice.base());
+        let above = is_above(wo.z) && is_above(wi.z);
+        if let Some(sheen) = self.sheen.as_ref().filter(|_| above) {
+            value += sheen.eval(wo, wi);
+            pdf += Sheen::PDF * choice.sheen;
+        }
+        value *= through_coat;
+        if let Some(coat) = self.coat.as_ref().filter(|_| above) {
+            let (reflected, density) = coat.eval(wo, wi);
+            value += reflected;
+            pdf += density * choice.coat;
+        }
+        (value, pdf)
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let (wo, side) = self.turned(wo);
+        if !is_above(wo.z.abs()) {
+            return None;
+        }
+        let choice = self.choice(wo);
+        let mut eta = 1.0;
+        let wi = if let Some(coat) = self.coat.as_ref().filter(|_| u_lobe < choice.coat) {
+            coat.sample(wo, u).filter(|wi| is_above(wi.z))?
+        } else if u_lobe < choice.coat + choice.sheen {
+            Some(Sheen::sample(u)).filter(|wi| is_above(wi.z))?
+        } else {
+            let rest = (u_lobe - choice.coat - choice.sheen) / choice.base();
+            let mut sample = self.base.sample(wo, rest.clamp(0.0, ONE_MINUS_EPSILON), u)?;
+            if sample.delta {
+                let (through_coat, through_sheen) = self.through(wo, sample.wi);
+                sample.weight *= through_coat * through_sheen / choice.base();
+                sample.pdf *= choice.base();
+                sample.wi *= side;
+                return Some(sample);
+            }
+            eta = sample.eta;
+            sample.wi
+        };
+        let (value, pdf) = self.evaluate(&choice, wo, wi);
+        let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta };
+        (pdf > 0.0).then_some(sample)
+    }
+}

@@ -1,0 +1,36 @@
+//! What may lie on a surface, or stretch its reflection: parameters of the layered extensions.
+
+use crate::math::{Vec2, Vec3};
+
+/// What KHR_materials_clearcoat, sheen and anisotropy come down to at a point, named as the
+/// specifications name them. All texture look-ups are done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layers {
+    /// Strength of a coat of lacquer, 0 to 1; taken to that range.
+    pub clearcoat: f32,
+    /// Its perceptual roughness, 0 to 1; taken to that range.
+    pub clearcoat_roughness: f32,
+    /// Its unit normal, in the local frame of the surface below.
+    pub clearcoat_normal: Vec3,
+    /// Colour of the fibres that stand off cloth, 0 to 1; taken to that range.
+    pub sheen_color: Vec3,
+    /// How far they stand from upright, 0 to 1; taken to that range.
+    pub sheen_roughness: f32,
+    /// How far the reflection is stretched, 0 to 1; taken to that range.
+    pub anisotropy: f32,
+    /// The way in which it is, a unit vector of the local frame's tangent plane.
+    pub anisotropy_direction: Vec2,
+}
+
+impl Layers {
+    /// Nothing on it, nothing stretched.
+    pub const NONE: Self = Self {
+        clearcoat: 0.0,
+        clearcoat_roughness: 0.0,
+        clearcoat_normal: Vec3::Z,
+        sheen_color: Vec3::ZERO,
+        sheen_roughness: 0.0,
+        anisotropy: 0.0,
+        anisotropy_direction: Vec2::X,
+    };
+}

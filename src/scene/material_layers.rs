@@ -1,0 +1,83 @@
+//! What lies on a material, or stretches its reflection, as files describe it.
+
+use super::TextureRef;
+use crate::math::{Vec2, Vec3};
+
+/// KHR_materials_clearcoat, sheen and anisotropy. Fields are named as the specifications name them;
+/// a factor multiplies its texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialLayers {
+    /// Strength of a coat of lacquer.
+    pub clearcoat: f32,
+    /// In its red channel.
+    pub clearcoat_texture: Option<TextureRef>,
+    /// The coat's roughness.
+    pub clearcoat_roughness: f32,
+    /// In its green channel.
+    pub clearcoat_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals of the coat, which does not follow those of the base.
+    pub clearcoat_normal_texture: Option<TextureRef>,
+    /// Multiplies x and y of the coat's normal texture.
+    pub clearcoat_normal_scale: f32,
+    /// Colour of cloth's fibres.
+    pub sheen_color: Vec3,
+    /// sRGB colour.
+    pub sheen_color_texture: Option<TextureRef>,
+    /// Roughness of the fibres.
+    pub sheen_roughness: f32,
+    /// In its alpha channel.
+    pub sheen_roughness_texture: Option<TextureRef>,
+    /// How far the reflection is stretched.
+    pub anisotropy: f32,
+    /// Cosine and sine of the angle from the tangent, counter-clockwise, along which it is.
+    pub anisotropy_rotation: Vec2,
+    /// The way in red and green, the strength in blue.
+    pub anisotropy_texture: Option<TextureRef>,
+}
+
+impl Default for MaterialLayers {
+    /// Nothing.
+    fn default() -> Self {
+        Self {
+            clearcoat: 0.0,
+            clearcoat_texture: None,
+            clearcoat_roughness: 0.0,
+            clearcoat_roughness_texture: None,
+            clearcoat_normal_texture: None,
+            clearcoat_normal_scale: 1.0,
+            sheen_color: Vec3::ZERO,
+            sheen_color_texture: None,
+            sheen_roughness: 0.0,
+            sheen_roughness_texture: None,
+            anisotropy: 0.0,
+            anisotropy_rotation: Vec2::X,
+            anisotropy_texture: None,
+        }
+    }
+}
+
+impl MaterialLayers {
+    /// Whether any of them can be seen.
+    pub fn any(&self) -> bool {
+        self.clearcoat > 0.0 || self.sheen_color != Vec3::ZERO || self.anisotropy > 0.0
+    }
+
+    /// All textures that they use.
+    pub(super) fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+        [
+            &mut self.clearcoat_texture,
+            &mut self.clearcoat_roughness_texture,
+            &mut self.clearcoat_normal_texture,
+            &mut self.sheen_color_texture,
+            &mut self.sheen_roughness_texture,
+            &mut self.anisotropy_texture,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// The texture whose coordinates tell the tangent, where the base has no normal map.
+    pub fn tangent_texture(&self) -> Option<TextureRef> {
+        self.clearcoat_normal_texture.or(self.anisotropy_texture)
+    }
+}
