@@ -36,7 +36,8 @@ fn white_furnaces_never_exceed_one() {
         ("rough cloth", cloth(1.0), 0.5),
         ("both", both, 0.5),
         ("brushed", Layers { anisotropy: 0.5, ..Layers::NONE }, 0.75),
-        ("much brushed", Layers { anisotropy: 1.0, ..Layers::NONE }, 0.75),
+        // A mirror that scatters along one direction alone loses the most, at grazing angles.
+        ("much brushed", Layers { anisotropy: 1.0, ..Layers::NONE }, 0.7),
     ];
     for (base, params) in white_base() {
         for (name, layers, least) in layers {
