@@ -6,24 +6,16 @@ use dapple::math::Vec3;
 use serde_json::json;
 
 use super::gltf::{Gltf, perspective, rounded};
-use super::materials::{brushed, cloth, emitter, lacquered, matte, metal, plastic};
-use super::rooms::backdrop;
-use super::shapes::{Shape, quad, sphere};
+use super::materials::{brushed, cloth, lacquered, matte, metal, plastic};
+use super::rooms::studio;
+use super::shapes::sphere;
 
 /// Two rows of balls in a studio. In front a lacquered red, the same over flakes of metal, over
 /// bricks whose relief the lacquer fills, and over bricks whose relief it follows; behind two kinds
 /// of velvet and steel that is brushed both ways.
 pub fn finishes() -> Vec<(String, Vec<u8>)> {
     let mut g = Gltf::new("finishes");
-    let paper = g.push("materials", matte([0.32, 0.33, 0.36]));
-    let soft = g.push("materials", emitter([9.0, 8.6, 8.2]));
-    let strip = g.push("materials", emitter([7.0, 10.0, 16.0]));
-    g.place("backdrop", &backdrop(), paper);
-    let above = quad(Vec3::new(-3.5, 6.5, 3.0), Vec3::X * 7.0, Vec3::new(0.0, 1.0, -3.0));
-    let above = Shape { indices: above.indices.iter().rev().copied().collect(), ..above };
-    g.place("softbox", &Shape { normals: Vec::new(), ..above.plain() }, soft);
-    let left = quad(Vec3::new(-8.0, 0.5, 3.5), Vec3::new(0.6, 0.0, -2.2), Vec3::Y * 4.5);
-    g.place("strip light", &left.plain(), strip);
+    studio(&mut g, [9.0, 8.6, 8.2], [7.0, 10.0, 16.0]);
 
     let sampler = json!({ "magFilter": 9729, "minFilter": 9729 });
     let normals = g.texture("textures/bricks_normal.png", sampler.clone());

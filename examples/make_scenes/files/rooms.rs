@@ -124,19 +124,23 @@ pub fn backdrop() -> Shape {
     shape
 }
 
-/// Gold and aluminium of roughness 0 to 1 in a studio.
-pub fn metals() -> Files {
-    let mut g = Gltf::new("metals");
+/// A backdrop with a soft light above and a strip of light on the left.
+pub fn studio(g: &mut Gltf, above: [f64; 3], left: [f64; 3]) {
     let paper = g.push("materials", matte([0.32, 0.33, 0.36]));
-    let soft = g.push("materials", emitter([7.0, 6.7, 6.4]));
-    let strip = g.push("materials", emitter([5.0, 7.5, 12.0]));
+    let soft = g.push("materials", emitter(above));
+    let strip = g.push("materials", emitter(left));
     g.place("backdrop", &backdrop(), paper);
     let above = quad(Vec3::new(-3.5, 6.5, 3.0), Vec3::X * 7.0, Vec3::new(0.0, 1.0, -3.0));
     let above = Shape { indices: above.indices.iter().rev().copied().collect(), ..above };
     g.place("softbox", &Shape { normals: Vec::new(), ..above.plain() }, soft);
     let left = quad(Vec3::new(-8.0, 0.5, 3.5), Vec3::new(0.6, 0.0, -2.2), Vec3::Y * 4.5);
     g.place("strip light", &left.plain(), strip);
+}
 
+/// Gold and aluminium of roughness 0 to 1 in a studio.
+pub fn metals() -> Files {
+    let mut g = Gltf::new("metals");
+    studio(&mut g, [7.0, 6.7, 6.4], [5.0, 7.5, 12.0]);
     let mut balls = Vec::new();
     for k in 0..6 {
         let (step, roughness) = (k as f32 - 2.5, f64::from(k) / 5.0);

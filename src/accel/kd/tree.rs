@@ -93,7 +93,7 @@ pub type Block = TriangleBlock<LANES>;
 /// The leaves' triangles: lists of places in one table of vertices.
 ///
 /// The table is in the order in which leaves first name the triangles, so that those of a leaf, and
-/// of its neighbours, lie close together: 10 to 20 % of a random ray's time.
+/// of its neighbours, lie close together.
 ///
 /// Blocks stored in the leaves would spare their assembly, but a triangle is in some four leaves,
 /// and a leaf holds one or two: they take ten times the memory, and then the caches don't hold it.

@@ -41,11 +41,7 @@ impl Faces {
         file: &Path,
         left_out: &mut Vec<String>,
     ) -> Result<(), LoadError> {
-        let (indices, wedges) = roles(element, left_out);
-        if indices.is_none() && element.count > 0 {
-            let message = "has no list called vertex_indices or vertex_index";
-            return Err(LoadError::invalid(file, format!("element {}", element.name), message));
-        }
+        let (indices, wedges) = roles(element, file, left_out)?;
         if wedges.is_none() {
             self.triangles.reserve_exact(possible_rows(values, element, 3));
         }
@@ -108,7 +104,7 @@ impl Faces {
         file: &Path,
         left_out: &mut Vec<String>,
     ) -> Result<(), LoadError> {
-        let (indices, _) = roles(element, left_out);
+        let (indices, _) = roles(element, file, left_out)?;
         for number in 0..element.count {
             let mut row = || {
                 for (index, property) in element.properties.iter().enumerate() {
@@ -215,7 +211,15 @@ fn parted<T: Copy>(all: &[T], sources: &[u32]) -> Vec<T> {
 }
 
 /// Which properties are the lists of vertices and of texture coordinates.
-fn roles(element: &Element, left_out: &mut Vec<String>) -> (Option<usize>, Option<usize>) {
+///
+/// # Errors
+/// Rows without a list of vertices: which, if they had no property at all, would also take no room
+/// in the file, however many it declares.
+fn roles(
+    element: &Element,
+    file: &Path,
+    left_out: &mut Vec<String>,
+) -> Result<(Option<usize>, Option<usize>), LoadError> {
     let mut roles = (None, None);
     for (index, property) in element.properties.iter().enumerate() {
         match (property.name.as_str(), property.kind) {
@@ -226,7 +230,11 @@ fn roles(element: &Element, left_out: &mut Vec<String>) -> (Option<usize>, Optio
             _ => left_out.push(property.name.clone()),
         }
     }
-    roles
+    if roles.0.is_none() && element.count > 0 {
+        let message = "has no list called vertex_indices or vertex_index";
+        return Err(LoadError::invalid(file, format!("element {}", element.name), message));
+    }
+    Ok(roles)
 }
 
 #[inline]

@@ -167,6 +167,17 @@ fn strips_turn_as_their_first_triangle_does() {
 }
 
 #[test]
+fn strips_without_vertices_are_refused_however_many() {
+    let start = SQUARE.split("element face").next().expect("a start");
+    for strips in ["", "property uchar length\n"] {
+        let text = format!("{start}element tristrips 18446744073709551615\n{strips}end_header\n")
+            + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+        let said = message(text.as_bytes());
+        assert!(said.ends_with("has no list called vertex_indices or vertex_index"), "{said}");
+    }
+}
+
+#[test]
 fn a_picture_that_is_missing_is_named() {
     let text = format!("{SQUARE}4 0 1 2 3\n")
         .replace("element vertex", "comment TextureFile no such.png\nelement vertex");
