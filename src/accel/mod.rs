@@ -42,7 +42,7 @@ pub use counters::{Counters, Counts, Event, NotCounted};
 pub use error::{BuildError, SpecError};
 pub use options::{OptionSpec, Options, Value, Values};
 pub use query::{Any, Closest, Query, Shot, Terms, test_block, test_each, test_triangle};
-pub use report::{BuildReport, MemoryReport};
+pub use report::{BuildReport, MemoryReport, PoolUse};
 pub use traverse::Traverse;
 pub use variants::{AccelSpec, BuildInput, VARIANTS, Variant, build};
 
@@ -86,6 +86,20 @@ pub trait Tracer {
     /// # Panics
     /// If `hits` is not as long as the batch.
     fn any_hits(&mut self, batch: &Batch<'_>, hits: &mut [AnyHit]);
+
+    /// Narrows what follows to a region, until [`Tracer::leave`]: for many slices of rays that lie
+    /// in it, such as those of a screen or of a tile of it. Regions are nested, each within the last.
+    /// What a structure derives for one lies in a pool of this thread, upon that of the region
+    /// around it, and goes when it is left. Rays that the region does not hold are answered too.
+    fn enter(&mut self, _: &Shaft) {}
+
+    /// Ends the innermost region; nothing happens if there is none.
+    fn leave(&mut self) {}
+
+    /// Bytes of this thread's pool.
+    fn pool(&mut self) -> PoolUse {
+        PoolUse::default()
+    }
 
     /// What was counted since it was made; all zero unless it counts.
     fn counts(&self) -> Counts;

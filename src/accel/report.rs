@@ -19,6 +19,15 @@ impl MemoryReport {
     }
 }
 
+/// What a thread derives from a structure for the rays at hand takes memory too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PoolUse {
+    /// Bytes in use, at most, since this was asked last.
+    pub peak: usize,
+    /// Bytes that the pool has taken.
+    pub size: usize,
+}
+
 /// How a structure was built and what came of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BuildReport {

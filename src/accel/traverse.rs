@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd};
 
 use super::{
     Accel, Any, AnyHit, Batch, BuildReport, Closest, ClosestHit, Counters, Counts, MemoryReport,
-    NotCounted, Query, Shot, Tracer,
+    NotCounted, PoolUse, Query, Shot, Tracer,
 };
 use crate::geom::Shaft;
 
@@ -59,6 +59,17 @@ pub trait Traverse: Send + Sync {
             self.walk(simd, &shot, &mut query, scratch, counters);
             *answer = query.answer();
         }
+    }
+
+    /// See [`Tracer::enter`].
+    fn enter<C: Counters>(&self, _: &Shaft, _: &mut Self::Scratch, _: &mut C) {}
+
+    /// See [`Tracer::leave`].
+    fn leave(&self, _: &mut Self::Scratch) {}
+
+    /// See [`Tracer::pool`].
+    fn pool(&self, _: &mut Self::Scratch) -> PoolUse {
+        PoolUse::default()
     }
 
     /// See [`Accel::view`].
@@ -150,6 +161,18 @@ where
 
     fn any_hits(&mut self, batch: &Batch<'_>, hits: &mut [AnyHit]) {
         self.shoot::<Any>(batch, hits);
+    }
+
+    fn enter(&mut self, region: &Shaft) {
+        self.structure.enter(region, &mut self.scratch, &mut self.counters);
+    }
+
+    fn leave(&mut self) {
+        self.structure.leave(&mut self.scratch);
+    }
+
+    fn pool(&mut self) -> PoolUse {
+        self.structure.pool(&mut self.scratch)
     }
 
     fn counts(&self) -> Counts {

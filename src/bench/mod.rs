@@ -6,15 +6,19 @@
 //! | [`measure`] | answers compared, passes timed by turns, work counted |
 //! | [`kd`] | kd-trees side by side: Hapala and Havran's table 3 |
 //! | [`mbvh`] | multi bounding volume hierarchies: Ernst and Greiner's tables and figure 4 |
+//! | [`coherent`] | many rays at once over flights: Barczak's tables |
 //! | [`renders`] | whole renders: their figure 1 |
+//! | [`structures`] | all structures: memory and rates, a row each |
 //! | [`table`], [`bars`], [`plot`] | how it is shown |
 
 pub mod agreement;
 pub mod bars;
+pub mod coherent;
 pub mod kd;
 pub mod mbvh;
 pub mod measure;
 pub mod plot;
 pub mod ray_sets;
 pub mod renders;
+pub mod structures;
 pub mod table;

@@ -1,5 +1,7 @@
 //! Cameras: from points of the film to rays.
 
+pub mod flight;
+
 use crate::math::{Aabb, Affine3A, Frame, Mat3, Ray, Vec2, Vec3};
 use crate::sampling::warp;
 

@@ -281,7 +281,7 @@ fn sample_id(text: &str) -> Result<(u32, u32, u64), String> {
 }
 
 /// Sides of up to 65,536: beyond, two pixels would share their random numbers.
-fn resolution(text: &str) -> Result<(u32, u32), String> {
+pub fn resolution(text: &str) -> Result<(u32, u32), String> {
     const MOST_PIXELS: u64 = 1 << 28;
     let form = || "expected width and height in pixels, as in 640x480".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;

@@ -4,6 +4,8 @@
 //! tested together, the nearer child comes first, what waits on the stack remembers where the ray
 //! enters it, and leaves are blocks of four triangles in a leaf's cache lines.
 
+use std::ops::ControlFlow;
+
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, ids_of, triangles_of};
@@ -121,14 +123,19 @@ fn lay_out(
         }
         let children = [index + 1, node.first as usize];
         let bounds = children.map(|child| tree.nodes[child].bounds);
-        let planes =
-            [0, 1, 2].map(|axis| [bounds.map(|b| b.min[axis]), bounds.map(|b| b.max[axis])]);
-        nodes.push(Node { planes, children: children.map(|child| links[child]) });
+        nodes.push(Node { children: children.map(|child| links[child]), ..Node::of(bounds) });
     }
     (links, nodes, leaves)
 }
 
 impl Node {
+    /// Two boxes side by side; nothing lies below them.
+    #[inline(always)]
+    pub(super) fn of([a, b]: [Aabb; 2]) -> Self {
+        let planes = [0, 1, 2].map(|axis| [[a.min[axis], b.min[axis]], [a.max[axis], b.max[axis]]]);
+        Self { planes, children: [Link(0); 2] }
+    }
+
     /// A child's box.
     #[inline(always)]
     pub(super) fn bounds(&self, side: usize) -> Aabb {
@@ -139,7 +146,7 @@ impl Node {
 
     /// Where the ray enters each child, and minus where it leaves it: `[in, in, -out, -out]`.
     #[inline(always)]
-    fn intervals<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> [f32; 4] {
+    pub(super) fn intervals<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> [f32; 4] {
         let slab = &shot.slab;
         let mut worst =
             f32x4::from_fn(simd, |lane| if lane < 2 { shot.ray.t_min() } else { -t_max });
@@ -169,6 +176,63 @@ impl Bvh2 {
         match &self.fetch {
             None => self.leaves.blocks[leaf].parts(),
             Some(fetch) => fetched.block(fetch, leaf, &self.leaves.ids[leaf], counters),
+        }
+    }
+
+    /// Walks what is below a link, with a ray that the boxes are good for; `Break` if the answer is
+    /// final.
+    #[inline(always)]
+    pub(super) fn walk_below<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        mut link: Link,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        Scratch { stack, fetched }: &mut Scratch,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        let mut pending = 0;
+        loop {
+            if link.is_leaf() {
+                let block = self.block(link.place(), fetched, counters);
+                test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)?;
+            } else {
+                counters.count(Event::InnerNode);
+                counters.count(Event::BoxTest);
+                let node = &self.nodes[link.place()];
+                let [in0, in1, out0, out1] = node.intervals(simd, shot, query.t_max());
+                match (in0 <= -out0, in1 <= -out1) {
+                    (true, true) => {
+                        let first = usize::from(in1 < in0);
+                        stack[pending] = (node.children[1 - first], larger(in0, in1));
+                        pending += 1;
+                        counters.count(Event::Push);
+                        link = node.children[first];
+                        continue;
+                    }
+                    (true, false) => {
+                        link = node.children[0];
+                        continue;
+                    }
+                    (false, true) => {
+                        link = node.children[1];
+                        continue;
+                    }
+                    (false, false) => {}
+                }
+            }
+            // The nearest of what waits, unless a hit was found before it.
+            loop {
+                if pending == 0 {
+                    return ControlFlow::Continue(());
+                }
+                pending -= 1;
+                let (next, enter) = stack[pending];
+                if enter <= query.t_max() {
+                    link = next;
+                    break;
+                }
+            }
         }
     }
 
@@ -205,60 +269,14 @@ impl Traverse for Bvh2 {
         simd: S,
         shot: &Shot<'_>,
         query: &mut Q,
-        Scratch { stack, fetched }: &mut Scratch,
+        scratch: &mut Scratch,
         counters: &mut C,
     ) {
-        let Some(mut link) = self.root else { return };
+        let Some(root) = self.root else { return };
         if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
-            return self.walk_all(shot, query, fetched, counters);
+            return self.walk_all(shot, query, &mut scratch.fetched, counters);
         }
-        let mut pending = 0;
-        loop {
-            if link.is_leaf() {
-                let block = self.block(link.place(), fetched, counters);
-                if test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)
-                    .is_break()
-                {
-                    return;
-                }
-            } else {
-                counters.count(Event::InnerNode);
-                counters.count(Event::BoxTest);
-                let node = &self.nodes[link.place()];
-                let [in0, in1, out0, out1] = node.intervals(simd, shot, query.t_max());
-                match (in0 <= -out0, in1 <= -out1) {
-                    (true, true) => {
-                        let first = usize::from(in1 < in0);
-                        stack[pending] = (node.children[1 - first], larger(in0, in1));
-                        pending += 1;
-                        counters.count(Event::Push);
-                        link = node.children[first];
-                        continue;
-                    }
-                    (true, false) => {
-                        link = node.children[0];
-                        continue;
-                    }
-                    (false, true) => {
-                        link = node.children[1];
-                        continue;
-                    }
-                    (false, false) => {}
-                }
-            }
-            // The nearest of what waits, unless a hit was found before it.
-            loop {
-                if pending == 0 {
-                    return;
-                }
-                pending -= 1;
-                let (next, enter) = stack[pending];
-                if enter <= query.t_max() {
-                    link = next;
-                    break;
-                }
-            }
-        }
+        let _final = self.walk_below(simd, root, shot, query, scratch, counters);
     }
 
     fn level(&self) -> Level {

@@ -6,9 +6,8 @@ use super::super::progress::say;
 use super::super::{CliError, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::scenes;
-use super::{memory_limit, ray_bytes};
-use crate::accel::bvh::BUILD;
-use crate::accel::{BuildError, Values};
+use super::{builder, memory_limit, ray_bytes};
+use crate::accel::BuildError;
 use crate::bench::mbvh::{self, Settings};
 use crate::simd::Isa;
 
@@ -58,13 +57,6 @@ pub struct MbvhArgs {
     quiet: bool,
     #[command(flatten)]
     output: OutputArgs,
-}
-
-/// A value of the option `build`.
-fn builder(text: &str) -> Result<&'static str, String> {
-    let Values::Choice(words) = BUILD.values else { return Err("not a choice".to_owned()) };
-    let found = words.iter().find(|&&word| word == text);
-    found.copied().ok_or_else(|| format!("expected one of {}", words.join(", ")))
 }
 
 /// Runs the command.

@@ -2,10 +2,12 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`kd`], [`mbvh`], [`render`] | a command each: its flags, and `run` |
-//! | [`scenes`] | the scenes of the latter two: files, or machines made on the spot |
+//! | [`accels`], [`coherent`], [`kd`], [`mbvh`], [`render`] | a command each: its flags, and `run` |
+//! | [`scenes`] | their scenes: files, or scenes made on the spot |
 //! | [`output`] | where the tables, plots and figures go |
 
+mod accels;
+mod coherent;
 mod kd;
 mod mbvh;
 mod output;
@@ -17,7 +19,8 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use super::{CliError, memory};
-use crate::accel::ClosestHit;
+use crate::accel::bvh::BUILD;
+use crate::accel::{ClosestHit, Values};
 use crate::bench::measure::BenchError;
 use crate::math::Ray;
 
@@ -30,6 +33,8 @@ pub struct BenchArgs {
 
 #[derive(Subcommand, Debug)]
 enum What {
+    Accels(accels::BenchAccelsArgs),
+    Coherent(coherent::CoherentArgs),
     Kd(kd::KdArgs),
     Mbvh(mbvh::MbvhArgs),
     Render(render::BenchRenderArgs),
@@ -38,6 +43,8 @@ enum What {
 /// Runs the command; exit 1 if structures disagree.
 pub fn run(args: &BenchArgs) -> Result<ExitCode, CliError> {
     match &args.what {
+        What::Accels(args) => accels::run(args)?,
+        What::Coherent(args) => coherent::run(args)?,
         What::Kd(args) => kd::run(args)?,
         What::Mbvh(args) => mbvh::run(args)?,
         What::Render(args) => render::run(args)?,
@@ -52,6 +59,13 @@ impl From<BenchError> for CliError {
             wrong => Self::Differs(wrong.to_string()),
         }
     }
+}
+
+/// A value of the option `build`.
+fn builder(text: &str) -> Result<&'static str, String> {
+    let Values::Choice(words) = BUILD.values else { return Err("not a choice".to_owned()) };
+    let found = words.iter().find(|&&word| word == text);
+    found.copied().ok_or_else(|| format!("expected one of {}", words.join(", ")))
 }
 
 /// Bytes that `--memory` allows: so many megabytes, or three quarters of the machine's memory.

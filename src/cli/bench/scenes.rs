@@ -1,4 +1,4 @@
-//! The scenes that are measured: files, or machines of the sizes of Ernst and Greiner's scenes.
+//! The scenes that are measured: files, or scenes made on the spot.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,15 +13,15 @@ use crate::scene::generate::Generator;
 pub enum BenchScene {
     /// A file.
     File(PathBuf),
-    /// A machine of so many triangles, as `dapple generate assembly` makes it from seed 0.
-    Assembly(u64),
+    /// As `dapple generate` makes it of so many triangles from seed 0.
+    Made(Generator, u64),
 }
 
 /// The files, or else the machines.
 pub fn scenes(files: &[PathBuf]) -> Vec<BenchScene> {
     if files.is_empty() {
         let sizes = paper::SCENES.map(|scene| scene.triangles as u64);
-        return sizes.map(BenchScene::Assembly).into();
+        return sizes.map(|triangles| BenchScene::Made(Generator::Assembly, triangles)).into();
     }
     files.iter().cloned().map(BenchScene::File).collect()
 }
@@ -33,11 +33,11 @@ impl BenchScene {
             Self::File(path) => {
                 path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
             }
-            Self::Assembly(triangles) => format!("assembly-{triangles}"),
+            Self::Made(generator, triangles) => format!("{}-{triangles}", generator.name()),
         }
     }
 
-    /// Hands out the scene's file; that of a machine is made for as long.
+    /// Hands out the scene's file; one that is made goes with it.
     ///
     /// # Errors
     /// Those of `load`, or of the temporary folder.
@@ -47,11 +47,11 @@ impl BenchScene {
     ) -> Result<R, CliError> {
         match self {
             Self::File(path) => load(path),
-            Self::Assembly(triangles) => {
+            Self::Made(generator, triangles) => {
                 let name = format!("dapple-{}-{}.glb", std::process::id(), self.name());
                 let file = Temporary(std::env::temp_dir().join(name));
                 files::write(&file.0, Flush::WhenIdle, |out| {
-                    Generator::Assembly.write(*triangles, 0, out).map(|_| ())
+                    generator.write(*triangles, 0, out).map(|_| ())
                 })
                 .map_err(|error| CliError::not_written(&file.0, &error))?;
                 load(&file.0)
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_machine_is_there_while_it_is_loaded() {
-        let scene = BenchScene::Assembly(50);
+        let scene = BenchScene::Made(Generator::Assembly, 50);
         let mut seen = PathBuf::new();
         let count = scene.with_file(|path| {
             seen = path.to_owned();

@@ -123,18 +123,20 @@ impl Shaft {
     /// The region that a camera sees in a tile: rays from a box of origins in directions between
     /// four corners, given in order around the tile. `None` if these make no pyramid.
     pub fn pyramid(origins: Aabb, corners: [Vec3; 4]) -> Option<Self> {
-        let corners = corners.map(Vec3::normalize_or_zero);
-        let axis = corners.iter().sum::<Vec3>().normalize_or_zero();
-        let mut planes = [(-axis, farthest(&origins, -axis)); 5];
-        for side in 0..4 {
-            let normal = corners[side].cross(corners[(side + 1) % 4]).try_normalize()?;
-            let out = normal * -normal.dot(axis).signum() - axis * SLACK;
-            if !corners.iter().all(|corner| out.dot(*corner) <= 0.0 && corner.dot(axis) > 0.0) {
-                return None;
-            }
-            planes[side + 1] = (out, farthest(&origins, out));
-        }
+        let (planes, axis) = pyramid_planes(origins, corners)?;
         Self::new(&planes, origins, axis)
+    }
+
+    /// The region of segments that begin and end in a pyramid, up to a distance from its apex along
+    /// its middle: what a spot light reaches. `None` if the corners make no pyramid.
+    pub fn cone(apex: Vec3, corners: [Vec3; 4], range: f32) -> Option<Self> {
+        let (planes, axis) = pyramid_planes(Aabb::of_points([apex]), corners)?;
+        // Where an edge of the pyramid meets the plane that ends it.
+        let end = |corner: Vec3| apex + corner * (range / corner.dot(axis));
+        let all = Aabb::of_points(corners.map(end)).include(apex);
+        let mut ended = [(axis, apex.dot(axis) + range); 6];
+        ended[..5].copy_from_slice(&planes);
+        Self::new(&ended, all, Vec3::ZERO)
     }
 
     /// The region of segments that begin and end in a box: what a light of limited range reaches.
@@ -231,6 +233,23 @@ impl Shaft {
         }
         most.simd_gt(f32x8::load_array_ref(simd, &self.inner)).to_bitmask() == 0
     }
+}
+
+/// The planes around rays from a box of origins in directions between four corners, and the middle
+/// direction.
+fn pyramid_planes(origins: Aabb, corners: [Vec3; 4]) -> Option<([(Vec3, f32); 5], Vec3)> {
+    let corners = corners.map(Vec3::normalize_or_zero);
+    let axis = corners.iter().sum::<Vec3>().normalize_or_zero();
+    let mut planes = [(-axis, farthest(&origins, -axis)); 5];
+    for side in 0..4 {
+        let normal = corners[side].cross(corners[(side + 1) % 4]).try_normalize()?;
+        let out = normal * -normal.dot(axis).signum() - axis * SLACK;
+        if !corners.iter().all(|corner| out.dot(*corner) <= 0.0 && corner.dot(axis) > 0.0) {
+            return None;
+        }
+        planes[side + 1] = (out, farthest(&origins, out));
+    }
+    Some((planes, axis))
 }
 
 /// The largest coordinates of a box; `None` if they are too large to be computed with.

@@ -19,8 +19,18 @@ impl Shaft {
         let row = row.clamp(1, rays.len());
         let corners =
             [0, row - 1, last + 1 - row, last].map(|index: usize| rays[index].direction());
+        Self::of_rows(simd, std::iter::once(rays), corners)
+    }
+
+    /// The region of some rows of rays; `corners` as for [`Shaft::of_bundles`].
+    #[inline(always)]
+    pub fn of_rows<'a, S: Simd>(
+        simd: S,
+        rows: impl Iterator<Item = &'a [Ray]>,
+        corners: [Vec3; 4],
+    ) -> Option<Self> {
         let mut bounds = Bounds::new(simd, corners)?;
-        for rays in rays.chunks(RayBundle::LANES) {
+        for rays in rows.flat_map(|row| row.chunks(RayBundle::LANES)) {
             let mut bundle = RayBundle::EMPTY;
             for (lane, ray) in rays.iter().enumerate() {
                 bundle.put(lane, ray);

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::shape::Shape;
+use crate::camera::flight::Pose;
 use crate::math::{DAffine3, DVec3, Vec3};
 
 /// A scene by its parts.
@@ -15,6 +16,8 @@ pub struct Model {
     pub parts: Vec<Part>,
     /// Views, the first of which is the default.
     pub cameras: Vec<View>,
+    /// Cameras that a flight leads through; see [`flight::through`](crate::camera::flight::through).
+    pub flight: Vec<Pose>,
     /// Lights without extent.
     pub lights: Vec<Lamp>,
     /// What takes the triangles that are left over, in the way of [`Ribbon`](super::shape::Ribbon):

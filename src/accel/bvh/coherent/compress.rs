@@ -48,6 +48,12 @@ impl Step {
         Self { place, branch: 0 }
     }
 
+    /// Whether it lies in the hierarchy itself.
+    #[inline(always)]
+    pub fn is_plain(self) -> bool {
+        self.branch == 0
+    }
+
     /// The same where so many branches before its own are no more.
     pub fn without(self, branches: usize) -> Self {
         Self { branch: self.branch.saturating_sub(branches as u32), ..self }

@@ -39,11 +39,13 @@
 //! by the verdict; and a box is passed by only if the slab test of each ray says so, or the shaft,
 //! which never says so of a box that one would enter ([`crate::geom::shaft`]).
 
+mod adaptive;
 mod compress;
 mod cut;
 mod entry;
 mod packet;
 mod place;
+mod single;
 mod slice;
 #[cfg(test)]
 mod tests;
@@ -62,7 +64,7 @@ use super::leaves::{CACHE, TRIANGLES};
 use super::{BUILD, REFINE};
 use crate::accel::{
     Accel, Batch, BuildError, BuildInput, BuildReport, Counters, MemoryReport, NotCounted,
-    OptionSpec, Query, Shot, Traverse, Value, Values, Variant,
+    OptionSpec, PoolUse, Query, Shot, Traverse, Value, Values, Variant,
 };
 use crate::geom::Shaft;
 
@@ -72,7 +74,7 @@ pub const PACKET: Variant = Variant {
     summary: "bvh2's tree by packets of 16 by 16 rays: first active, early descent, shaft culling",
     paper: "Wald, Boulos and Shirley, Ray Tracing Deformable Scenes using Dynamic BVHs, 2007",
     options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE],
-    build: |input| Ok(Box::new(Coherent::build(input, Start::Root, false)?)),
+    build: |input| Ok(Box::new(Coherent::build(input, Start::Root, With::Packet)?)),
 };
 
 /// The row of partitioned packets.
@@ -81,7 +83,7 @@ pub const PARTITION: Variant = Variant {
     summary: "bvh2's tree by packets of 16 by 16 rays, partitioned at each node",
     paper: "Overbeck, Ramamoorthi and Mark, Large Ray Packets for Real-time Whitted Ray Tracing, 2008",
     options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE],
-    build: |input| Ok(Box::new(Coherent::build(input, Start::Root, true)?)),
+    build: |input| Ok(Box::new(Coherent::build(input, Start::Root, With::Partition)?)),
 };
 
 /// The row of entry points.
@@ -89,10 +91,13 @@ pub const ENTRY_POINT: Variant = Variant {
     id: "bvh-entry-point",
     summary: "bvh-packet from the deepest node that holds all that a slice's shaft meets",
     paper: "Reshetov, Soupikov and Hurley, Multi-Level Ray Tracing Algorithm, 2005; Fowler 2009",
-    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE, WITH],
+    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE, WITH, TILES],
     build: |input| {
-        let partitions = input.options.choice("with") == "partition";
-        Ok(Box::new(Coherent::build(input, Start::EntryPoint, partitions)?))
+        let start = match input.options.choice("tiles") {
+            "adaptive" => Start::EntryPoints,
+            _ => Start::EntryPoint,
+        };
+        Ok(Box::new(Coherent::build(input, start, With::chosen(input))?))
     },
 };
 
@@ -108,7 +113,7 @@ pub const PATH_COMPRESSION: Variant = Variant {
             recursive: chosen("pc", "recursive"),
             per_packet: chosen("per-packet", "on"),
         };
-        Ok(Box::new(Coherent::build(input, start, chosen("with", "partition"))?))
+        Ok(Box::new(Coherent::build(input, start, With::chosen(input))?))
     },
 };
 
@@ -123,9 +128,18 @@ const SIZE: OptionSpec = OptionSpec {
 /// What walks below the entry point or the compressed tree.
 const WITH: OptionSpec = OptionSpec {
     name: "with",
-    summary: "whether packets go down early, as bvh-packet's, or are partitioned, as bvh-partition's",
-    values: Values::Choice(&["packet", "partition"]),
+    summary: "packets that go down early, as bvh-packet's, or are partitioned, as bvh-partition's, \
+              or rays one by one",
+    values: Values::Choice(&["packet", "partition", "single"]),
     default: Value::Choice("packet"),
+};
+
+/// What has an entry point of its own.
+const TILES: OptionSpec = OptionSpec {
+    name: "tiles",
+    summary: "one entry point a slice, or adaptive: its parts' as long as those lie deeper",
+    values: Values::Choice(&["slice", "adaptive"]),
+    default: Value::Choice("slice"),
 };
 
 /// How paths are compressed.
@@ -149,8 +163,7 @@ pub struct Coherent {
     bvh: Arc<Bvh2>,
     /// Rays of a packet at most.
     size: usize,
-    /// Whether a packet's rays are partitioned at each node.
-    partitions: bool,
+    with: With,
     start: Start,
     /// What it was narrowed to.
     view: Option<View>,
@@ -162,12 +175,35 @@ enum Start {
     Root,
     /// The entry point of the slice.
     EntryPoint,
+    /// Those of parts of the slice.
+    EntryPoints,
     /// The slice's tree of branches.
     Compressed {
         recursive: bool,
         /// One more for each packet.
         per_packet: bool,
     },
+}
+
+/// What walks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum With {
+    /// Packets that go down early.
+    Packet,
+    /// Packets that are partitioned at each node.
+    Partition,
+    /// Rays one by one.
+    Single,
+}
+
+impl With {
+    fn chosen(input: &BuildInput<'_>) -> Self {
+        match input.options.choice("with") {
+            "partition" => Self::Partition,
+            "single" => Self::Single,
+            _ => Self::Packet,
+        }
+    }
 }
 
 /// The part of the hierarchy that a region meets.
@@ -186,19 +222,51 @@ pub struct Scratch {
     members: Vec<u32>,
     group: Vec<u32>,
     singles: Vec<u32>,
-    /// Trees of the slice and of the packet at hand.
+    /// The pool: trees of the regions that were entered, of the slice and of the packet at hand.
     branches: Vec<Branch>,
+    /// The most branches that were in use at once.
+    peak: usize,
+    /// Regions that were entered, from the outermost on.
+    regions: Vec<Region>,
+    /// Where each packet of the slice at hand starts.
+    starts: Vec<Option<Step>>,
+    /// Steps put aside by a ray that walks alone, and where it enters them.
+    steps: Vec<(Step, f32)>,
+}
+
+/// A region that a thread has entered.
+struct Region {
+    shaft: Shaft,
+    /// `None` if it meets no leaf.
+    step: Option<Step>,
+    /// So many branches were in the pool before.
+    before: usize,
 }
 
 impl Coherent {
-    fn build(input: &BuildInput<'_>, start: Start, partitions: bool) -> Result<Self, BuildError> {
+    fn build(input: &BuildInput<'_>, start: Start, with: With) -> Result<Self, BuildError> {
         let side = input.options.integer("size") as usize;
         let bvh = Arc::new(Bvh2::build(input)?);
-        Ok(Self { bvh, size: side * side, partitions, start, view: None })
+        Ok(Self { bvh, size: side * side, with, start, view: None })
     }
 
     fn places(&self) -> Option<Places<'_>> {
         self.bvh.root.map(|root| Places { bvh: &self.bvh, root })
+    }
+
+    /// The branches of the view, and where rays start that lie in the innermost of the regions
+    /// around: those that a thread has entered, or the view's.
+    fn around(
+        &self,
+        regions: &[Region],
+        holds: impl Fn(&Shaft) -> bool,
+    ) -> (&[Branch], Option<Step>) {
+        let branches = self.view.as_ref().map_or(&[][..], |view| &view.branches);
+        if let Some(region) = regions.iter().rev().find(|region| holds(&region.shaft)) {
+            return (branches, region.step);
+        }
+        let view = self.view.as_ref().filter(|view| holds(&view.shaft));
+        (branches, view.map_or(Some(Step::ROOT), |view| view.step))
     }
 
     /// Where rays of a shaft start below a step. Branches are put behind those of the thread.
@@ -213,7 +281,9 @@ impl Coherent {
         let mut compression = Compression { places, view, own, shaft };
         match self.start {
             Start::Root => Some(from),
-            Start::EntryPoint => entry_point(places, from.place, shaft, counters).map(Step::to),
+            Start::EntryPoint | Start::EntryPoints => {
+                entry_point(places, from.place, shaft, counters).map(Step::to)
+            }
             Start::Compressed { recursive: true, .. } => compression.recursive(from, counters),
             Start::Compressed { .. } => compression.iterative(from, counters),
         }
@@ -231,6 +301,10 @@ impl Traverse for Coherent {
             group: Vec::with_capacity(RAYS),
             singles: Vec::new(),
             branches: Vec::new(),
+            peak: 0,
+            regions: Vec::new(),
+            starts: Vec::new(),
+            steps: Vec::new(),
         }
     }
 
@@ -256,6 +330,31 @@ impl Traverse for Coherent {
         counters: &mut C,
     ) {
         self.shoot_slice::<S, Q, C>(simd, batch, answers, scratch, counters);
+    }
+
+    fn enter<C: Counters>(&self, shaft: &Shaft, scratch: &mut Scratch, counters: &mut C) {
+        let Some(places) = self.places().filter(|_| self.start != Start::Root) else { return };
+        let before = scratch.branches.len();
+        let holds = |wider: &Shaft| wider.contains(shaft);
+        let (view, from) = self.around(&scratch.regions, holds);
+        let step = from.and_then(|from| {
+            self.narrow((places, from), (view, &mut scratch.branches), shaft, counters)
+        });
+        scratch.peak = scratch.peak.max(scratch.branches.len());
+        scratch.regions.push(Region { shaft: shaft.clone(), step, before });
+    }
+
+    fn leave(&self, scratch: &mut Scratch) {
+        if let Some(region) = scratch.regions.pop() {
+            scratch.branches.truncate(region.before);
+        }
+    }
+
+    fn pool(&self, scratch: &mut Scratch) -> PoolUse {
+        let in_use = scratch.branches.len();
+        let peak = std::mem::replace(&mut scratch.peak, in_use).max(in_use);
+        let bytes = size_of::<Branch>();
+        PoolUse { peak: peak * bytes, size: scratch.branches.capacity() * bytes }
     }
 
     fn view(&self, shaft: &Shaft) -> Option<Box<dyn Accel + '_>> {

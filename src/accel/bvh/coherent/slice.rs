@@ -6,7 +6,7 @@ use super::compress::{Branches, Step};
 use super::cut::{Cut, RAYS};
 use super::packet::Walk;
 use super::place::Places;
-use super::{Coherent, Scratch, Start, View};
+use super::{Coherent, Scratch, Start, With, adaptive};
 use crate::accel::{Batch, Counters, Query, Shot, Traverse};
 use crate::geom::{Heading, Shaft};
 use crate::math::{Ray, Vec3};
@@ -29,21 +29,26 @@ impl Coherent {
     ) {
         let rays = batch.rays();
         scratch.singles.clear();
-        scratch.branches.clear();
+        let before = scratch.branches.len();
         match self.places().filter(|_| rays.len() >= FEW) {
             None => scratch.singles.extend(0..rays.len() as u32),
             Some(places) => {
                 let shaft = self.shaft_of(simd, batch);
-                let view = self.view_of(batch, shaft.as_ref());
-                let branches = view.map_or(&[][..], |view| &view.branches);
-                let mut from = view.map_or(Some(Step::ROOT), |view| view.step);
+                let holds = |region: &Shaft| self.is_within(batch, shaft.as_ref(), region);
+                let (branches, mut from) = self.around(&scratch.regions, holds);
                 if let (Some(step), Some(shaft)) = (from, &shaft) {
                     let pool = (branches, &mut scratch.branches);
                     from = self.narrow((places, step), pool, shaft, counters);
                 }
                 if let Some(from) = from {
                     let start = (places, branches, from);
-                    self.shoot_packets::<S, Q, C>(simd, start, batch, answers, scratch, counters);
+                    if self.with == With::Single {
+                        self.shoot_each::<S, Q, C>(simd, start, batch, answers, scratch, counters);
+                    } else {
+                        self.shoot_packets::<S, Q, C>(
+                            simd, start, batch, answers, scratch, counters,
+                        );
+                    }
                 } else {
                     // The slice's region has no leaf.
                     for (answer, ray) in answers.iter_mut().zip(rays) {
@@ -52,6 +57,8 @@ impl Coherent {
                 }
             }
         }
+        scratch.peak = scratch.peak.max(scratch.branches.len());
+        scratch.branches.truncate(before);
         for &index in &scratch.singles {
             let index = index as usize;
             let mut query = Q::new(&rays[index]);
@@ -76,17 +83,15 @@ impl Coherent {
         Shaft::of_rays(simd, rays, row).or_else(given)
     }
 
-    /// The view, if it holds the whole slice.
-    fn view_of(&self, batch: &Batch<'_>, shaft: Option<&Shaft>) -> Option<&View> {
-        let view = self.view.as_ref()?;
-        let contained = shaft.is_some_and(|shaft| view.shaft.contains(shaft));
-        let held = || batch.rays().iter().all(|ray| self.knows(ray) && view.shaft.holds(ray));
-        (contained || held()).then_some(view)
+    /// Whether a region holds the whole slice, of which a shaft may be known.
+    fn is_within(&self, batch: &Batch<'_>, shaft: Option<&Shaft>, region: &Shaft) -> bool {
+        let contained = shaft.is_some_and(|shaft| region.contains(shaft));
+        contained || batch.rays().iter().all(|ray| self.knows(ray) && region.holds(ray))
     }
 
     /// Whether the boxes are good for a ray.
     #[inline(always)]
-    fn knows(&self, ray: &Ray) -> bool {
+    pub(super) fn knows(&self, ray: &Ray) -> bool {
         self.bvh.parts.is_none_or(|parts| parts.covers(ray))
     }
 
@@ -98,10 +103,17 @@ impl Coherent {
         (places, view, from): (Places<'_>, &[super::Branch], Step),
         batch: &Batch<'_>,
         answers: &mut [Q::Answer],
-        Scratch { single, packet, members, group, singles, branches }: &mut Scratch,
+        Scratch {
+            single, packet, members, group, singles, branches, peak, starts, ..
+        }: &mut Scratch,
         counters: &mut C,
     ) {
         let (rays, cut) = (batch.rays(), Cut::new(batch, self.size));
+        starts.clear();
+        starts.resize(cut.packets(), Some(from));
+        if self.start == Start::EntryPoints {
+            adaptive::entry_points(simd, places, from, &cut, starts, counters);
+        }
         let mut queries: Vec<Q> = Vec::with_capacity(RAYS);
         for number in 0..cut.packets() {
             let corners = cut.list(number, members);
@@ -125,9 +137,10 @@ impl Coherent {
             };
             // One more tree, upon that of the slice.
             let of_slice = branches.len();
-            let (mut start, mut culls) = (Some(from), true);
+            let (mut start, mut culls) = (starts[number], true);
             if matches!(self.start, Start::Compressed { per_packet: true, .. }) {
                 start = self.narrow((places, from), (view, branches), &shaft, counters);
+                *peak = branches.len().max(*peak);
                 culls = false;
             }
             let heading = |index: u32| Heading::of(rays[index as usize].direction()).number();
@@ -152,7 +165,7 @@ impl Coherent {
                     batch,
                     queries: &mut queries,
                     fetched: &mut single.fetched,
-                    partitions: self.partitions,
+                    partitions: self.with == With::Partition,
                     culls,
                 };
                 packet.walk(&mut walk, start, &mut shaft.clone(), counters);

@@ -28,7 +28,7 @@ fn structure(side: u32) -> Coherent {
     let source = Arc::new(TriangleList(lattice(side)));
     let level = Isa::Portable.level().expect("always there");
     let start = Start::Compressed { recursive: false, per_packet: false };
-    Coherent::build(&BuildInput { source, options: &options, level }, start, false)
+    Coherent::build(&BuildInput { source, options: &options, level }, start, With::Packet)
         .expect("a small scene")
 }
 

@@ -1,6 +1,8 @@
 //! What parts are made of.
 
-use serde_json::{Value, json};
+use serde_json::Value;
+
+use crate::scene::generate::material::{plain, shining};
 
 /// A material of the assembly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,22 +69,13 @@ impl Finish {
             Grey => ([0.45, 0.46, 0.47], 0.0, 0.5),
             Rubber => ([0.03, 0.03, 0.03], 0.0, 0.75),
             Floor => ([0.34, 0.33, 0.32], 0.0, 0.8),
-            Lamp => ([0.0, 0.0, 0.0], 0.0, 1.0),
+            Lamp => return shining(&self.name(), [1.0, 0.97, 0.92], LAMP_RADIANCE),
         };
-        let [r, g, b]: [f64; 3] = color;
-        let mut material = json!({
-            "name": format!("{self:?}").to_lowercase(),
-            "pbrMetallicRoughness": {
-                "baseColorFactor": [r, g, b, 1.0],
-                "metallicFactor": metallic, "roughnessFactor": roughness,
-            },
-        });
-        if self == Lamp {
-            material["emissiveFactor"] = json!([1.0, 0.97, 0.92]);
-            let strength = json!({ "emissiveStrength": LAMP_RADIANCE });
-            material["extensions"] = json!({ "KHR_materials_emissive_strength": strength });
-        }
-        material
+        plain(&self.name(), color, metallic, roughness)
+    }
+
+    fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
     }
 }
 

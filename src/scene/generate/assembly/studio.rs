@@ -4,7 +4,8 @@ use serde_json::json;
 
 use super::finish::Finish;
 use super::{Assembly, Grid};
-use crate::math::{DVec2, DVec3};
+use crate::camera::flight::Pose;
+use crate::math::{DVec2, DVec3, Vec3};
 use crate::scene::generate::document::perspective;
 use crate::scene::generate::model::{Lamp, View, at, facing};
 use crate::scene::generate::shape::Quad;
@@ -31,6 +32,14 @@ pub fn light(a: &mut Assembly, grid: Grid) {
     let towards = middle.as_vec3();
     let eye = towards + DVec3::new(0.42, 0.2, 1.0).normalize().as_vec3() * distance(size);
     a.model.cameras.push(View { eye, target: towards, lens: perspective(30.0, 4.0 / 3.0) });
+    // Half around it, from so far that all of it is small, and a little nearer.
+    let around = |i: u16| {
+        let (sin, cos) = libm::sincosf(0.6 * f32::from(i) - 0.9);
+        let away = distance(size) * (2.0 - 0.12 * f32::from(i));
+        let eye = towards + Vec3::new(sin, 0.25 + 0.05 * f32::from(i), cos) * away;
+        Pose::new(eye, towards, 30.0)
+    };
+    a.model.flight = (0..6).map(around).collect();
     a.model.lights.push(Lamp {
         light: json!({ "type": "directional", "intensity": 4.0 }),
         at: (middle + DVec3::new(-0.6, 0.3, 1.0)).as_vec3(),

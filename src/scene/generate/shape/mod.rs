@@ -11,7 +11,10 @@ mod profile;
 mod quad;
 mod revolve;
 mod ribbon;
+mod rock;
 mod rounded_box;
+mod shell;
+mod terrain;
 mod thread;
 mod tube;
 
@@ -23,7 +26,10 @@ pub use profile::Profile;
 pub use quad::Quad;
 pub use revolve::Revolve;
 pub use ribbon::Ribbon;
+pub use rock::{Foliage, Rock};
 pub use rounded_box::RoundedBox;
+pub use shell::Shell;
+pub use terrain::Terrain;
 pub use thread::Thread;
 pub use tube::Tube;
 
@@ -93,6 +99,9 @@ mod tests {
             Box::new(Honeycomb { half: DVec2::new(0.2, 0.1), thickness: 0.02 }),
             Box::new(Quad { half: DVec2::new(0.2, 0.1) }),
             Box::new(Ribbon { length: 1.0, width: 0.04 }),
+            Box::new(Shell { half: DVec3::new(3.0, 1.4, 2.0) }),
+            Box::new(Rock { half: DVec3::new(1.0, 0.6, 0.8), seed: 3 }),
+            Box::new(Foliage { half: DVec3::new(2.0, 1.6, 1.8), seed: 4 }),
         ]
     }
 
@@ -126,6 +135,20 @@ mod tests {
                         assert!(turned > -0.05, "{shape:?} at {level}: {triangle:?} {turned}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn land_is_one_sheet_that_faces_up() {
+        use crate::scene::generate::ground::Ground;
+        let land = Terrain(Ground { seed: 2, half: 300.0 });
+        for level in [0, 1, 4] {
+            let made = land.build(level);
+            assert_eq!(made.indices.len() as u64, land.count(level));
+            for triangle in &made.indices {
+                let corner = |i: usize| Vec3::from(made.vertices[triangle[i] as usize].position);
+                assert!((corner(1) - corner(0)).cross(corner(2) - corner(0)).y > 0.0);
             }
         }
     }

@@ -1,0 +1,85 @@
+//! Rays one by one over a tree of branches: J. Barczak expects of single rays what he measured of
+//! partitioned packets ("An improved multi-level raytracing algorithm", section 4.4).
+//!
+//! Below the branches the walk is that of `bvh2`.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::Simd;
+
+use super::super::binary::Node;
+use super::compress::{Branches, Step};
+use super::place::Places;
+use super::{Branch, Coherent, Scratch};
+use crate::accel::{Batch, Counters, Event, Query, Shot};
+use crate::math::larger;
+
+impl Coherent {
+    /// Walks all rays of a slice from a step; leaves a list of those that boxes are not good for.
+    #[inline(always)]
+    pub(super) fn shoot_each<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        (places, view, from): (Places<'_>, &[Branch], Step),
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        scratch: &mut Scratch,
+        counters: &mut C,
+    ) {
+        for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
+            if !self.knows(ray) {
+                scratch.singles.push(index as u32);
+                continue;
+            }
+            let mut query = Q::new(ray);
+            let shot = Shot::new(ray, index, batch.filter());
+            let start = (places, view, from);
+            let _final = self.walk_branches(simd, start, &shot, &mut query, scratch, counters);
+            *answer = query.answer();
+        }
+    }
+
+    /// Walks one ray; `Break` if its answer is final.
+    #[inline(always)]
+    fn walk_branches<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        (places, view, from): (Places<'_>, &[Branch], Step),
+        shot: &Shot<'_>,
+        query: &mut Q,
+        Scratch { single, branches, steps, .. }: &mut Scratch,
+        counters: &mut C,
+    ) -> ControlFlow<()> {
+        let branches = Branches { view, own: branches };
+        steps.clear();
+        steps.push((from, f32::NEG_INFINITY));
+        while let Some((mut at, enter)) = steps.pop() {
+            if enter > query.t_max() {
+                continue;
+            }
+            while !at.is_plain() {
+                let Some([a, b]) = branches.below(places, at) else { break };
+                counters.count(Event::InnerNode);
+                counters.count(Event::BoxTest);
+                let boxes = Node::of([a, b].map(|step| places.bounds(step.place)));
+                let [in0, in1, out0, out1] = boxes.intervals(simd, shot, query.t_max());
+                match (in0 <= -out0, in1 <= -out1) {
+                    (true, true) => {
+                        let (near, far) = if in1 < in0 { (b, a) } else { (a, b) };
+                        steps.push((far, larger(in0, in1)));
+                        counters.count(Event::Push);
+                        at = near;
+                    }
+                    (true, false) => at = a,
+                    (false, true) => at = b,
+                    (false, false) => break,
+                }
+            }
+            if at.is_plain() {
+                let link = places.link(at.place);
+                self.bvh.walk_below(simd, link, shot, query, single, counters)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,352 @@
+//! The tables, in the paper's form, its figures beside ours.
+
+use super::super::bars::bars;
+use super::super::table::{Table, cell};
+use super::lights::{self, Light};
+use super::paper::{self, MACHINE};
+use super::{Column, Name, Scene, Settings, Tiling};
+
+/// Tables 1 to 4, entry points by tiles, and rays to lights.
+pub fn tables(scenes: &[Scene], settings: &Settings) -> Vec<Table> {
+    let titles: [fn(&[Scene], &Settings) -> Table; 6] =
+        [visits, rates, memory, partition, tilings, to_lights];
+    titles.map(|table| table(scenes, settings)).into()
+}
+
+/// A scene's name, and that of the paper's scene of as many triangles.
+fn label(scene: &Scene) -> String {
+    match paper::Scene::of(scene.triangles) {
+        Some(paper) => format!("{} (P: {})", scene.name, paper.name),
+        None => format!("{}, {} triangles", scene.name, scene.triangles),
+    }
+}
+
+fn theirs<const N: usize>(
+    scene: &Scene,
+    figures: impl Fn(&paper::Scene) -> [f64; N],
+    decimals: [usize; N],
+) -> Vec<String> {
+    let Some(paper) = paper::Scene::of(scene.triangles) else { return Vec::new() };
+    figures(paper).into_iter().zip(decimals).map(|(x, decimals)| cell(Some(x), decimals)).collect()
+}
+
+fn cells(figures: impl IntoIterator<Item = (f64, usize)>) -> impl Iterator<Item = String> {
+    figures.into_iter().map(|(x, decimals)| cell(Some(x), decimals))
+}
+
+/// Nodes looked at, in all.
+fn sum(column: &Column) -> f64 {
+    let [searched, walked] = column.visits();
+    searched + walked
+}
+
+/// Visits of entry points and of compressed paths over those of packets.
+pub(super) fn visit_ratios(scene: &Scene) -> [f64; 2] {
+    let of = |name| sum(scene.column(name));
+    let packets = of(Name::Packet).max(1.0);
+    [of(Name::EntryPoint) / packets, of(Name::Compressed) / packets]
+}
+
+/// Millions of rays a second.
+pub(super) fn rate(scene: &Scene, column: &Column) -> f64 {
+    (scene.rays * column.seconds.len()) as f64 * 1e-6 / column.total().max(1e-12)
+}
+
+fn pictures(settings: &Settings) -> String {
+    let (width, height) = settings.resolution;
+    format!("{width}x{height} pixels, up to {} pictures of a flight", settings.frames)
+}
+
+fn visits(scenes: &[Scene], settings: &Settings) -> Table {
+    let note = format!(
+        "Thousands of nodes a picture, leaves among them: those that packets enter, and (searched) \
+         those that are held against the shafts of the screen and of 8x8 tiles. EP: entry points, \
+         PC: compressed paths, both with packets that go down early; ratios are over packets from \
+         the root, searches included. {}. P: as the paper prints them; {MACHINE}.",
+        pictures(settings)
+    );
+    let heading = [
+        "",
+        "packets",
+        "EP",
+        "searched",
+        "PC",
+        "searched",
+        "EP ratio",
+        "PC ratio",
+        "PC/EP",
+        "P packets",
+        "P EP",
+        "searched",
+        "P PC",
+        "searched",
+        "P EP ratio",
+        "P PC ratio",
+    ];
+    let mut table = Table::new("Table 1: nodes visited", note, &heading);
+    for scene in scenes {
+        let thousands = |x: f64| (x * 1e-3, 1);
+        let [_, packets] = scene.column(Name::Packet).visits();
+        let [entry_searched, entry] = scene.column(Name::EntryPoint).visits();
+        let [searched, compressed] = scene.column(Name::Compressed).visits();
+        let [entry_ratio, ratio] = visit_ratios(scene);
+        let counts = [packets, entry, entry_searched, compressed, searched].map(thousands);
+        let ratios = [entry_ratio, ratio, ratio / entry_ratio.max(1e-12)].map(|x| (x, 2));
+        let mut row = vec![label(scene)];
+        row.extend(cells(counts.into_iter().chain(ratios)));
+        row.extend(theirs(
+            scene,
+            |p| {
+                let [packets, entry, compressed] = p.visits;
+                let [one, two] = p.searched;
+                [packets, entry, one, compressed, two, p.ratios[0], p.ratios[1]]
+            },
+            [0, 0, 1, 0, 1, 2, 2],
+        ));
+        table.rows.push(row);
+    }
+    table
+}
+
+fn rates(scenes: &[Scene], settings: &Settings) -> Table {
+    let note = format!(
+        "Millions of rays a second on one thread, searches included, rays made before. S: speed-up \
+         over packets from the root, and the highest of a picture. each: one more tree for each \
+         packet, and no shaft asked while tracing. mbvh8 by the same slices; /mbvh8: packets over \
+         it. hit: per cent of rays that meet something. P: {MACHINE}."
+    );
+    let heading = [
+        "",
+        "hit",
+        "packets",
+        "EP",
+        "PC",
+        "PC each",
+        "mbvh8",
+        "/mbvh8",
+        "EP S",
+        "max",
+        "PC S",
+        "max",
+        "P packets",
+        "P EP",
+        "P PC",
+        "P EP S",
+        "max",
+        "P PC S",
+        "max",
+    ];
+    let mut table = Table::new("Table 2: packets", note, &heading);
+    let _ = settings;
+    for scene in scenes {
+        let names =
+            [Name::Packet, Name::EntryPoint, Name::Compressed, Name::CompressedEach, Name::Wide];
+        let rates = names.map(|name| rate(scene, scene.column(name)));
+        let packets = scene.column(Name::Packet);
+        let speed_up = |name| scene.column(name).speed_up(packets);
+        let speed_ups = [speed_up(Name::EntryPoint), speed_up(Name::Compressed)].concat();
+        let mut row = vec![label(scene), cell(Some(scene.covered * 100.0), 0)];
+        row.extend(cells(rates.map(|rate| (rate, 2))));
+        row.extend(cells([(rates[0] / rates[4].max(1e-12), 2)]));
+        row.extend(cells(speed_ups.into_iter().map(|x| (x, 2))));
+        row.extend(theirs(
+            scene,
+            |p| {
+                let [packets, entry, compressed] = p.rates;
+                let [[a, b], [c, d]] = p.speed_ups;
+                [packets, entry, compressed, a, b, c, d]
+            },
+            [2; 7],
+        ));
+        table.rows.push(row);
+    }
+    table
+}
+
+fn memory(scenes: &[Scene], settings: &Settings) -> Table {
+    let note = format!(
+        "Compressed paths in per cent of the hierarchy's nodes (its triangles not counted): in use \
+         at once, in the mean picture and at most, and the thread's pool as it has grown. \
+         Milliseconds a picture to compress paths for the screen and its 8x8 tiles, both ways; S: \
+         recursion over iteration. {}. P: {MACHINE}; there, too, iteration is some 20% faster.",
+        pictures(settings)
+    );
+    let heading = [
+        "",
+        "triangles",
+        "nodes MB",
+        "with triangles",
+        "mean %",
+        "max %",
+        "pool %",
+        "iterative ms",
+        "recursive ms",
+        "S",
+        "P MB",
+        "P mean %",
+        "P max %",
+        "P pool %",
+        "P S",
+    ];
+    let mut table = Table::new("Table 3: memory and construction", note, &heading);
+    for scene in scenes {
+        let [nodes, all] = scene.bytes;
+        let [mean, most, pool] = shares(scene);
+        let [iterative, recursive] = scene.compressing;
+        let mut row = vec![label(scene), scene.triangles.to_string()];
+        row.extend(cells([
+            (nodes as f64 * 1e-6, 2),
+            (all as f64 * 1e-6, 2),
+            (mean, 2),
+            (most, 2),
+            (pool, 2),
+            (iterative * 1e3, 3),
+            (recursive * 1e3, 3),
+            (recursive / iterative.max(1e-12), 2),
+        ]));
+        let figures = |p: &paper::Scene| {
+            let [mean, most, pool] = p.pool;
+            [p.megabytes, mean, most, pool, paper::ITERATIVE]
+        };
+        row.extend(theirs(scene, figures, [2, 2, 2, 2, 1]));
+        table.rows.push(row);
+    }
+    table
+}
+
+/// Bytes of compressed paths in per cent of those of nodes: on average, at most, and of the pool.
+pub(super) fn shares(scene: &Scene) -> [f64; 3] {
+    let column = scene.column(Name::Compressed);
+    let share = |bytes: f64| bytes * 100.0 / scene.bytes[0].max(1) as f64;
+    let mean = column.peaks.iter().sum::<usize>() as f64 / column.peaks.len().max(1) as f64;
+    let most = column.peaks.iter().max().copied().unwrap_or(0);
+    [mean, most as f64, column.pool as f64].map(share)
+}
+
+fn partition(scenes: &[Scene], _: &Settings) -> Table {
+    let note = format!(
+        "Millions of rays a second. Partitioned packets from the root, and over compressed paths \
+         with one more tree for each packet; bvh2 ray by ray from the root, and over the compressed \
+         paths of tiles. P: {MACHINE}."
+    );
+    let heading = [
+        "",
+        "partition",
+        "PC each",
+        "S",
+        "max",
+        "bvh2",
+        "bvh2 PC",
+        "S",
+        "max",
+        "P partition",
+        "P PC",
+        "P S",
+    ];
+    let mut table = Table::new("Table 4: partitioned packets, and single rays", note, &heading);
+    for scene in scenes {
+        let mut row = vec![label(scene)];
+        for (from, with) in
+            [(Name::Partition, Name::PartitionCompressed), (Name::Single, Name::SingleCompressed)]
+        {
+            let [from, with] = [from, with].map(|name| scene.column(name));
+            let [mean, most] = with.speed_up(from);
+            row.extend(cells([rate(scene, from), rate(scene, with), mean, most].map(|x| (x, 2))));
+        }
+        let figures = |p: &paper::Scene| [p.partition[0], p.partition[1], p.partition_speed_up];
+        row.extend(theirs(scene, figures, [2, 2, 2]));
+        table.rows.push(row);
+    }
+    table
+}
+
+fn tilings(scenes: &[Scene], _: &Settings) -> Table {
+    let note = "bvh-entry-point with so many tiles a picture, and with the 8x8 tiles cut into \
+                quarters as long as one of them enters deeper. Thousands of nodes a picture, \
+                searched and in all; S: speed-up over packets from the root by 8x8 tiles.";
+    let heading = ["", "searched", "in all", "ratio", "Mrays/s", "S"];
+    let mut table = Table::new("Entry points by tiles", note, &heading);
+    for scene in scenes {
+        table.rows.push(vec![label(scene)]);
+        let packets = scene.column(Name::Packet);
+        for (tiling, column) in &scene.tilings {
+            let [searched, _] = column.visits();
+            let ratio = sum(column) / sum(packets).max(1.0);
+            let mut row = vec![format!("  {}", tiling.name())];
+            row.extend(cells([
+                (searched * 1e-3, 1),
+                (sum(column) * 1e-3, 1),
+                (ratio, 2),
+                (rate(scene, column), 2),
+                (column.speed_up(packets)[0], 2),
+            ]));
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+impl Tiling {
+    /// As tables name it.
+    pub fn name(self) -> String {
+        match self {
+            Self::Fixed(across) => format!("{across}x{across}"),
+            Self::Adaptive => "adaptive".to_owned(),
+        }
+    }
+}
+
+/// Millions of rays a second.
+pub(super) fn light_rate(light: &Light, column: &Column) -> f64 {
+    light.rays as f64 * 1e-6 / column.total().max(1e-12)
+}
+
+fn to_lights(scenes: &[Scene], _: &Settings) -> Table {
+    let note = "The paper's open questions (5.2). Shadow rays from what the pictures show to a \
+                light of limited range, and to one that shines into a pyramid: millions of rays a \
+                second, and nodes a ray, searched ones included. PC a light: compressed once for \
+                the light's region, then for each tile; bvh2 PC: ray by ray below that. Area light: \
+                256 rays from a pixel are a packet, and paths are compressed for each.";
+    let columns = lights::TRACERS.map(|(name, ..)| name);
+    let nodes = columns.map(|name| format!("{name} nodes"));
+    let mut table = Table::new("Rays to lights", note, &[""]);
+    table.heading.extend(columns.iter().map(|&name| name.to_owned()).chain(nodes));
+    for scene in scenes {
+        table.rows.push(vec![label(scene)]);
+        for light in &scene.lights {
+            let mut row = vec![format!("  {}", light.kind.name())];
+            row.extend(cells(light.columns.iter().map(|one| (light_rate(light, one), 2))));
+            let nodes =
+                |one: &Column| sum(one) * one.seconds.len() as f64 / light.rays.max(1) as f64;
+            row.extend(cells(light.columns.iter().map(|one| (nodes(one), 3))));
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+/// Speed-ups and visits as bars, the paper's beside ours: stems of files, and pictures.
+pub fn plots(scenes: &[Scene]) -> Vec<(String, String)> {
+    let series = ["ours", "P"];
+    let mut speed_ups = Vec::new();
+    let mut visits = Vec::new();
+    for scene in scenes {
+        let paper = paper::Scene::of(scene.triangles);
+        let add = |rows: &mut Vec<_>, what: &str, ours: f64, theirs: Option<f64>| {
+            rows.push((format!("{}: {what}", scene.name), vec![ours, theirs.unwrap_or(f64::NAN)]));
+        };
+        let over = |with, from| scene.column(with).speed_up(scene.column(from))[0];
+        let rows = &mut speed_ups;
+        add(rows, "EP", over(Name::EntryPoint, Name::Packet), paper.map(|p| p.speed_ups[0][0]));
+        add(rows, "PC", over(Name::Compressed, Name::Packet), paper.map(|p| p.speed_ups[1][0]));
+        let with = over(Name::PartitionCompressed, Name::Partition);
+        add(rows, "PC, partition", with, paper.map(|p| p.partition_speed_up));
+        let [entry, compressed] = visit_ratios(scene);
+        add(&mut visits, "EP", entry, paper.map(|p| p.ratios[0]));
+        add(&mut visits, "PC", compressed, paper.map(|p| p.ratios[1]));
+    }
+    vec![
+        ("speed-ups".to_owned(), bars("Speed-ups", "times", &series, &speed_ups)),
+        ("visits".to_owned(), bars("Nodes visited", "over packets", &series, &visits)),
+    ]
+}

@@ -1,0 +1,95 @@
+//! `dapple bench accels`: a row for each structure.
+
+use std::path::PathBuf;
+
+use super::super::progress::say;
+use super::super::{CliError, input, table};
+use super::memory_limit;
+use super::output::{OutputArgs, Results};
+use super::scenes::BenchScene;
+use crate::accel::BuildError;
+use crate::bench::structures::{self, Settings};
+use crate::scene::generate::Generator;
+use crate::simd::Isa;
+
+/// All structures with their defaults: paper, memory and rates, a row each.
+///
+/// On one thread: nearest hits of random rays by slices of 4096, and of a picture by tiles of 64 by
+/// 64 pixels. Structures take turns, and the median of the rounds counts. First all answers are
+/// compared to those of bvh2.
+///
+/// Without a file, the scene is the kitchen of 103,000 triangles that `dapple generate` makes.
+/// --markdown prints what the README has.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "\
+Examples:
+  dapple bench accels
+  dapple bench accels --markdown
+  dapple bench accels bunny.obj --rays 1000000 --rounds 5 --json
+
+Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+pub struct BenchAccelsArgs {
+    /// A scene file, or an .npy of (N, 9) float32 triangles
+    file: Option<PathBuf>,
+    /// Rays of each kind; brute force gets a few of them
+    #[arg(long, value_name = "N", default_value_t = 250_000)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    rays: u64,
+    /// Timed passes of each structure
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    rounds: usize,
+    /// The instruction set
+    #[arg(long, default_value_t)]
+    isa: Isa,
+    /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
+    #[arg(long, value_name = "MB", default_value_t = 0)]
+    memory: u64,
+    /// Print the table as Markdown
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
+    /// Don't tell what is being done
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Triangles of the scene that is made.
+const KITCHEN: u64 = 103_000;
+
+/// Runs the command.
+pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
+    args.output.probe()?;
+    args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
+    let scene = match &args.file {
+        Some(file) => BenchScene::File(file.clone()),
+        None => BenchScene::Made(Generator::Kitchen, KITCHEN),
+    };
+    let source = scene.with_file(input::triangles)?;
+    // Its own flight leads through a scene that was made.
+    let pose = args.file.is_none().then(|| Generator::Kitchen.flight(KITCHEN, 0)[0]);
+    let settings = Settings {
+        rays: args.rays as usize,
+        rounds: args.rounds,
+        memory: memory_limit(args.memory),
+        isa: args.isa,
+    };
+    let tell = |what: &str| {
+        if !args.quiet {
+            say(what);
+        }
+    };
+    let rows = input::on_threads(1, || structures::measure(&source, pose, &settings, &tell))??;
+    let results = Results {
+        name: "accels",
+        tables: vec![structures::table(&rows, &scene.name(), source.len())],
+        json: structures::json(&rows, &scene.name(), source.len()),
+        plots: Vec::new(),
+    };
+    if args.markdown {
+        let text = structures::markdown(&rows, &scene.name(), source.len());
+        return Ok(table::print(&text)?);
+    }
+    results.publish(&args.output)
+}

@@ -1,0 +1,156 @@
+//! `dapple bench coherent`: the tables of path compression.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::super::args::resolution;
+use super::super::progress::say;
+use super::super::{CliError, input, memory};
+use super::output::{OutputArgs, Results};
+use super::scenes::BenchScene;
+use super::{builder, memory_limit, ray_bytes};
+use crate::accel::BuildError;
+use crate::bench::coherent::{self, Settings, paper};
+use crate::camera::flight::{self, Pose};
+use crate::geom::TriangleSource;
+use crate::scene::generate::Generator;
+use crate::simd::Isa;
+
+/// Packets, entry points and compressed paths over flights: the tables of Barczak's paper, its
+/// figures beside.
+///
+/// On one thread, primary rays that were made before: nodes visited (table 1), rates of packets (2),
+/// memory and construction of compressed paths (3), partitioned packets and single rays (4), entry
+/// points by fixed tiles and by adaptive ones, and rays to lights of limited range, to spot lights
+/// and to lights with an area. Structures take turns, picture by picture, and the median of the
+/// rounds counts. First all answers are compared to those of bvh-packet.
+///
+/// Without files, the scenes are a machine of 871,414 triangles from afar, a city of 9,200, a
+/// kitchen of 103,000 and a landscape of 644,000, as `dapple generate` makes them with their flights:
+/// the sizes of the paper's. That takes some twenty minutes; --frames 4 --rounds 1 some three.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "\
+Examples:
+  dapple bench coherent --report out
+  dapple bench coherent --frames 4 --rounds 1 --resolution 512x512
+  dapple generate city --triangles 50000 -o city.glb --path city.txt
+  dapple bench coherent city.glb --path city.txt --json
+
+Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+pub struct CoherentArgs {
+    /// Scene files, or .npy of (N, 9) float32 triangles
+    #[arg(requires = "path")]
+    files: Vec<PathBuf>,
+    /// A file of cameras for each scene, in the same order: a line each, eye, target, up (three
+    /// numbers each) and the angle of view in degrees
+    #[arg(long, value_name = "FILE", requires = "files")]
+    path: Vec<PathBuf>,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = resolution)]
+    resolution: (u32, u32),
+    /// Cameras of a flight that are taken, evenly along it, at most
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=100_000))]
+    frames: usize,
+    /// Timed passes of each structure over each picture
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    rounds: usize,
+    /// How trees are built; `dapple accels` tells
+    #[arg(long, default_value = "binned", value_parser = builder)]
+    build: &'static str,
+    /// The instruction set
+    #[arg(long, default_value_t)]
+    isa: Isa,
+    /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
+    #[arg(long, value_name = "MB", default_value_t = 0)]
+    memory: u64,
+    /// Don't tell what is being done
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// The scenes that stand beside the paper's, in its order.
+const MADE: [Generator; 4] =
+    [Generator::Assembly, Generator::City, Generator::Kitchen, Generator::Landscape];
+
+/// What is measured: a name, triangles and cameras.
+type Loaded = (String, Arc<dyn TriangleSource>, Vec<Pose>);
+
+/// Runs the command.
+pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
+    if args.files.len() != args.path.len() {
+        let (scenes, paths) = (args.files.len(), args.path.len());
+        let message =
+            format!("{scenes} scenes and {paths} --path: each scene needs one of its own");
+        return Err(CliError::Usage(message));
+    }
+    let (width, height) = args.resolution;
+    let rays = u64::from(width) * u64::from(height);
+    // A picture's rays and their answers, and shadow rays with theirs.
+    memory::require(&format!("pictures of {width}x{height}"), ray_bytes(rays, 4))?;
+    args.output.probe()?;
+    args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
+    let settings = Settings {
+        resolution: args.resolution,
+        frames: args.frames,
+        rounds: args.rounds,
+        build: args.build,
+        memory: memory_limit(args.memory),
+        isa: args.isa,
+    };
+    let tell = |what: &str| {
+        if !args.quiet {
+            say(what);
+        }
+    };
+    let measured = input::on_threads(1, || {
+        let measure = |load: Box<dyn Fn() -> Result<Loaded, CliError>>| {
+            let (name, source, flight) = load()?;
+            Ok::<_, CliError>(coherent::measure(&name, &source, &flight, &settings, &tell)?)
+        };
+        scenes(args).into_iter().map(measure).collect::<Result<Vec<_>, _>>()
+    })??;
+    let results = Results {
+        name: "coherent",
+        tables: coherent::tables(&measured, &settings),
+        json: coherent::json(&measured, &settings),
+        plots: coherent::plots(&measured),
+    };
+    results.publish(&args.output)
+}
+
+/// How each scene is loaded.
+fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> + '_>> {
+    if args.files.is_empty() {
+        let pairs = MADE.into_iter().zip(paper::SCENES);
+        let load = |(generator, paper): (Generator, paper::Scene)| {
+            let triangles = paper.triangles as u64;
+            let scene = BenchScene::Made(generator, triangles);
+            Box::new(move || {
+                let source = scene.with_file(input::triangles)?;
+                Ok((generator.name().to_owned(), source, generator.flight(triangles, 0)))
+            }) as Box<dyn Fn() -> _>
+        };
+        return pairs.map(load).collect();
+    }
+    let load = |(file, path): (&PathBuf, &PathBuf)| {
+        let (scene, path) = (BenchScene::File(file.clone()), path.clone());
+        Box::new(move || {
+            // What is short first.
+            let flight = read(&path)?;
+            Ok((scene.name(), scene.with_file(input::triangles)?, flight))
+        }) as Box<dyn Fn() -> _>
+    };
+    args.files.iter().zip(&args.path).map(load).collect()
+}
+
+fn read(path: &Path) -> Result<Vec<Pose>, CliError> {
+    let shown = path.display();
+    let text = fs::read_to_string(path)
+        .map_err(|error| CliError::Input(format!("{shown}: cannot be read: {error}")))?;
+    flight::parse(&text).map_err(|error| CliError::Input(format!("{shown}: {error}")))
+}
