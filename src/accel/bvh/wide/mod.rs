@@ -252,6 +252,10 @@ where
                 let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
                 if let Some(nearest) = stack.descend(simd, &keys, hits, links, &mut top) {
                     counters.add(Event::Push, u64::from(hits.count_ones()) - 1);
+                    if hits & (hits - 1) != 0 {
+                        // Where it will turn to when it comes back from below `nearest`.
+                        rows.prefetch(stack.peek(top));
+                    }
                     link = nearest;
                     continue;
                 }

@@ -87,6 +87,12 @@ impl<const W: usize> Stack<W> {
         (self.keys.as_flattened()[place], Link(self.links.as_flattened()[place]))
     }
 
+    /// What is on top, whatever it is.
+    #[inline(always)]
+    pub fn peek(&self, top: usize) -> Link {
+        Link(self.links.as_flattened()[(top - 1) % Self::SIZE])
+    }
+
     /// Takes the uppermost whose key is not above a limit; `None` at the bottom.
     #[inline(always)]
     pub fn next(&self, top: &mut usize, limit: u32) -> Option<Link> {
