@@ -132,15 +132,15 @@ impl Node {
     /// Two boxes side by side; nothing lies below them.
     #[inline(always)]
     pub(super) fn of([a, b]: [Aabb; 2]) -> Self {
-        let planes = [0, 1, 2].map(|axis| [[a.min[axis], b.min[axis]], [a.max[axis], b.max[axis]]]);
-        Self { planes, children: [Link(0); 2] }
+        let axis = |axis: usize| [[a.min[axis], b.min[axis]], [a.max[axis], b.max[axis]]];
+        Self { planes: [axis(0), axis(1), axis(2)], children: [Link(0); 2] }
     }
 
     /// A child's box.
     #[inline(always)]
     pub(super) fn bounds(&self, side: usize) -> Aabb {
-        let corner =
-            |upper: usize| Vec3::from([0, 1, 2].map(|axis| self.planes[axis][upper][side]));
+        let [x, y, z] = &self.planes;
+        let corner = |upper: usize| Vec3::new(x[upper][side], y[upper][side], z[upper][side]);
         Aabb { min: corner(0), max: corner(1) }
     }
 

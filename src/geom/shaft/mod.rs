@@ -203,7 +203,8 @@ impl Shaft {
     /// A plane's normal; zero if there is none.
     #[inline(always)]
     fn normal(&self, lane: usize) -> DVec3 {
-        [0, 1, 2].map(|axis| f64::from(self.plus[axis][lane] + self.minus[axis][lane])).into()
+        let along = |axis: usize| f64::from(self.plus[axis][lane] + self.minus[axis][lane]);
+        DVec3::new(along(0), along(1), along(2))
     }
 
     /// Whether no ray that it holds enters a box, as the slab test sees it.
@@ -218,6 +219,28 @@ impl Shaft {
                 - f32x8::load_array_ref(simd, &self.size[axis]) * coordinates[axis];
         }
         least.simd_gt(f32x8::load_array_ref(simd, &self.outer)).to_bitmask() != 0
+    }
+
+    /// Whether a box is so small that `grain` of it would fit across the region where it lies, both
+    /// ways; about, and never where the region was not made of rays.
+    #[inline(always)]
+    pub fn is_coarser(&self, bounds: &Aabb, grain: f32) -> bool {
+        if self.core.is_none() {
+            return false;
+        }
+        let (middle, half) = (bounds.centre(), bounds.extent() * 0.5);
+        let normal = |lane: usize| {
+            let along = |axis: usize| self.plus[axis][lane] + self.minus[axis][lane];
+            Vec3::new(along(0), along(1), along(2))
+        };
+        // Between two planes that face each other: what is left on either side of the middle.
+        let fits = |upper: usize, lower: usize| {
+            let (up, down) = (normal(upper), normal(lower));
+            let across =
+                self.offset[upper] - up.dot(middle) + self.offset[lower] - down.dot(middle);
+            2.0 * up.abs().dot(half) * grain <= across
+        };
+        fits(1, 2) && fits(3, 4)
     }
 
     /// Whether all of a box lies in the region.

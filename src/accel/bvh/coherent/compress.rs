@@ -10,16 +10,26 @@
 //! a tile, a packet. Its inner nodes were not enclosed by the shaft before, so they are not by a part
 //! of it and are not asked; at its leaves the hierarchy goes on in full.
 //!
-//! Where we differ: a branch names its children by their places in the hierarchy, whose boxes stand
-//! in their parents, and a leaf of the tree takes no room of its own. And where the left of a
-//! branch proves empty, appendix A drops the branch at once, which would lose its right; ours goes
-//! there first. Both ways of building leave the same bytes.
+//! Where we differ: a tree also ends where boxes become small beside the shaft ([`GRAIN`]). Few
+//! packets of a tile come by such a node, and to look for what lies below it takes as many steps as
+//! the tree would spare them: of a dense object far away, whose small nodes lie across the borders
+//! of tiles in great number, more. A branch names its children by their places in the hierarchy,
+//! whose boxes stand in their parents, and a leaf of the tree takes no room of its own. And where
+//! the left of a branch proves empty, appendix A drops the branch at once, which would lose its
+//! right; ours goes there first. Both ways of building leave the same bytes.
 
 use super::place::{Place, Places};
 use crate::accel::bvh::sah;
 use crate::accel::{Counters, Event};
 use crate::geom::Shaft;
 use crate::simd::baseline;
+
+/// A tree ends at nodes of which this part would fit across the shaft: at half, boxes up to twice as
+/// wide as it. Nodes of a picture, searched and walked, over those of entry points, by 8x8 tiles, of a
+/// machine of 871,414 triangles from afar (`bench coherent`): 1.46 without such an end, 1.19 at 8,
+/// 1.07 at 2, 1.02 at 1 and 0.99 at a half; of a kitchen 0.81 at 4 and 0.73 at a half, of a city 0.80
+/// and 0.72.
+pub const GRAIN: f32 = 0.5;
 
 /// A node with something on either side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,16 +85,21 @@ impl Branches<'_> {
     pub fn below(&self, places: Places<'_>, step: Step) -> Option<[Step; 2]> {
         if step.branch == 0 {
             let link = places.link(step.place);
-            return (!link.is_leaf()).then(|| Place::below(link.place()).map(Step::to));
+            if link.is_leaf() {
+                return None;
+            }
+            let [left, right] = Place::below(link.place());
+            return Some([Step::to(left), Step::to(right)]);
         }
         let at = step.branch as usize - 1;
         let Branch { sides, back } =
             if at < self.view.len() { self.view[at] } else { self.own[at - self.view.len()] };
-        let side = |side: usize| Step {
-            place: sides[side],
-            branch: if back[side] == 0 { 0 } else { step.branch - back[side] },
-        };
-        Some([side(0), side(1)])
+        let link = |back: u32| if back == 0 { 0 } else { step.branch - back };
+        let ([left, right], [to_left, to_right]) = (sides, back);
+        Some([
+            Step { place: left, branch: link(to_left) },
+            Step { place: right, branch: link(to_right) },
+        ])
     }
 }
 
@@ -121,7 +136,8 @@ impl Compression<'_> {
     fn is_end(&self, step: Step) -> bool {
         step.branch == 0
             && (self.places.link(step.place).is_leaf()
-                || self.shaft.encloses(baseline(), &self.places.bounds(step.place)))
+                || self.shaft.encloses(baseline(), &self.places.bounds(step.place))
+                || self.shaft.is_coarser(&self.places.bounds(step.place), GRAIN))
     }
 
     /// What both sides of a node come to.

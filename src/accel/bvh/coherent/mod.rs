@@ -23,7 +23,8 @@
 //! packet's way down to where the slice is. An entry point seldom lies deep; a compressed tree
 //! spares nodes below it too, the more the larger the scene is beside the slice. Take them for
 //! slices of many packets (`per-packet=on` with `with=partition`, as the paper's table 4 did). The
-//! tracer of a `view` starts from what the region of that meets: screen, tile, packet. A slice
+//! tracer that has entered a region, a screen or what a light reaches, or that of a `view`, starts from
+//! what is met there: screen, tile, packet. A slice
 //! that has no shaft of its own is given that of its batch if it holds it; one that has neither is
 //! walked from the root.
 //!

@@ -61,7 +61,7 @@ impl Coherent {
                 let Some([a, b]) = branches.below(places, at) else { break };
                 counters.count(Event::InnerNode);
                 counters.count(Event::BoxTest);
-                let boxes = Node::of([a, b].map(|step| places.bounds(step.place)));
+                let boxes = Node::of([places.bounds(a.place), places.bounds(b.place)]);
                 let [in0, in1, out0, out1] = boxes.intervals(simd, shot, query.t_max());
                 match (in0 <= -out0, in1 <= -out1) {
                     (true, true) => {

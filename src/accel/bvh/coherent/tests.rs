@@ -61,7 +61,8 @@ fn ends(places: Places<'_>, branches: Branches<'_>, from: Step, shaft: &Shaft) -
             continue;
         }
         let link = places.link(place);
-        if link.is_leaf() || shaft.encloses(baseline(), &bounds) {
+        let small = shaft.is_coarser(&bounds, super::compress::GRAIN);
+        if link.is_leaf() || small || shaft.encloses(baseline(), &bounds) {
             all.push(place);
         } else {
             waiting.extend(Place::below(link.place()));
