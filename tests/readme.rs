@@ -15,3 +15,18 @@ fn the_table_of_structures_has_each_of_them() {
     known.sort_unstable();
     assert_eq!(listed, known);
 }
+
+#[test]
+fn each_row_tells_paper_memory_and_rates() {
+    let readme = include_str!("../README.md");
+    for variant in VARIANTS {
+        let start = format!("| `{}` | ", variant.id);
+        let row = readme.lines().find(|line| line.starts_with(&start));
+        let row = row.unwrap_or_else(|| panic!("{} has no row of its own", variant.id));
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        assert_eq!(cells[1..3], [variant.summary, variant.paper], "`bench accels --markdown`");
+        let figures = cells[3..].iter().map(|cell| cell.parse::<f64>());
+        let figures: Vec<f64> = figures.map(|figure| figure.expect("a figure")).collect();
+        assert!(figures.len() == 4 && figures.iter().all(|x| *x > 0.0), "{row}");
+    }
+}

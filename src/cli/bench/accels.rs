@@ -15,8 +15,9 @@ use crate::simd::Isa;
 /// All structures with their defaults: paper, memory and rates, a row each.
 ///
 /// On one thread: nearest hits of random rays by slices of 4096, and of a picture by tiles of 64 by
-/// 64 pixels. Structures take turns, and the median of the rounds counts. First all answers are
-/// compared to those of bvh2.
+/// 64 pixels, the median of the rounds. One structure is built and measured after the other: on a
+/// machine that does other things besides, only `bench kd`, `mbvh` and `coherent`, where structures
+/// take turns, compare well. First all answers are compared to those of bvh2.
 ///
 /// Without a file, the scene is the kitchen of 103,000 triangles that `dapple generate` makes.
 /// --markdown prints what the README has.
