@@ -52,6 +52,7 @@
 //! as those of tame rays. Beyond, all triangles are tested, their own boxes first.
 
 pub mod build;
+mod coherent;
 pub mod layout;
 pub mod links;
 pub mod ray;
