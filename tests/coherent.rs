@@ -209,8 +209,12 @@ fn rays_that_run_side_by_side_share_their_nodes() {
         let alike =
             |spec: &&&str| spec[..3] == single[..3] || single == "bvh2" && !spec.contains("kd");
         for spec in SPECS.iter().filter(|spec| !spec.contains("build")).filter(alike) {
-            // Of small packets not every ray has company.
-            let share = if spec.contains("size=2") || spec.contains("size=3") { 2 } else { 8 };
+            let share =
+                match spec.split_once("size=").map_or(16, |(_, side)| side.parse().unwrap_or(8)) {
+                    2 | 3 => 2,
+                    4 | 5 => 4,
+                    _ => 8,
+                };
             let nodes = nodes(spec);
             assert!(nodes * share < of_single, "{spec}: {nodes} nodes, {single} {of_single}");
         }

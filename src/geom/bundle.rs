@@ -160,7 +160,12 @@ impl Heading {
     /// That of a direction.
     #[inline(always)]
     pub fn of(direction: Vec3) -> Self {
-        let negative = [0, 1, 2].map(|axis| usize::from(direction[axis].is_sign_negative()));
+        let Vec3 { x, y, z } = direction;
+        let negative = [
+            usize::from(x.is_sign_negative()),
+            usize::from(y.is_sign_negative()),
+            usize::from(z.is_sign_negative()),
+        ];
         Self { negative, axes: axes(direction) }
     }
 

@@ -45,6 +45,22 @@ pub struct Narrowing<'a, H: Hierarchy> {
     pub view: Option<&'a View<H::Place>>,
 }
 
+/// Where branches come from and go to.
+pub struct Trees<'a, P> {
+    /// Those of a view.
+    pub view: &'a [Branch<P>],
+    /// Those of the thread; new ones are put behind them.
+    pub own: &'a mut Vec<Branch<P>>,
+}
+
+/// Where the packets of a slice start.
+pub struct Started<'a, P> {
+    /// `None` if they meet no leaf.
+    pub from: Option<Step<P>>,
+    /// The branches of the view, if that holds the slice.
+    pub view: &'a [Branch<P>],
+}
+
 impl<P> View<P> {
     /// Bytes of its branches.
     pub fn bytes(&self) -> usize {
@@ -53,12 +69,11 @@ impl<P> View<P> {
 }
 
 impl<'a, H: Hierarchy> Narrowing<'a, H> {
-    /// Where rays of a shaft start below a step. Branches are put behind those of the thread.
-    /// `None` if they meet no leaf.
+    /// Where rays of a shaft start below a step; `None` if they meet no leaf.
     pub fn narrow<C: Counters>(
         &self,
         from: Step<H::Place>,
-        (view, own): (&[Branch<H::Place>], &mut Vec<Branch<H::Place>>),
+        Trees { view, own }: Trees<'_, H::Place>,
         shaft: &Shaft,
         counters: &mut C,
     ) -> Option<Step<H::Place>> {
@@ -80,15 +95,15 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         let from = wider.map_or(Some(Step::to(self.root)), |view| view.step);
         let wider = wider.map_or(&[][..], |view| &view.branches);
         let mut branches = Vec::new();
-        let step =
-            from.and_then(|from| self.narrow(from, (wider, &mut branches), shaft, &mut NotCounted));
+        let step = from.and_then(|from| {
+            self.narrow(from, Trees { view: wider, own: &mut branches }, shaft, &mut NotCounted)
+        });
         branches.shrink_to_fit();
         let step = step.map(|step| step.without(wider.len()));
         View { shaft: shaft.clone(), branches, step }
     }
 
-    /// Where the packets of a slice start, `None` if they meet no leaf, and the branches of the
-    /// view if that holds the slice. Those of the slice are put behind those of the thread.
+    /// Where the packets of a slice start. Its branches are put behind those of the thread.
     pub fn of_slice<S: Simd, C: Counters>(
         &self,
         simd: S,
@@ -96,9 +111,9 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         knows: impl Fn(&Ray) -> bool,
         own: &mut Vec<Branch<H::Place>>,
         counters: &mut C,
-    ) -> (Option<Step<H::Place>>, &'a [Branch<H::Place>]) {
+    ) -> Started<'a, H::Place> {
         if self.start == Start::Root {
-            return (Some(Step::to(self.root)), &[]);
+            return Started { from: Some(Step::to(self.root)), view: &[] };
         }
         let shaft = of_slice(simd, batch, &knows);
         let view = self.view.filter(|view| {
@@ -108,9 +123,9 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         let branches = view.map_or(&[][..], |view| &view.branches);
         let mut from = view.map_or(Some(Step::to(self.root)), |view| view.step);
         if let (Some(step), Some(shaft)) = (from, &shaft) {
-            from = self.narrow(step, (branches, own), shaft, counters);
+            from = self.narrow(step, Trees { view: branches, own }, shaft, counters);
         }
-        (from, branches)
+        Started { from, view: branches }
     }
 }
 

@@ -23,8 +23,8 @@ pub trait Packets<Q: Query, C: Counters> {
     /// Begins with the rays of a shaft, or wants them in four parts.
     fn begin(&mut self, shaft: &Shaft, rays: usize, counters: &mut C) -> Plan;
 
-    /// Walks rays of that shaft that all head the same way. The answers are left in the queries,
-    /// which are new.
+    /// Walks rays of that shaft that all head the same way; they are still to be prepared. The
+    /// answers are left in the queries, which are new.
     fn walk(
         &mut self,
         rays: &mut Rays,
@@ -112,23 +112,16 @@ pub fn shoot_packets<S: Simd, Q: Query, C: Counters, P: Packets<Q, C>>(
                     .extend(part.clone().step_by(quarter).map(|at| at..part.end.min(at + quarter)));
                 continue;
             }
-            let members = &members[part];
-            let heading = |index: u32| Heading::of(slice[index as usize].direction()).number();
-            let mut counts = [0_usize; Heading::COUNT];
-            for &index in members {
-                counts[heading(index)] += 1;
-            }
-            for (number, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let mut headings = Headings::of(slice, &members[part.clone()]);
+            while let Some((heading, count)) = headings.pop() {
                 if count < length {
-                    group.clear();
-                    group.extend(members.iter().filter(|&&index| heading(index) == number));
+                    Headings::list(slice, &members[part.clone()], heading, group);
                     if count < FEW {
                         singles.extend_from_slice(group);
                         continue;
                     }
                     rays.fill(batch, group);
                 }
-                rays.prepare(simd);
                 rays.ask(batch, &mut queries);
                 packets.walk(rays, &shaft, batch, &mut queries, counters);
                 rays.answer(&queries, answers);
@@ -137,11 +130,42 @@ pub fn shoot_packets<S: Simd, Q: Query, C: Counters, P: Packets<Q, C>>(
     }
 }
 
+/// How many rays head each way.
+struct Headings([usize; Heading::COUNT]);
+
+impl Headings {
+    #[inline(always)]
+    fn of(slice: &[Ray], members: &[u32]) -> Self {
+        let mut counts = [0; Heading::COUNT];
+        for &index in members {
+            counts[Self::number(slice, index)] += 1;
+        }
+        Self(counts)
+    }
+
+    #[inline(always)]
+    fn number(slice: &[Ray], index: u32) -> usize {
+        Heading::of(slice[index as usize].direction()).number()
+    }
+
+    /// A way that was not asked for yet, and how many head it.
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(usize, usize)> {
+        let heading = self.0.iter().position(|&count| count > 0)?;
+        Some((heading, std::mem::take(&mut self.0[heading])))
+    }
+
+    /// Lists those that head a way.
+    fn list(slice: &[Ray], members: &[u32], heading: usize, group: &mut Vec<u32>) {
+        group.clear();
+        group.extend(members.iter().filter(|&&index| Self::number(slice, index) == heading));
+    }
+}
+
 /// Walks all rays of a slice by packets, whichever way they go; those that are not known, and those
 /// of a packet of few, are left in the list of rays that none took up.
 #[inline(always)]
-pub fn shoot_mixed<S: Simd, Q: Query, C: Counters>(
-    simd: S,
+pub fn shoot_mixed<Q: Query, C: Counters>(
     (batch, most): (&Batch<'_>, usize),
     answers: &mut [Q::Answer],
     Pool { rays, members, singles, .. }: &mut Pool,
@@ -165,7 +189,6 @@ pub fn shoot_mixed<S: Simd, Q: Query, C: Counters>(
             continue;
         }
         rays.fill_mixed(batch, members);
-        rays.prepare(simd);
         rays.ask(batch, &mut queries);
         walk(rays, &mut queries, counters);
         rays.answer(&queries, answers);

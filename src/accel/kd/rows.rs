@@ -55,17 +55,12 @@ const WITH_RAYS: [OptionSpec; 6] = with(integer("rays", "rays in flight", [1, 64
 const WITH_SIZE: [OptionSpec; 6] = with(SIZE);
 const WITH_SIZE_AND_PC: [OptionSpec; 7] =
     [OPTIONS[0], OPTIONS[1], OPTIONS[2], OPTIONS[3], OPTIONS[4], SIZE, PC];
-/// Entry points gain by empty leaves: more is paid for them.
-const WITH_TILES: [OptionSpec; 6] = {
-    let mut options = with(OptionSpec {
-        name: "tiles",
-        summary: "rays along a side of a tile, or divided until it is simple",
-        values: Values::Choice(&["adaptive", "16", "8", "4", "2"]),
-        default: Value::Choice("adaptive"),
-    });
-    options[2].default = Value::Number(0.5);
-    options
-};
+const WITH_TILES: [OptionSpec; 6] = with(OptionSpec {
+    name: "tiles",
+    summary: "rays along a side of a tile, or divided until it is simple",
+    values: Values::Choice(&["adaptive", "16", "8", "4", "2"]),
+    default: Value::Choice("adaptive"),
+});
 
 fn build(input: &BuildInput<'_>, over: OverTree) -> Built {
     over(&KdTree::build(&input.source, input.options)?, input.options, input.level)

@@ -7,8 +7,8 @@ use super::place::Place;
 use super::{Coherent, Scratch};
 use crate::accel::bvh::binary;
 use crate::accel::coherent::{
-    Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Start, Step, shoot_packets,
-    shoot_singles,
+    Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Start, Started, Step, Trees,
+    shoot_packets, shoot_singles,
 };
 use crate::accel::{Batch, Counters, Query};
 use crate::geom::Shaft;
@@ -41,7 +41,7 @@ impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, S> {
         if self.structure.per_packet() {
             // One more tree, upon that of the slice.
             self.branches.truncate(self.of_slice);
-            let pool = (self.view, &mut *self.branches);
+            let pool = Trees { view: self.view, own: self.branches };
             self.start = self.narrowing.narrow(self.from, pool, shaft, counters);
         }
         Plan::Walk
@@ -56,6 +56,7 @@ impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, S> {
         queries: &mut [Q],
         counters: &mut C,
     ) {
+        rays.prepare(self.simd);
         let mut walk = Walk {
             simd: self.simd,
             places: self.narrowing.tree,
@@ -88,7 +89,8 @@ impl Coherent {
             None => pool.leave_all(batch.rays().len()),
             Some(narrowing) => {
                 let knows = |ray: &Ray| self.knows(ray);
-                let (from, view) = narrowing.of_slice(simd, batch, knows, branches, counters);
+                let Started { from, view } =
+                    narrowing.of_slice(simd, batch, knows, branches, counters);
                 if let Some(from) = from {
                     let (of_slice, start) = (branches.len(), Some(from));
                     let structure = self;

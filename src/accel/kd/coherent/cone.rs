@@ -35,6 +35,9 @@ pub type Distances = [f32; 4];
 const MARGIN: f32 = 3.8146973e-6;
 
 impl Cone {
+    /// How many corners it has.
+    pub const CORNERS: u64 = 4;
+
     /// That of a shaft, if its rays start at one point and its corners all go the same way along
     /// each axis.
     pub fn of(shaft: &Shaft) -> Option<Self> {

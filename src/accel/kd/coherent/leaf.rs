@@ -16,6 +16,9 @@ use crate::geom::Triangle;
 /// Walks are compiled once, for the baseline; only this exists for each instruction set. It costs an
 /// indirect call for each leaf that is not empty.
 pub trait PacketTest<Q, C>: Sync {
+    /// Prepares rays for boxes and triangles.
+    fn prepare(&self, rays: &mut Rays);
+
     /// Tests some triangles; those that a cone is known to miss are left out.
     fn test(
         &self,
@@ -40,11 +43,70 @@ pub struct Packet<'a, Q, C> {
     pub queries: &'a mut [Q],
     /// How leaves are tested.
     pub test: &'a dyn PacketTest<Q, C>,
+    /// Which triangles were tested lately.
+    pub tested: &'a mut Tested,
     /// What is counted.
     pub counters: &'a mut C,
 }
 
+/// Triangles that a packet has tested lately, and which rays have: those need not meet them again,
+/// since the verdict does not depend on where it is asked, and what it found was offered.
+///
+/// J. Amanatides and A. Woo, "A fast voxel traversal algorithm for ray tracing", 1987: mailboxes.
+pub struct Tested {
+    slots: [Option<Slot>; Self::COUNT],
+    /// Of each the rays by bundles.
+    rays: Box<[[u8; BUNDLES]; Self::COUNT]>,
+}
+
+impl Default for Tested {
+    fn default() -> Self {
+        Self { slots: [None; Self::COUNT], rays: Box::new([[0; BUNDLES]; Self::COUNT]) }
+    }
+}
+
+impl Tested {
+    /// A power of two. One slot evicts another that it equals modulo this.
+    const COUNT: usize = 32;
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.slots = [None; Self::COUNT];
+    }
+
+    /// The rays that have met a triangle.
+    #[inline(always)]
+    fn by(&mut self, slot: Slot) -> &mut [u8; BUNDLES] {
+        let place = slot.index() & (Self::COUNT - 1);
+        if self.slots[place] != Some(slot) {
+            self.slots[place] = Some(slot);
+            self.rays[place] = [0; BUNDLES];
+        }
+        &mut self.rays[place]
+    }
+}
+
+/// Takes those rays off that have met a triangle; false if none is left.
+#[inline(always)]
+fn strike_off(order: &Order<'_>, tested: &mut [u8; BUNDLES], fresh: &mut [u8; BUNDLES]) -> bool {
+    let mut any = 0;
+    for &bundle in order.bundles {
+        let bundle = usize::from(bundle);
+        fresh[bundle] = order.entered[bundle] & !tested[bundle];
+        tested[bundle] |= order.entered[bundle];
+        any |= fresh[bundle];
+    }
+    any != 0
+}
+
 impl<S: Simd, Q: Query, C: Counters> PacketTest<Q, C> for With<S> {
+    fn prepare(&self, rays: &mut Rays) {
+        self.0.vectorize(
+            #[inline(always)]
+            || rays.prepare(self.0),
+        );
+    }
+
     fn test(
         &self,
         packet: &mut Packet<'_, Q, C>,
@@ -72,13 +134,26 @@ fn test_all<S: Simd, Q: Query, C: Counters>(
         let (id, [a, b, c]) = (leaves.id(slot), leaves.corners(slot).map(|[x, y, z, _]| [x, y, z]));
         let triangle = Triangle { a: a.into(), b: b.into(), c: c.into() };
         if let Some(cone) = cone {
-            packet.counters.count(Event::Search);
+            packet.counters.count(Event::TriangleTest);
+            packet.counters.add(Event::TriangleLane, Cone::CORNERS);
             if cone.misses(&triangle) {
                 continue;
             }
         }
+        let mut fresh = [0; BUNDLES];
+        if !strike_off(order, packet.tested.by(slot), &mut fresh) {
+            continue;
+        }
+        let before = fresh;
         let mut ask = Ask { simd, batch: packet.batch, queries: &mut *packet.queries };
-        packet.rays.test(&mut ask, (id, &triangle), order, packet.counters);
+        let mut left = Order { bundles: order.bundles, entered: &mut fresh };
+        packet.rays.test(&mut ask, (id, &triangle), &mut left, packet.counters);
+        if Q::ANY {
+            for &bundle in order.bundles {
+                let bundle = usize::from(bundle);
+                order.entered[bundle] &= !(before[bundle] & !fresh[bundle]);
+            }
+        }
     }
 }
 

@@ -103,6 +103,33 @@ fn sides<S: Simd, K: Classify>(
     ([below, above], above_is_near)
 }
 
+/// Which bundles have rays that cross the child below a plane, and which the one above; and which
+/// child comes first: the only one that any cross, or the nearer one of most.
+#[inline(always)]
+fn ask<S: Simd, K: Classify>(
+    simd: S,
+    state: (&Spans, &Todo, &Rays),
+    bundles: Bundles,
+    plane: (usize, f32),
+    level: usize,
+) -> ([Bundles; 2], usize) {
+    let (mut into, mut votes) = ([0; 2], 0);
+    for bundle in of_set(bundles) {
+        let (sides, above_is_near) = sides::<_, K>(simd, state, bundle, plane, level);
+        for (into, [enter, exit]) in into.iter_mut().zip(sides) {
+            *into |= u64::from(any(enter.simd_lt(exit))) << bundle;
+        }
+        let above = above_is_near.to_bitmask().count_ones() as i32;
+        votes += RayBundle::LANES as i32 - 2 * above;
+    }
+    let first = match into {
+        [0, _] => 1,
+        [_, 0] => 0,
+        _ => usize::from(votes < 0),
+    };
+    (into, first)
+}
+
 /// Walks from the root.
 #[inline(never)]
 pub fn walk<K: Classify, Q: Query, C: Counters>(
@@ -128,26 +155,16 @@ pub fn walk<K: Classify, Q: Query, C: Counters>(
                 View::Leaf(leaf) => break leaf,
             };
             packet.counters.count(Event::InnerNode);
-            let (mut into, mut votes) = ([0; 2], 0);
-            for bundle in of_set(bundles) {
-                let state = (&*spans, &*todo, &*packet.rays);
-                let (sides, above_is_near) = sides::<_, K>(simd, state, bundle, plane, level);
-                for (into, [enter, exit]) in into.iter_mut().zip(sides) {
-                    *into |= u64::from(any(enter.simd_lt(exit))) << bundle;
-                }
-                let above = above_is_near.to_bitmask().count_ones() as i32;
-                votes += RayBundle::LANES as i32 - 2 * above;
-            }
-            if into[0] == 0 || into[1] == 0 {
-                let side = usize::from(into[0] == 0);
-                (node, bundles) = (children[side], into[side]);
+            let state = (&*spans, &*todo, &*packet.rays);
+            let (into, first) = ask::<_, K>(simd, state, bundles, plane, level);
+            if into[1 - first] == 0 {
+                (node, bundles) = (children[first], into[first]);
                 continue;
             }
-            // The nearer one of most at once, one level down; the other in this level's place.
-            let first = usize::from(votes < 0);
             for bundle in of_set(bundles) {
                 let state = (&*spans, &*todo, &*packet.rays);
                 let (sides, _) = sides::<_, K>(simd, state, bundle, plane, level);
+                // The first one level down; the other in this level's place.
                 for (side, level) in [(first, level + 1), (1 - first, level)] {
                     let [enter, exit] = sides[side];
                     todo.enter[level][bundle] = enter.to_array();

@@ -61,6 +61,17 @@ impl Waiting {
         deepest.to_array().into_iter().fold(NOWHERE, f32::max)
     }
 
+    /// Notes a node that rays are to wait at, by its depth.
+    #[inline(always)]
+    fn depth_of(&mut self, ropes: &PacketRopes, node: NodeId) -> f32 {
+        if node == NodeId::NONE {
+            return NOWHERE;
+        }
+        let depth = ropes.depth(node);
+        self.nodes[depth & (LEVELS - 1)] = node;
+        depth as f32
+    }
+
     /// Sets rays of a bundle to wait at a depth.
     #[inline(always)]
     fn put<S: Simd>(&mut self, simd: S, bundle: usize, rays: mask32x8<S>, depth: f32x8<S>) {
@@ -171,17 +182,8 @@ fn visit<S: Simd, Q: Query, C: Counters>(
     waiting: &mut Waiting,
 ) {
     let cell = ropes.cell(leaf);
-    let mut links = [0.0; 3];
-    for axis in 0..3 {
-        let behind = ropes.behind(leaf, axis, 1 - negative[axis]);
-        if behind == NodeId::NONE {
-            links[axis] = NOWHERE;
-        } else {
-            let depth = ropes.depth(behind);
-            waiting.nodes[depth & (LEVELS - 1)] = behind;
-            links[axis] = depth as f32;
-        }
-    }
+    let links =
+        [0, 1, 2].map(|axis| waiting.depth_of(ropes, ropes.behind(leaf, axis, 1 - negative[axis])));
     let mut entered = 0;
     for bundle in of_set(bundles) {
         let here = waiting.at(simd, bundle).simd_eq(HERE);

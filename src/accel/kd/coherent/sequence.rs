@@ -46,6 +46,9 @@ pub fn follow<Q: Query, C: Counters>(
 ) {
     let simd = baseline();
     let all = spans.begin(simd, packet.rays, &packet.base.bounds);
+    if all == 0 {
+        return;
+    }
     // Where rays end is kept in level 0, the leaf at hand is in level 1.
     let negative = packet.rays.heading(0).negative;
     let mut pending = [(NodeId::NONE, None, [0.0; 4]); LEVELS];

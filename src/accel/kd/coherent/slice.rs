@@ -1,5 +1,6 @@
 //! A slice of rays in a kd-tree: cut into packets, each walked as its row says.
 
+use super::super::layout::Nodes;
 use super::cells::{Cell, Cells};
 use super::cone::Cone;
 use super::front::{self, At};
@@ -7,7 +8,7 @@ use super::leaf::{Packet, PacketTest};
 use super::mixed::{self, ByDirection, ByOrigin};
 use super::{Coherent, How, Scratch, Walks, ropes, sequence};
 use crate::accel::coherent::{
-    Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Step, entry_point, shoot_mixed,
+    Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Started, Step, entry_point, shoot_mixed,
     shoot_packets,
 };
 use crate::accel::{Batch, Counters, Query};
@@ -18,7 +19,7 @@ use crate::simd::baseline;
 /// Tiles of fewer rays are not divided: four by four.
 const LEAST_TILE: usize = 16;
 /// Tiles are divided if this often on the way down from their entry point both sides are met.
-const MANY_FORKS: usize = 6;
+const MANY_FORKS: usize = 10;
 
 /// Packets of a slice in the tree.
 struct InSlice<'a, Q, C> {
@@ -60,9 +61,12 @@ impl<Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, Q, C> {
     ) {
         let Some(start) = self.start else { return };
         let (base, nodes) = (self.structure.single.base(), self.structure.nodes());
-        let packet = &mut Packet { base, nodes, batch, rays, queries, test: self.test, counters };
-        let Walks { spans, todo, waiting, .. } = &mut *self.walks;
+        let Walks { spans, todo, waiting, tested, .. } = &mut *self.walks;
+        tested.clear();
         todo.clear();
+        let test = self.test;
+        test.prepare(rays);
+        let packet = &mut Packet { base, nodes, batch, rays, queries, test, tested, counters };
         match &*self.structure.how {
             How::Ropes(ropes) => ropes::walk(packet, ropes, spans, waiting),
             How::Sequence { culls } if let Some(cone) = Cone::of(shaft) => {
@@ -71,7 +75,9 @@ impl<Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, Q, C> {
             }
             _ => {
                 let all = spans.begin(baseline(), packet.rays, &base.bounds);
-                todo.push(At::Cell(start), all, 0);
+                let is_root = start.is_plain() && start.place.node == nodes.root();
+                let at = if is_root { At::Node(nodes.root()) } else { At::Cell(start) };
+                todo.push(at, all, 0);
                 front::walk(packet, self.branches, spans, todo);
             }
         }
@@ -99,19 +105,22 @@ impl Coherent {
         if let How::Mixed { by_origin } = *self.how {
             let walk = |rays: &mut Rays, queries: &mut [Q], counters: &mut C| {
                 let (base, nodes) = (self.single.base(), self.nodes());
-                let packet = &mut Packet { base, nodes, batch, rays, queries, test, counters };
-                let Walks { spans, mixed, .. } = &mut *walks;
+                let Walks { spans, mixed, tested, .. } = &mut *walks;
+                tested.clear();
+                test.prepare(rays);
+                let packet =
+                    &mut Packet { base, nodes, batch, rays, queries, test, tested, counters };
                 if by_origin {
                     mixed::walk::<ByOrigin, Q, C>(packet, spans, mixed);
                 } else {
                     mixed::walk::<ByDirection, Q, C>(packet, spans, mixed);
                 }
             };
-            shoot_mixed(simd, slice, answers, pool, knows, walk, counters);
+            shoot_mixed(slice, answers, pool, knows, walk, counters);
             return;
         }
         let narrowing = self.narrowing();
-        let (from, view) = narrowing.of_slice(simd, batch, knows, branches, counters);
+        let Started { from, view } = narrowing.of_slice(simd, batch, knows, branches, counters);
         let own: &[Branch<Cell>] = branches;
         let Some(from) = from else {
             // The slice's region has no leaf.

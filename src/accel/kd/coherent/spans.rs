@@ -169,9 +169,10 @@ impl Spans {
 
     /// Narrows the spans of a level to a cell; which bundles have rays that cross it.
     ///
-    /// Each plane of the cell is one that the way down from the root splits at, and the one that
-    /// narrows most of those of its side: so the span is that with which a walk from the root would
-    /// have come here.
+    /// Each plane of the cell, but for the rim's, is one that the way down from the root splits at,
+    /// and the one that narrows most of those of its side: so the span is that with which a walk from
+    /// the root would have come here. The rim's planes are further from all triangles than distances
+    /// are off by.
     #[inline(always)]
     pub fn clip<S: Simd>(
         &mut self,
