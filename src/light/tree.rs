@@ -393,8 +393,12 @@ mod tests {
             let corners = [Vec3::X * x, Vec3::X * x + Vec3::Z * 0.1, Vec3::X * (x + 0.1)];
             LightBounds::flat(corners, normal, Sides::Front, 1.0)
         };
-        let lights =
-            [lamp(0.0, Vec3::NEG_Y), lamp(8.0, Vec3::NEG_Y), lamp(0.5, Vec3::Y), lamp(9.0, Vec3::Y)];
+        let lights = [
+            lamp(0.0, Vec3::NEG_Y),
+            lamp(8.0, Vec3::NEG_Y),
+            lamp(0.5, Vec3::Y),
+            lamp(9.0, Vec3::Y),
+        ];
         let tree = LightTree::new(&lights).expect("all shine");
         let vantage = Vantage { position: Vec3::NEG_Y, normal: Vec3::Y };
         let all: Vec<f32> = (0..4).map(|light| tree.probability(&vantage, light)).collect();

@@ -21,8 +21,7 @@ impl Wavelength {
         let place = u * 3.0;
         let band = (place as usize).min(2);
         let u = (place - band as f32).clamp(0.0, 1.0);
-        let offset =
-            if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 * (1.0 - u)).sqrt() };
+        let offset = if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 * (1.0 - u)).sqrt() };
         let wavelength = CENTRES[band] + REACH * offset;
         let height = |centre: f32| (1.0 - (wavelength - centre).abs() / REACH).max(0.0);
         let heights = Vec3::from_array(CENTRES.map(height));

@@ -10,6 +10,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 
+use super::super::ray::KdRay;
 use super::super::walk::todo::LEVELS;
 use crate::accel::coherent::{BUNDLES, Rays};
 use crate::geom::RayBundle;
@@ -38,7 +39,7 @@ pub fn of_set(mut set: Bundles) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Rays of a bundle, prepared for planes: [`super::super::ray::KdRay`], lane by lane.
+/// Rays of a bundle, prepared for planes: [`KdRay`], lane by lane.
 #[derive(Clone, Copy)]
 struct Planes {
     origin: [Row; 3],
@@ -87,15 +88,13 @@ impl Spans {
     /// Takes up rays, each at the part of it inside the root's box; which bundles have any.
     #[inline(always)]
     pub fn begin<S: Simd>(&mut self, simd: S, rays: &Rays, bounds: &Aabb) -> Bundles {
-        /// Keeps reciprocals finite, as [`super::super::ray::KdRay::new`] does.
-        const SMALLEST: f32 = 5.877472e-39; // 2^-127
         let mut live = 0;
         for number in 0..rays.count() {
             let bundle = rays.bundle(number);
             let [o, d] = bundle.rays(simd);
             let planes = &mut self.planes[number];
             for axis in 0..3 {
-                let size = d[axis].abs().max(SMALLEST).copysign(d[axis]);
+                let size = d[axis].abs().max(KdRay::SMALLEST).copysign(d[axis]);
                 planes.origin[axis] = o[axis].to_array();
                 planes.inverse[axis] = (f32x8::splat(simd, 1.0) / size).to_array();
             }
