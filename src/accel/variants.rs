@@ -62,6 +62,7 @@ pub static VARIANTS: &[Variant] = &[
     kd::SHORT_STACK,
     kd::SPILL,
     kd::PREFETCH,
+    kd::WIDE,
 ];
 
 impl fmt::Debug for Variant {

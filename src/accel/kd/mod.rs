@@ -53,6 +53,7 @@
 
 pub mod build;
 pub mod layout;
+pub mod lines;
 pub mod links;
 pub mod ray;
 mod rows;
