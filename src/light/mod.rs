@@ -1,13 +1,18 @@
 //! Light sources: what they send where, and how a point to be lit chooses a direction to them.
 //!
 //! Three kinds: an [`Environment`] infinitely far away, [`Punctual`] lights without extent, and
-//! triangles that emit ([`sample_triangle`]). Which of them a scene has, and with what probability
-//! each is chosen, is known one floor up, in [`crate::scene`].
+//! triangles that emit ([`sample_triangle`]). Which of them a scene has is known one floor up, in
+//! [`crate::scene`]; with what probability each is chosen where there are many tells a
+//! [`LightTree`].
 
 mod area;
+mod cone;
 mod environment;
 mod punctual;
+mod tree;
 
 pub use area::{TriangleSample, area_to_solid_angle, sample_triangle};
 pub use environment::{Environment, EnvironmentSample};
+pub use cone::Cone;
 pub use punctual::{Illumination, Punctual, PunctualKind};
+pub use tree::{LightBounds, LightTree, Sides, Vantage};
