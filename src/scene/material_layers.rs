@@ -62,8 +62,8 @@ impl MaterialLayers {
         self.clearcoat > 0.0 || self.sheen_color != Vec3::ZERO || self.anisotropy > 0.0
     }
 
-    /// All textures that they use.
-    pub(super) fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+    /// All places for textures, used or not.
+    pub(super) fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
         [
             &mut self.clearcoat_texture,
             &mut self.clearcoat_roughness_texture,
@@ -73,7 +73,6 @@ impl MaterialLayers {
             &mut self.anisotropy_texture,
         ]
         .into_iter()
-        .flatten()
     }
 
     /// The texture whose coordinates tell the tangent, where the base has no normal map.
