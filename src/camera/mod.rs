@@ -1,5 +1,7 @@
 //! Cameras: from points of the film to rays.
 
+use std::f32::consts::{PI, TAU};
+
 use crate::math::{Aabb, Affine3A, Frame, Mat3, Ray, Vec2, Vec3};
 use crate::sampling::warp;
 
@@ -19,6 +21,9 @@ pub enum Projection {
         /// Half of the film's height, metres.
         ymag: f32,
     },
+    /// All around, by longitude across and latitude down (equirectangular): what is ahead in the
+    /// middle, what is to the right to its right, as in images of environments. It has no lens.
+    Panorama,
 }
 
 /// A lens of some width, which blurs what is not in its plane of focus.
@@ -92,6 +97,11 @@ impl Camera {
         Self { projection: Projection::Perspective { yfov }, ..self }
     }
 
+    /// The same camera looking all around.
+    pub fn with_panorama(self) -> Self {
+        Self { projection: Projection::Panorama, lens: None, ..self }
+    }
+
     /// The same camera with a lens.
     pub fn with_lens(self, lens: ThinLens) -> Self {
         Self { lens: Some(lens), ..self }
@@ -111,6 +121,7 @@ impl Camera {
         let half = match self.projection {
             Projection::Perspective { yfov } => libm::tanf(0.5 * yfov),
             Projection::Orthographic { ymag, .. } => ymag,
+            Projection::Panorama => 1.0,
         };
         CameraRays { camera: *self, half: Vec2::new(half * aspect, half) }
     }
@@ -120,6 +131,7 @@ impl Camera {
         match self.projection {
             Projection::Perspective { .. } => None,
             Projection::Orthographic { xmag, ymag } => Some(xmag / ymag),
+            Projection::Panorama => Some(2.0),
         }
     }
 }
@@ -146,6 +158,7 @@ impl CameraRays {
         let (mut origin, mut direction) = match self.camera.projection {
             Projection::Perspective { .. } => (Vec3::ZERO, Vec3::new(x, y, -1.0)),
             Projection::Orthographic { .. } => (Vec3::new(x, y, 0.0), Vec3::NEG_Z),
+            Projection::Panorama => (Vec3::ZERO, all_around(film)),
         };
         if let Some(thin) = self.camera.lens {
             let focus = origin + direction * thin.focus_distance;
@@ -156,6 +169,13 @@ impl CameraRays {
         let direction = to_world.transform_vector3(direction).normalize();
         Ray::new(to_world.transform_point3(origin), direction, 0.0, f32::INFINITY)
     }
+}
+
+/// The direction of a point of a panorama.
+fn all_around(film: Vec2) -> Vec3 {
+    let (longitude, latitude) = ((film.x - 0.5) * TAU, (0.5 - film.y) * PI);
+    let (across, up) = (libm::cosf(latitude), libm::sinf(latitude));
+    Vec3::new(libm::sinf(longitude) * across, up, -libm::cosf(longitude) * across)
 }
 
 #[cfg(test)]
@@ -175,6 +195,27 @@ mod tests {
         assert!(near(ray(0.5, 0.5), Vec3::NEG_Z));
         assert!(near(ray(0.0, 0.0), Vec3::new(-2.0, 1.0, -1.0).normalize()));
         assert!(near(ray(1.0, 1.0), Vec3::new(2.0, -1.0, -1.0).normalize()));
+    }
+
+    #[test]
+    fn a_panorama_looks_all_around() {
+        let camera = Camera::look_at(Vec3::ONE, Vec3::new(1.0, 1.0, 0.0), Vec3::Y, 1.0);
+        let camera = camera.with_panorama();
+        assert_eq!(camera.aspect(), Some(2.0));
+        for (x, y, way) in [
+            (0.5, 0.5, Vec3::NEG_Z),
+            (0.75, 0.5, Vec3::X),
+            (0.25, 0.5, Vec3::NEG_X),
+            (0.0, 0.5, Vec3::Z),
+            (1.0, 0.5, Vec3::Z),
+            (0.3, 0.0, Vec3::Y),
+            (0.9, 1.0, Vec3::NEG_Y),
+            (0.5, 0.25, Vec3::new(0.0, 1.0, -1.0).normalize()),
+        ] {
+            let ray = camera.ray(Vec2::new(x, y), 2.0, Vec2::ZERO);
+            assert!(near(ray.direction(), way), "{x}, {y}: {}", ray.direction());
+            assert_eq!(ray.origin(), Vec3::ONE);
+        }
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::material::BsdfForm;
 use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
-use crate::scene::{EnvironmentSource, Sky, sun_direction};
+use crate::scene::{EnvironmentSource, LightChoice, Sky, sun_direction};
 use crate::simd::Isa;
 
 /// Renders a scene.
@@ -96,6 +96,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FORM", default_value = "conserving", help_heading = "Light")]
     #[arg(value_parser = parsed::<BsdfForm>, hide_short_help = true)]
     pub bsdf: BsdfForm,
+    /// How a light is chosen among many: power (wherever it is) or tree (by what it may send)
+    #[arg(long, value_name = "HOW", default_value_t, help_heading = "Light")]
+    #[arg(value_parser = parsed::<LightChoice>, hide_short_help = true)]
+    pub lights: LightChoice,
     /// Light from all around: an image of latitude and longitude (.hdr, .exr, …), or a colour
     #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light", value_parser = parsed::<EnvironmentSource>)]
     #[arg(allow_hyphen_values = true, conflicts_with = "sky")]
@@ -153,6 +157,10 @@ pub struct RenderArgs {
     /// The angle from the picture's lower edge to its upper one, in degrees
     #[arg(long, value_name = "DEGREES", help_heading = "Camera", value_parser = field_of_view)]
     pub fov: Option<f32>,
+    /// Another kind of camera in the same place: panorama
+    #[arg(long, value_name = "KIND", help_heading = "Camera", hide_short_help = true)]
+    #[arg(conflicts_with_all = ["fov", "aperture"])]
+    pub camera_model: Option<CameraModel>,
     /// Radius of the lens in metres [default: a pinhole]
     #[arg(long, value_name = "METRES", help_heading = "Camera", value_parser = positive)]
     #[arg(hide_short_help = true)]
@@ -266,6 +274,13 @@ impl RenderArgs {
             sun_diameter: (diameter > 0.0).then_some(diameter),
         })
     }
+}
+
+/// A kind of camera that no scene file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CameraModel {
+    /// All around: longitude across, latitude down, twice as wide as high.
+    Panorama,
 }
 
 /// What to show in place of a texture that cannot be read.

@@ -42,6 +42,8 @@ pub fn settings(args: &RenderArgs, job: &Job) -> String {
         ("aov", Some(Value::from(aovs))),
         ("aperture", args.aperture.map(short)),
         ("bsdf", Some(args.bsdf.to_string().into())),
+        ("lights", Some(args.lights.to_string().into())),
+        ("camera-model", args.camera_model.map(|_| "panorama".into())),
         ("camera", args.camera.clone().map(Value::from)),
         ("crop", args.crop.map(|c| whole(&[c.x0, c.y0, c.x1, c.y1].map(i64::from)))),
         ("env", args.env.as_ref().map(environment)),
@@ -142,6 +144,10 @@ mod tests {
         assert_eq!(found["rr-depth"].as_str(), Some("off"));
         let camera = settings_of(&["--camera", "0"]);
         assert_eq!(camera["camera"].as_str(), Some("0"));
+        let around = settings_of(&["--camera-model", "panorama", "--lights", "power"]);
+        assert_eq!(around["camera-model"].as_str(), Some("panorama"));
+        assert_eq!(around["lights"].as_str(), Some("power"));
+        assert_eq!(around["resolution"].to_string(), "[1280, 640]");
         assert!(!camera.contains_key("env") && !camera.contains_key("fov"));
     }
 }

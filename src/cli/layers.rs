@@ -30,7 +30,7 @@ const NO_SETTINGS: [&str; 11] = [
 ];
 
 /// Of each of some flags those that make no sense beside it: typed, it puts them out of force.
-const INSTEAD: [(&str, &[&str]); 6] = [
+const INSTEAD: [(&str, &[&str]); 9] = [
     ("camera", &["look-from", "look-at", "up"]),
     ("look-from", &["camera"]),
     (
@@ -40,6 +40,9 @@ const INSTEAD: [(&str, &[&str]); 6] = [
     ("sky", &["env", "env-rotate"]),
     ("sun-direction", &["sun-elevation", "sun-azimuth"]),
     ("sun-elevation", &["sun-direction"]),
+    ("camera-model", &["fov", "aperture", "focus"]),
+    ("fov", &["camera-model"]),
+    ("aperture", &["camera-model"]),
 ];
 
 /// A command line alone, of which a later flag overrides an earlier one.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::CliError;
-use super::args::{MissingTextureArg, RenderArgs};
+use super::args::{CameraModel, MissingTextureArg, RenderArgs};
 use crate::camera::{Camera, Projection, ThinLens};
 use crate::film::Window;
 use crate::integrator::Transport;
@@ -77,7 +77,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
     notices.extend(nothing_to_see(&scene, &file));
     let (camera, aspect) = camera(&scene, args, &mut notices)?;
     let settings = settings(args, aspect)?;
-    let world = World::new(Arc::new(scene), args.bsdf).map_err(|count| {
+    let world = World::with_lights(Arc::new(scene), args.bsdf, args.lights).map_err(|count| {
         CliError::Input(format!("{file}: {count} triangles are too many; 4294967294 at most"))
     })?;
     Ok(Job { world, camera, settings, notices, elapsed: start.elapsed() })
@@ -120,6 +120,10 @@ fn camera(
             notices.push(Notice { place: args.scene_file().display().to_string(), message });
         }
         camera = camera.with_yfov(yfov);
+    }
+    if args.camera_model == Some(CameraModel::Panorama) {
+        let camera = camera.with_panorama();
+        return Ok((camera, camera.aspect().unwrap_or(DEFAULT_ASPECT)));
     }
     if let Some(aperture_radius) = args.aperture {
         let from = Vec3::from(camera.to_world.translation);

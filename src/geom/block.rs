@@ -13,7 +13,8 @@
 //! `n = e × e'`, by less than `16ε |d||e||e'|` and `16ε |c||e||e'|`. We allow twice that. A product
 //! that underflows is off by up to 2^-149 and may be multiplied by another operand: so each product
 //! of norms is raised by the smallest normal number before it meets the third norm, and after.
-//! Where a bound is above 2^100 something may have overflowed, and the lane passes unseen.
+//! Where a bound is above 2^100 something may have overflowed, and the lane passes unseen. Where the
+//! instruction set fuses multiplication and addition, a rounding is spared: the bound stands.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
 
@@ -166,11 +167,11 @@ impl<V> Edges<V> {
 
         // Norms of the operands, for the bounds.
         let (d_norm, c_norm, tiny) = (d_norm * RELATIVE, norm(c), splat(f32::MIN_POSITIVE));
-        let (cd, ee) = (c_norm * d_norm + tiny, e1_norm * e2_norm + tiny);
+        let (cd, ee) = (c_norm.mul_add(d_norm, tiny), e1_norm.mul_add(e2_norm, tiny));
         // That of both edge functions together, allowed to each.
-        let edge_slack = cd * (e1_norm + e2_norm) + tiny;
-        let det_slack = d_norm * ee + tiny;
-        let t_slack = c_norm * splat(RELATIVE) * ee + tiny;
+        let edge_slack = cd.mul_add(e1_norm + e2_norm, tiny);
+        let det_slack = d_norm.mul_add(ee, tiny);
+        let t_slack = (c_norm * splat(RELATIVE)).mul_add(ee, tiny);
         let uv_slack = edge_slack + det_slack;
 
         // The sign of the determinant makes all of one sign. Where it can't be told, or something
@@ -183,7 +184,7 @@ impl<V> Edges<V> {
             | v.simd_lt(-edge_slack)
             | (u + v).simd_gt(magnitude + uv_slack)
             | distance.simd_lt(-t_slack)
-            | distance.simd_gt(t_max * (magnitude + det_slack) + t_slack);
+            | distance.simd_gt(t_max.mul_add(magnitude + det_slack, t_slack));
         !(outside & sure).to_bitmask()
     }
 }
@@ -210,12 +211,13 @@ fn flip_sign<S: Simd, V: SimdFloat<S, Element = f32>>(x: V, sign: V) -> V {
 
 #[inline(always)]
 fn cross<S: Simd, V: SimdFloat<S, Element = f32>>(a: [V; 3], b: [V; 3]) -> [V; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    let along = |y: usize, z: usize| a[y].mul_sub(b[z], a[z] * b[y]);
+    [along(1, 2), along(2, 0), along(0, 1)]
 }
 
 #[inline(always)]
 fn dot<S: Simd, V: SimdFloat<S, Element = f32>>(a: [V; 3], b: [V; 3]) -> V {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 #[inline(always)]

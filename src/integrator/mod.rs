@@ -4,6 +4,7 @@
 //! to a light and the ray to go on with come out. Who traces them, and how many together, is decided
 //! one floor up, in [`crate::render`].
 
+mod interior;
 mod path;
 mod weight;
 

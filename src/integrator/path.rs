@@ -8,11 +8,18 @@
 //! Shading normals may disagree with the geometry. Light never passes the geometric side that the
 //! scattering did not mean it to: a reflection that would go below the triangle, or a transmission
 //! that would stay above, is lost, for both strategies alike.
+//!
+//! A path keeps account of the solids that it is inside of, see [`Interior`]: of two that touch or
+//! overlap, the border between them bends light by the ratio of both indices. Where the first of
+//! them disperses, the path goes on with light of one wavelength, for which all that follows is
+//! sampled and weighed.
 
+use super::interior::Interior;
 use super::weight::{power_heuristic, survival};
 use crate::accel::ClosestHit;
-use crate::material::{Bsdf, BsdfSample};
-use crate::math::{MaterialId, Ray, Vec3};
+use crate::light::Vantage;
+use crate::material::{Bsdf, BsdfSample, Wavelength};
+use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Surface, World};
 
@@ -33,11 +40,15 @@ pub struct Path {
     throughput: Vec3,
     /// Square of the product of relative indices of refraction that it has passed.
     eta_squared: f32,
+    /// Where the current ray began.
+    vantage: Vantage,
     /// Density over solid angle with which the current ray's direction was chosen; infinite where
     /// no light could have been chosen instead.
     pdf: f32,
-    /// The absorbing solid that it travels in, if any.
-    medium: MaterialId,
+    /// The solids that it travels in.
+    interior: Interior,
+    /// Of the light that it follows, once colours have parted.
+    wavelength: Option<Wavelength>,
     sampler: Sampler,
     /// Where its result goes.
     pub slot: u32,
@@ -93,6 +104,11 @@ impl Step {
 const CAMERA_DIMENSIONS: u32 = 4;
 const VERTEX_DIMENSIONS: u32 = 8;
 
+/// The first dimension of the vertex at the end of segment `depth`.
+fn first_dimension(depth: u32) -> u32 {
+    CAMERA_DIMENSIONS + VERTEX_DIMENSIONS * (depth - 1)
+}
+
 /// Follows paths through a world.
 #[derive(Clone, Copy, Debug)]
 pub struct PathTracer<'w> {
@@ -107,8 +123,10 @@ impl Path {
         Self {
             throughput: Vec3::ONE,
             eta_squared: 1.0,
+            vantage: Vantage { position: Vec3::ZERO, normal: Vec3::ZERO },
             pdf: f32::INFINITY,
-            medium: MaterialId::NONE,
+            interior: Interior::AIR,
+            wavelength: None,
             sampler,
             slot,
             key,
@@ -153,13 +171,19 @@ impl<'w> PathTracer<'w> {
         }
         let surface = world.surface(ray, hit);
         self.absorb(path, &surface, hit.t);
-        if let Some((radiance, pdf)) = world.emitted(&surface, ray.direction(), hit.t) {
-            sample.radiance += path.throughput * radiance * power_heuristic(path.pdf, pdf);
+        if let Some(radiance) = world.emitted(&surface) {
+            let asked = || world.emitter_pdf(&surface, &path.vantage, ray.direction(), hit.t);
+            let weight =
+                if path.pdf == f32::INFINITY { 1.0 } else { power_heuristic(path.pdf, asked()) };
+            sample.radiance += path.throughput * radiance * weight;
         }
         if depth > 1 && depth >= self.transport.max_depth {
             return Step::END;
         }
-        let bsdf = world.bsdf(&surface, hit);
+        if depth > 1 && self.is_hidden(path, &surface) {
+            return self.pass_by(path, &surface, ray, sample);
+        }
+        let bsdf = self.bsdf(depth, path, &surface, hit);
         let wo = surface.frame.to_local(-ray.direction());
         if depth == 1 {
             let side = if surface.front { 1.0 } else { -1.0 };
@@ -173,11 +197,12 @@ impl<'w> PathTracer<'w> {
                 return Step::END;
             }
         }
-        path.sampler.seek(CAMERA_DIMENSIONS + VERTEX_DIMENSIONS * (depth - 1));
+        path.sampler.seek(first_dimension(depth));
         let u_direction = path.sampler.next_2d();
         let u_lobe = path.sampler.next_1d();
         let u_roulette = path.sampler.next_1d();
 
+        path.vantage = vantage(&surface, &bsdf);
         let shadow = if bsdf.is_delta() || world.lights.is_dark() {
             None
         } else {
@@ -209,7 +234,7 @@ impl<'w> PathTracer<'w> {
         path.throughput *= scattered.weight;
         path.eta_squared *= scattered.eta * scattered.eta;
         path.pdf = if scattered.delta { f32::INFINITY } else { scattered.pdf };
-        path.medium = self.medium_beyond(path.medium, surface, passes);
+        path.interior = self.interior_beyond(path.interior, surface, passes);
         if !path.throughput.is_finite() {
             sample.radiance = Vec3::NAN; // to be counted and left out, not hidden
             return None;
@@ -237,7 +262,7 @@ impl<'w> PathTracer<'w> {
         if self.world.scene.environment.is_some() {
             let (radiance, pdf) = self.world.environment(ray.direction());
             let weight = power_heuristic(path.pdf, pdf);
-            let reaching = self.world.transmittance(path.medium, f32::INFINITY);
+            let reaching = self.world.transmittance(path.interior.medium(), f32::INFINITY);
             sample.radiance += path.throughput * reaching * radiance * weight;
         }
     }
@@ -246,24 +271,94 @@ impl<'w> PathTracer<'w> {
     /// of a solid which it never entered has started inside.
     #[inline]
     fn absorb(&self, path: &mut Path, surface: &Surface, distance: f32) {
-        if path.medium == MaterialId::NONE {
-            if surface.front || !self.world.absorbs(surface.material) {
+        let world = self.world;
+        let leaves = !surface.front && world.is_solid(surface.material);
+        if path.interior.is_air() {
+            if !leaves {
                 return;
             }
-            path.medium = surface.material;
+            path.interior = path.interior.behind(surface.material, world);
         }
-        path.throughput *= self.world.transmittance(path.medium, distance);
+        path.throughput *= world.transmittance(path.interior.medium(), distance);
+        if leaves {
+            path.interior = path.interior.behind(surface.material, world);
+        }
     }
 
-    /// The solid that lies beyond a surface on the side of a direction.
+    /// Whether a surface does nothing where the path meets it: the border of a solid within another
+    /// one of higher priority.
     #[inline]
-    fn medium_beyond(&self, medium: MaterialId, surface: &Surface, passes: Passes) -> MaterialId {
-        if passes == Passes::Reflected || self.world.material(surface.material).volume.is_none() {
-            medium
-        } else if passes == Passes::Into && self.world.absorbs(surface.material) {
-            surface.material
-        } else {
-            MaterialId::NONE
+    fn is_hidden(&self, path: &Path, surface: &Surface) -> bool {
+        let world = self.world;
+        !path.interior.is_air()
+            && world.is_solid(surface.material)
+            && path.interior.hides(surface.material, surface.front, world)
+    }
+
+    /// Goes straight on through a surface that does nothing.
+    #[inline(never)]
+    fn pass_by(
+        &self,
+        path: &mut Path,
+        surface: &Surface,
+        ray: &Ray,
+        sample: &mut PathSample,
+    ) -> Step {
+        let passes = if surface.front { Passes::Into } else { Passes::OutOf };
+        path.interior = self.interior_beyond(path.interior, surface, passes);
+        // No light that was asked has been seen through it.
+        path.pdf = f32::INFINITY;
+        let next = surface.ray_towards(ray.direction());
+        if next == Ray::MISS {
+            sample.radiance = Vec3::NAN; // no direction that can be followed
+            return Step::END;
+        }
+        Step { shadow: None, next: Some(next) }
+    }
+
+    /// What a surface scatters of the light that the path follows; between the solids that meet
+    /// there.
+    #[inline(always)]
+    fn bsdf(&self, depth: u32, path: &mut Path, surface: &Surface, hit: &ClosestHit) -> Bsdf {
+        let (world, inside) = (self.world, surface.material);
+        if !world.is_solid(inside) || (path.interior.is_air() && !world.disperses(inside)) {
+            return world.bsdf(surface, hit);
+        }
+        self.bsdf_of_border(depth, path, surface, hit)
+    }
+
+    #[inline(never)]
+    fn bsdf_of_border(
+        &self,
+        depth: u32,
+        path: &mut Path,
+        surface: &Surface,
+        hit: &ClosestHit,
+    ) -> Bsdf {
+        let (world, inside) = (self.world, surface.material);
+        let outside = path.interior.without(inside).medium();
+        let disperses = world.disperses(inside) || world.disperses(outside);
+        if path.wavelength.is_none() && disperses {
+            path.sampler.seek(first_dimension(depth) + VERTEX_DIMENSIONS - 1);
+            let (wavelength, weights) = Wavelength::sample(path.sampler.next_1d());
+            path.wavelength = Some(wavelength);
+            path.throughput *= weights;
+        }
+        let ior = |id| world.ior(id, path.wavelength);
+        world.bsdf_of_index(surface, hit, ior(inside) / ior(outside))
+    }
+
+    /// The solids that lie beyond a surface on the side of a direction.
+    #[inline]
+    fn interior_beyond(&self, interior: Interior, surface: &Surface, passes: Passes) -> Interior {
+        let (world, id) = (self.world, surface.material);
+        if !world.is_solid(id) {
+            return interior;
+        }
+        match passes {
+            Passes::Reflected => interior,
+            Passes::Into => interior.without(id).with(id, |id| world.priority(id)),
+            Passes::OutOf => interior.without(id),
         }
     }
 
@@ -278,7 +373,7 @@ impl<'w> PathTracer<'w> {
     ) -> Option<ShadowRay> {
         let u = path.sampler.next_2d();
         let u_light = path.sampler.next_1d();
-        let light = self.world.sample_light(surface, u_light, u)?;
+        let light = self.world.sample_light(surface, &path.vantage, u_light, u)?;
         let wi = surface.frame.to_local(light.direction);
         let passes = passes(surface, light.direction, wo, wi)?;
         let (scattered, pdf) = bsdf.eval(wo, wi);
@@ -287,9 +382,9 @@ impl<'w> PathTracer<'w> {
         }
         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, pdf) };
         let mut radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
-        let medium = self.medium_beyond(path.medium, surface, passes);
-        if medium != MaterialId::NONE {
-            radiance *= self.world.transmittance(medium, length(&light.ray));
+        let interior = self.interior_beyond(path.interior, surface, passes);
+        if !interior.is_air() {
+            radiance *= self.world.transmittance(interior.medium(), length(&light.ray));
         }
         (radiance != Vec3::ZERO).then_some(ShadowRay { ray: light.ray, radiance })
     }
@@ -322,6 +417,17 @@ fn passes(surface: &Surface, direction: Vec3, wo: Vec3, wi: Vec3) -> Option<Pass
         (true, false) => Passes::Into,
         (false, true) => Passes::OutOf,
     })
+}
+
+/// From which side light is asked for: both where it may pass.
+#[inline(always)]
+fn vantage(surface: &Surface, bsdf: &Bsdf) -> Vantage {
+    let normal = match (bsdf.transmits(), surface.front) {
+        (true, _) => Vec3::ZERO,
+        (false, true) => surface.normal,
+        (false, false) => -surface.normal,
+    };
+    Vantage { position: surface.position, normal }
 }
 
 /// Metres from a ray's origin to its end.

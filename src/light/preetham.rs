@@ -196,22 +196,24 @@ mod tests {
     #[test]
     fn the_zenith_is_the_papers() {
         // The paper's appendix A.2, worked out by hand for T = 3 and a sun at 45°:
-        // chi = (4/9 - 3/120) pi/2 = 0.65886, tan chi = 0.77470.
+        // chi = (4/9 - 3/120) pi/2 = 0.65886, tan chi = 0.77428.
         let angle = PI / 4.0;
-        assert!((zenith_luminance(3.0, angle) - 7.3235).abs() < 2e-3);
+        assert!((zenith_luminance(3.0, angle) - 7.3204).abs() < 2e-3);
         let (x, y) = zenith_chromaticity(2.0, 0.0);
         // With the sun at the zenith only the constants are left: 2 * 0.00394 + 0.25886 and
         // 2 * 0.00516 + 0.26688.
         assert!((x - 0.26674).abs() < 1e-9 && (y - 0.27720).abs() < 1e-9, "{x} {y}");
         // And the sky as a whole has that luminance there.
         let sky = Preetham::new(3.0, sun(45.0));
-        assert!((luminance(sky.radiance(Vec3::Y)) / 7.3235 - 1.0).abs() < 1e-3);
+        assert!((luminance(sky.radiance(Vec3::Y)) / 7.3204 - 1.0).abs() < 1e-3);
     }
 
     #[test]
-    fn a_clear_sky_is_as_bright_as_measured_ones() {
+    fn a_clear_sky_is_at_most_twice_as_bright_as_measured_ones() {
         // Illuminance of the ground by the sky alone. The IESNA Lighting Handbook gives for a clear
-        // sky 0.8 + 15.5 sqrt(sin elevation) klx: 13.8 at 45°.
+        // sky 0.8 + 15.5 sqrt(sin elevation) klx: 13.8 at 45°. That the model is brighter than
+        // measured skies is known (G. Zotti et al., A Critical Review of the Preetham Skylight
+        // Model, WSCG 2007).
         let sky = Preetham::new(2.5, sun(45.0));
         let mut sum = 0.0;
         let (rings, around) = (90, 180);
@@ -226,7 +228,7 @@ mod tests {
             }
         }
         let klx = sum * 2.0 * PI / f64::from(rings * around);
-        assert!((9.0..19.0).contains(&klx), "{klx}");
+        assert!((13.0..28.0).contains(&klx), "{klx}");
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! Brushed surfaces: glTF's opaque material with a stretched specular lobe
-//! (KHR_materials_anisotropy).
+//! (KHR_materials_anisotropy), under a thin film or not.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::anisotropic_energy::Row;
-use super::metallic_roughness::LEAST_ALPHA;
+use super::metallic_roughness::{self, LEAST_ALPHA};
+use super::thin_film::ThinFilm;
 use super::{BsdfForm, BsdfSample, MetallicRoughness, SurfaceParams, fresnel, is_above, unit};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
@@ -22,19 +23,68 @@ pub struct Anisotropic {
     row: Row,
     /// Cosine and sine of the angle of the tangent.
     direction: Vec2,
+    film: Option<Filmed>,
+}
+
+/// A film, and what is below it.
+#[derive(Clone, Copy, Debug)]
+struct Filmed {
+    film: ThinFilm,
+    /// Reflectances at normal incidence.
+    coat: Vec3,
+    metal: Vec3,
+    metallic: f32,
 }
 
 impl Anisotropic {
     /// What `params` describe but for transmission, brushed along the unit `direction`.
     pub fn new(params: &SurfaceParams, strength: f32, direction: Vec2, form: BsdfForm) -> Self {
+        Self::with_metallic(params, unit(params.metallic), strength, direction, form)
+    }
+
+    fn with_metallic(
+        params: &SurfaceParams,
+        metallic: f32,
+        strength: f32,
+        direction: Vec2,
+        form: BsdfForm,
+    ) -> Self {
         let roughness = unit(params.roughness);
         let across = (roughness * roughness).max(LEAST_ALPHA);
         let along = across + (1.0 - across) * strength * strength;
         let row = Row::of(along, across);
-        let metallic = unit(params.metallic);
         let surface =
             MetallicRoughness::with_average(params, metallic, form, across, || row.average());
-        Self { surface, lobe: Lobe { along, across }, row, direction }
+        Self { surface, lobe: Lobe { along, across }, row, direction, film: None }
+    }
+
+    /// What `params` describe but for transmission, of another metalness, under a film: brushed as
+    /// [`Anisotropic::new`] has it.
+    pub fn filmed(
+        params: &SurfaceParams,
+        metallic: f32,
+        (strength, direction): (f32, Vec2),
+        film: ThinFilm,
+        form: BsdfForm,
+    ) -> Self {
+        let mut made = Self::with_metallic(params, metallic, strength, direction, form);
+        let coat = metallic_roughness::coat_f0(params);
+        let filmed = Filmed { film, coat, metal: params.base_color, metallic };
+        let (bound, average) = filmed.summary();
+        let from_above = filmed.reflectance(1.0);
+        let albedo = made.row.average();
+        made.surface =
+            made.surface.with_reflectance(from_above, bound, (metallic, average), albedo);
+        made.film = Some(filmed);
+        made
+    }
+
+    /// The specular lobe's colour, for the cosine at the half vector.
+    fn reflectance(&self, along: f32, weight: f32) -> Vec3 {
+        match &self.film {
+            None => self.surface.fresnel(weight),
+            Some(filmed) => filmed.reflectance(along),
+        }
     }
 
     /// From the local frame to that of the brush strokes.
@@ -58,11 +108,12 @@ impl Anisotropic {
         }
         let (wo, wi) = (self.turned(wo), self.turned(wi));
         let h = (wo + wi).normalize();
-        let weight = fresnel::schlick_weight(wo.dot(h));
+        let along = wo.dot(h);
+        let weight = fresnel::schlick_weight(along);
         let (visible, reflected) = self.lobe.eval(h, wo, wi);
         let view = self.row.at(wo.z);
         let smooth = self.surface.smooth(weight, view, || self.row.at(wi.z));
-        let value = (smooth * FRAC_1_PI + self.surface.fresnel(weight) * reflected) * wi.z;
+        let value = (smooth * FRAC_1_PI + self.reflectance(along, weight) * reflected) * wi.z;
         let choice = self.surface.choice(view);
         (value, choice * visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI)
     }
@@ -92,6 +143,38 @@ impl Anisotropic {
     /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
         self.surface.albedo()
+    }
+}
+
+impl Filmed {
+    /// What the dielectric's share of the surface and the metal's reflect under the film.
+    fn reflectances(&self, cos: f32) -> (Vec3, Vec3) {
+        let weight = fresnel::schlick_weight(cos);
+        let of = |f0: Vec3| self.film.reflectance(cos, f0, f0 + (Vec3::ONE - f0) * weight);
+        let coat = if self.metallic < 1.0 { of(self.coat) } else { Vec3::ZERO };
+        let metal = if self.metallic > 0.0 { of(self.metal) } else { Vec3::ZERO };
+        (coat, metal)
+    }
+
+    fn reflectance(&self, cos: f32) -> Vec3 {
+        let (coat, metal) = self.reflectances(cos);
+        coat * (1.0 - self.metallic) + metal * self.metallic
+    }
+
+    /// The least `f0` with which Schlick's term is as bright as the dielectric's share at all
+    /// angles, and the metal's average over the hemisphere; both from a few angles.
+    fn summary(&self) -> (f32, Vec3) {
+        const STEPS: usize = 8;
+        let (mut bound, mut average) = (0.0_f32, Vec3::ZERO);
+        for step in 0..STEPS {
+            // Evenly by the square of the cosine, as light from everywhere falls.
+            let cos = ((step as f32 + 0.5) / STEPS as f32).sqrt();
+            let (coat, metal) = self.reflectances(cos);
+            let weight = fresnel::schlick_weight(cos);
+            bound = bound.max((coat.max_element() - weight) / (1.0 - weight));
+            average += metal / STEPS as f32;
+        }
+        (bound.min(1.0), average)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Glass: clear boundaries of solids, and thin sheets.
 
-use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, is_above, rough_dielectric, unit};
+use super::thin_film::ThinFilm;
+use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, is_above, mean, rough_dielectric, unit};
 use crate::math::{Vec2, Vec3};
 
 /// Up to this roughness a boundary is taken as smooth.
@@ -35,24 +36,29 @@ enum Kind {
 
 /// The two things that a boundary does to light, for one direction of view.
 pub(super) struct Split {
-    pub reflectance: f32,
+    pub reflectance: Vec3,
     /// Probability of drawing the reflection.
     pub choice: f32,
 }
 
 impl Split {
     #[inline]
-    pub fn new(reflectance: f32, tint: Vec3) -> Self {
+    fn new(reflectance: f32, tint: Vec3) -> Self {
+        Self::by(Vec3::splat(reflectance), reflectance, tint)
+    }
+
+    #[inline]
+    fn by(colors: Vec3, reflectance: f32, tint: Vec3) -> Self {
         let transmitted = (1.0 - reflectance) * tint.max_element().max(0.0);
         // Black glass seen where it does not reflect: draw the nothing that is transmitted.
         let all = reflectance + transmitted;
-        Self { reflectance, choice: if all > 0.0 { reflectance / all } else { 0.0 } }
+        Self { reflectance: colors, choice: if all > 0.0 { reflectance / all } else { 0.0 } }
     }
 
     /// Tinted share of the light that passes.
     #[inline]
     pub fn transmittance(&self, tint: Vec3) -> Vec3 {
-        tint * (1.0 - self.reflectance)
+        tint * (Vec3::ONE - self.reflectance)
     }
 }
 
@@ -82,24 +88,42 @@ impl Dielectric {
     /// See [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        self.eval_under(None, wo, wi)
+    }
+
+    /// The same, under a film on the outside.
+    #[inline]
+    pub fn eval_under(&self, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         match self.kind {
             Kind::Smooth | Kind::ThinSmooth => (Vec3::ZERO, 0.0),
-            Kind::Rough => rough_dielectric::eval_solid(self, wo, wi),
-            Kind::ThinRough => rough_dielectric::eval_thin(self, wo, wi),
+            Kind::Rough => rough_dielectric::eval_solid(self, film, wo, wi),
+            Kind::ThinRough => rough_dielectric::eval_thin(self, film, wo, wi),
         }
     }
 
     /// See [`super::Bsdf::sample`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        self.sample_under(None, wo, u_lobe, u)
+    }
+
+    /// The same, under a film on the outside.
+    #[inline]
+    pub fn sample_under(
+        &self,
+        film: Option<&ThinFilm>,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
         if !is_above(wo.z.abs()) {
             return None;
         }
         match self.kind {
-            Kind::Smooth => Some(self.sample_smooth(wo, u_lobe)),
-            Kind::ThinSmooth => Some(self.sample_thin(wo, u_lobe)),
-            Kind::Rough => rough_dielectric::sample_solid(self, wo, u_lobe, u),
-            Kind::ThinRough => rough_dielectric::sample_thin(self, wo, u_lobe, u),
+            Kind::Smooth => Some(self.sample_smooth(film, wo, u_lobe)),
+            Kind::ThinSmooth => Some(self.sample_thin(film, wo, u_lobe)),
+            Kind::Rough => rough_dielectric::sample_solid(self, film, wo, u_lobe, u),
+            Kind::ThinRough => rough_dielectric::sample_thin(self, film, wo, u_lobe, u),
         }
     }
 
@@ -109,10 +133,40 @@ impl Dielectric {
         if wo.z < 0.0 { 1.0 / self.ior } else { self.ior }
     }
 
-    fn sample_smooth(&self, wo: Vec3, u_lobe: f32) -> BsdfSample {
+    /// What the boundary of a solid does to light that meets it, or a facet of it, at that cosine;
+    /// and the cosine of the refracted ray.
+    #[inline]
+    pub(super) fn split(&self, cos: f32, eta: f32, film: Option<&ThinFilm>) -> (Split, f32) {
+        let (reflectance, cos_t) = fresnel::dielectric(cos, eta);
+        let split = match film {
+            // What is reflected within is what is reflected back along the same way.
+            Some(film) if reflectance < 1.0 => {
+                let outside = if eta == self.ior { cos } else { cos_t };
+                let colors = self.filmed(film, outside, reflectance);
+                Split::by(colors, mean(colors), self.tint)
+            }
+            _ => Split::new(reflectance, self.tint),
+        };
+        (split, cos_t)
+    }
+
+    /// The same of a thin sheet.
+    #[inline]
+    pub(super) fn split_thin(&self, cos: f32, film: Option<&ThinFilm>) -> Split {
+        let (face, _) = fresnel::dielectric(cos, self.ior);
+        let Some(film) = film else { return Split::new(fresnel::thin_sheet(face), self.tint) };
+        let colors = self.filmed(film, cos, face).map(fresnel::thin_sheet);
+        Split::by(colors, mean(colors), self.tint)
+    }
+
+    fn filmed(&self, film: &ThinFilm, cos: f32, reflectance: f32) -> Vec3 {
+        let root = (self.ior - 1.0) / (self.ior + 1.0);
+        film.reflectance(cos, Vec3::splat(root * root), Vec3::splat(reflectance))
+    }
+
+    fn sample_smooth(&self, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
         let eta = self.eta(wo);
-        let (reflectance, cos_t) = fresnel::dielectric(wo.z.abs(), eta);
-        let split = Split::new(reflectance, self.tint);
+        let (split, cos_t) = self.split(wo.z.abs(), eta, film);
         if u_lobe < split.choice {
             return mirror(wo, &split);
         }
@@ -127,9 +181,8 @@ impl Dielectric {
         }
     }
 
-    fn sample_thin(&self, wo: Vec3, u_lobe: f32) -> BsdfSample {
-        let (face, _) = fresnel::dielectric(wo.z.abs(), self.ior);
-        let split = Split::new(fresnel::thin_sheet(face), self.tint);
+    fn sample_thin(&self, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
+        let split = self.split_thin(wo.z.abs(), film);
         if u_lobe < split.choice {
             return mirror(wo, &split);
         }
@@ -147,7 +200,7 @@ impl Dielectric {
 fn mirror(wo: Vec3, split: &Split) -> BsdfSample {
     BsdfSample {
         wi: Vec3::new(-wo.x, -wo.y, wo.z),
-        weight: Vec3::splat(split.reflectance / split.choice),
+        weight: split.reflectance / split.choice,
         pdf: split.choice,
         delta: true,
         eta: 1.0,

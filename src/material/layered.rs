@@ -1,8 +1,10 @@
-//! Surfaces with something on them: cloth, lacquer, or both, over any of the others.
+//! Surfaces with something on them: a film, cloth, lacquer, or all, over any of the others.
 
 use super::anisotropic::Anisotropic;
 use super::clearcoat::Clearcoat;
+use super::filmed::Filmed;
 use super::sheen::Sheen;
+use super::thin_film::ThinFilm;
 use super::{Bsdf, BsdfForm, BsdfSample, Layers, SurfaceParams, is_above, mean, unit};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::ONE_MINUS_EPSILON;
@@ -11,7 +13,7 @@ use crate::sampling::ONE_MINUS_EPSILON;
 /// reflects little in all may reflect nearly everything at grazing half vectors.
 const LEAST_CHOICE: f32 = 0.1;
 
-/// A coat over a sheen over a base, of which any may be missing, packed: it is unpacked for each
+/// A coat over a sheen over a base with a thin film on it, of which any may be missing, packed: it is unpacked for each
 /// question, so that surfaces without layers stay small and pay nothing for it.
 ///
 /// What a layer reflects, those below it do not get: they are scaled by what it lets through, and
@@ -36,6 +38,10 @@ pub struct Layered {
     clearcoat: Share,
     clearcoat_roughness: Share,
     sheen_roughness: Share,
+    film: Share,
+    film_ior: f32,
+    /// Nanometres.
+    film_thickness: f32,
     thin: bool,
     form: BsdfForm,
 }
@@ -78,11 +84,14 @@ impl Layered {
             clearcoat: Share::new(layers.clearcoat),
             clearcoat_roughness: Share::new(layers.clearcoat_roughness),
             sheen_roughness: Share::new(layers.sheen_roughness),
+            film: Share::new(layers.iridescence),
+            film_ior: layers.iridescence_ior,
+            film_thickness: layers.iridescence_thickness,
             thin: params.thin,
             form,
         };
-        let none = made.clearcoat == Share(0) && made.anisotropy == Share(0);
-        (!none || sheen_color != Vec3::ZERO).then_some(made)
+        let any = [made.clearcoat, made.anisotropy, made.film].iter().any(|share| share.0 > 0);
+        (any || sheen_color != Vec3::ZERO).then_some(made)
     }
 
     fn unpack(&self) -> Stack {
@@ -97,7 +106,11 @@ impl Layered {
             thin: self.thin,
         };
         let (form, anisotropy) = (self.form, self.anisotropy.get());
-        let base = if anisotropy > 0.0 {
+        let base = if self.film.0 > 0 {
+            let film = ThinFilm::new(self.film.get(), self.film_ior, self.film_thickness);
+            let stretch = (anisotropy, self.anisotropy_direction);
+            Base::Filmed(Filmed::new(&params, stretch, film, form))
+        } else if anisotropy > 0.0 {
             let direction = self.anisotropy_direction;
             Base::Brushed(Anisotropic::new(&params, anisotropy, direction, form))
         } else {
@@ -128,7 +141,8 @@ impl Layered {
 
     /// See [`Bsdf::transmits`].
     pub fn transmits(&self) -> bool {
-        self.unpack().base.transmits()
+        // As the base says, without making it.
+        self.transmission.get() * (1.0 - self.metallic.get()) >= 1e-6
     }
 
     /// See [`Bsdf::albedo`].
@@ -147,6 +161,7 @@ impl Layered {
 enum Base {
     Plain(Bsdf),
     Brushed(Anisotropic),
+    Filmed(Filmed),
 }
 
 impl Base {
@@ -154,6 +169,7 @@ impl Base {
         match self {
             Self::Plain(bsdf) => bsdf.eval(wo, wi),
             Self::Brushed(brushed) => brushed.eval(wo, wi),
+            Self::Filmed(filmed) => filmed.eval(wo, wi),
         }
     }
 
@@ -161,17 +177,23 @@ impl Base {
         match self {
             Self::Plain(bsdf) => bsdf.sample(wo, u_lobe, u),
             Self::Brushed(brushed) => brushed.sample(wo, u_lobe, u),
+            Self::Filmed(filmed) => filmed.sample(wo, u_lobe, u),
         }
     }
 
     fn transmits(&self) -> bool {
-        matches!(self, Self::Plain(bsdf) if bsdf.transmits())
+        match self {
+            Self::Plain(bsdf) => bsdf.transmits(),
+            Self::Brushed(_) => false,
+            Self::Filmed(filmed) => filmed.transmits(),
+        }
     }
 
     fn albedo(&self) -> Vec3 {
         match self {
             Self::Plain(bsdf) => bsdf.albedo(),
             Self::Brushed(brushed) => brushed.albedo(),
+            Self::Filmed(filmed) => filmed.albedo(),
         }
     }
 }

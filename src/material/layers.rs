@@ -2,7 +2,7 @@
 
 use crate::math::{Vec2, Vec3};
 
-/// What KHR_materials_clearcoat, sheen and anisotropy come down to at a point, named as the
+/// What KHR_materials_clearcoat, sheen, iridescence and anisotropy come down to at a point, named as the
 /// specifications name them. All texture look-ups are done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers {
@@ -20,6 +20,12 @@ pub struct Layers {
     pub anisotropy: f32,
     /// The way in which it is, a unit vector of the local frame's tangent plane.
     pub anisotropy_direction: Vec2,
+    /// Strength of a thin film on the base, 0 to 1; taken to that range.
+    pub iridescence: f32,
+    /// Its index of refraction, at least 1.
+    pub iridescence_ior: f32,
+    /// Nanometres.
+    pub iridescence_thickness: f32,
 }
 
 impl Layers {
@@ -32,5 +38,8 @@ impl Layers {
         sheen_roughness: 0.0,
         anisotropy: 0.0,
         anisotropy_direction: Vec2::X,
+        iridescence: 0.0,
+        iridescence_ior: 1.3,
+        iridescence_thickness: 0.0,
     };
 }

@@ -79,8 +79,7 @@ impl MetallicRoughness {
         let specular = unit(params.specular);
         let (base, dielectric) = (params.base_color, 1.0 - metallic);
 
-        let root = (params.ior - 1.0) / (params.ior + 1.0);
-        let coat = (params.specular_color * (root * root)).min(Vec3::ONE) * specular;
+        let coat = coat_f0(params);
         let (coat_f0, coat_f90) = (coat.max_element(), specular);
 
         let (mut coat_scale, mut multiple, mut multiple_scale) = (1.0, Vec3::ZERO, 0.0);
@@ -92,8 +91,7 @@ impl MetallicRoughness {
             if metallic > 0.0 && loss > 1e-4 {
                 // Fresnel's average over the hemisphere; what bounces on is dimmed again and again.
                 let fresnel = base + (Vec3::ONE - base) * (1.0 / 21.0);
-                let series = (Vec3::ONE - fresnel * loss).max(Vec3::splat(1e-4));
-                multiple = fresnel * fresnel * (1.0 - loss) / series * metallic;
+                multiple = multiple_scattering(fresnel, loss) * metallic;
                 multiple_scale = 1.0 / loss;
             }
         }
@@ -110,6 +108,27 @@ impl MetallicRoughness {
             multiple_scale,
             form,
         }
+    }
+
+    /// The same with another specular lobe on both, whose reflectances nowhere exceed Schlick's of
+    /// `coat_f0` and one: `f0` is its reflectance from above, `average` that of the metal from
+    /// everywhere, and `albedo` the white lobe's.
+    pub(super) fn with_reflectance(
+        self,
+        f0: Vec3,
+        coat_f0: f32,
+        (metallic, average): (f32, Vec3),
+        albedo: Albedo,
+    ) -> Self {
+        let (mut coat_scale, mut multiple) = (1.0, Vec3::ZERO);
+        if self.form == BsdfForm::Conserving {
+            let below = 1.0 - albedo.of(coat_f0, 1.0);
+            coat_scale = if below > 1e-4 { 1.0 / below } else { 0.0 };
+            if self.multiple_scale > 0.0 {
+                multiple = multiple_scattering(average, albedo.loss()) * metallic;
+            }
+        }
+        Self { f0, f90: 1.0, coat_f0, coat_f90: 1.0, coat_scale, multiple, ..self }
     }
 
     /// See [`super::Bsdf::eval`].
@@ -215,4 +234,18 @@ impl MetallicRoughness {
     pub fn albedo(&self) -> Vec3 {
         self.diffuse * (1.0 - self.coat_f0) + self.f0
     }
+}
+
+/// The reflectance of a dielectric's surface at normal incidence, by colour.
+pub(super) fn coat_f0(params: &SurfaceParams) -> Vec3 {
+    let root = (params.ior - 1.0) / (params.ior + 1.0);
+    (params.specular_color * (root * root)).min(Vec3::ONE) * unit(params.specular)
+}
+
+/// The colour of light that a metal has reflected more than once, of its average reflectance and
+/// the share of light that the white lobe loses.
+#[inline]
+fn multiple_scattering(fresnel: Vec3, loss: f32) -> Vec3 {
+    let series = (Vec3::ONE - fresnel * loss).max(Vec3::splat(1e-4));
+    fresnel * fresnel * (1.0 - loss) / series
 }

@@ -27,33 +27,54 @@ impl Mixed {
     /// See [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        let (opaque, opaque_pdf) = self.opaque.eval(wo, wi);
-        let (glass, glass_pdf) = self.glass.eval(wo, wi);
-        let (share, rest) = (self.share, 1.0 - self.share);
-        (opaque * rest + glass * share, opaque_pdf * rest + glass_pdf * share)
+        mixed(self.share, self.opaque.eval(wo, wi), self.glass.eval(wo, wi))
     }
 
     /// See [`super::Bsdf::sample`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        let mut sample = if u_lobe < self.share {
-            self.glass.sample(wo, (u_lobe / self.share).min(ONE_MINUS_EPSILON), u)?
-        } else {
-            let rest = (u_lobe - self.share) / (1.0 - self.share);
-            self.opaque.sample(wo, rest.min(ONE_MINUS_EPSILON), u)?
-        };
-        if sample.delta {
-            // The share weighs the lobe and its probability alike.
-            sample.pdf *= self.share;
-            return Some(sample);
-        }
-        let (value, pdf) = self.eval(wo, sample.wi);
-        (sample.weight, sample.pdf) = (value / pdf, pdf);
-        (pdf > 0.0).then_some(sample)
+        sample_mixed(
+            self.share,
+            u_lobe,
+            |u_lobe| self.opaque.sample(wo, u_lobe, u),
+            |u_lobe| self.glass.sample(wo, u_lobe, u),
+            |wi| self.eval(wo, wi),
+        )
     }
 
     /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
         self.opaque.albedo() * (1.0 - self.share) + self.glass.albedo() * self.share
     }
+}
+
+/// Values and densities of what is opaque but for a `share` of glass.
+#[inline(always)]
+pub(super) fn mixed(share: f32, opaque: (Vec3, f32), glass: (Vec3, f32)) -> (Vec3, f32) {
+    let rest = 1.0 - share;
+    (opaque.0 * rest + glass.0 * share, opaque.1 * rest + glass.1 * share)
+}
+
+/// Draws from one of both, by `u_lobe`, and weighs by both.
+#[inline(always)]
+pub(super) fn sample_mixed(
+    share: f32,
+    u_lobe: f32,
+    opaque: impl FnOnce(f32) -> Option<BsdfSample>,
+    glass: impl FnOnce(f32) -> Option<BsdfSample>,
+    eval: impl FnOnce(Vec3) -> (Vec3, f32),
+) -> Option<BsdfSample> {
+    let mut sample = if u_lobe < share {
+        glass((u_lobe / share).min(ONE_MINUS_EPSILON))?
+    } else {
+        opaque(((u_lobe - share) / (1.0 - share)).min(ONE_MINUS_EPSILON))?
+    };
+    if sample.delta {
+        // The share weighs the lobe and its probability alike.
+        sample.pdf *= share;
+        return Some(sample);
+    }
+    let (value, pdf) = eval(sample.wi);
+    (sample.weight, sample.pdf) = (value / pdf, pdf);
+    (pdf > 0.0).then_some(sample)
 }

@@ -11,7 +11,9 @@ mod anisotropic;
 mod anisotropic_energy;
 mod clearcoat;
 mod dielectric;
+mod dispersion;
 mod energy;
+mod filmed;
 mod fresnel;
 mod ggx;
 mod lambert;
@@ -25,6 +27,7 @@ mod rough_dielectric;
 mod sheen;
 #[cfg(test)]
 mod tests;
+mod thin_film;
 
 use std::fmt;
 use std::str::FromStr;
@@ -34,6 +37,7 @@ use thiserror::Error;
 use crate::math::{Vec2, Vec3};
 
 pub use dielectric::Dielectric;
+pub use dispersion::Wavelength;
 pub use lambert::Lambert;
 pub use layered::Layered;
 pub use layers::Layers;
@@ -160,7 +164,7 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// Some of both: a transmission between 0 and 1.
     Mixed(Mixed),
-    /// Any of those, but stretched, under cloth or under lacquer.
+    /// Any of those, but stretched, under a film, under cloth or under lacquer.
     Layered(Layered),
 }
 

@@ -5,14 +5,15 @@
 //! (after Turquin, "Practical multiple scattering compensation for microfacet models", 2019): no
 //! light is lost, at the price of reciprocity.
 
-use super::dielectric::{Dielectric, Split};
+use super::dielectric::Dielectric;
 use super::energy::{self, Albedos, Row};
-use super::{BsdfForm, BsdfSample, fresnel, ggx, is_above};
+use super::thin_film::ThinFilm;
+use super::{BsdfForm, BsdfSample, ggx, is_above};
 use crate::math::{Vec2, Vec3};
 
 /// See [`super::Bsdf::eval`].
 #[inline]
-pub fn eval_solid(glass: &Dielectric, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+pub fn eval_solid(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let eta = glass.eta(wo);
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
@@ -20,19 +21,26 @@ pub fn eval_solid(glass: &Dielectric, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     }
     let h = if wi.z > 0.0 { wo + wi } else { wo + wi * eta };
     let Some(h) = h.try_normalize() else { return (Vec3::ZERO, 0.0) };
-    evaluate_solid(glass, eta, wo, wi, if h.z < 0.0 { -h } else { h })
+    let h = if h.z < 0.0 { -h } else { h };
+    evaluate_solid(glass, film, eta, wo, wi, h)
 }
 
 /// See [`super::Bsdf::sample`].
 #[inline]
-pub fn sample_solid(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+pub fn sample_solid(
+    glass: &Dielectric,
+    film: Option<&ThinFilm>,
+    wo: Vec3,
+    u_lobe: f32,
+    u: Vec2,
+) -> Option<BsdfSample> {
     let eta = glass.eta(wo);
     let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
     let wo = wo * side;
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
     let along = wo.dot(h);
-    let (reflectance, cos_t) = fresnel::dielectric(along, eta);
-    let reflects = u_lobe < Split::new(reflectance, glass.tint).choice;
+    let (split, cos_t) = glass.split(along, eta, film);
+    let reflects = u_lobe < split.choice;
     let wi = if reflects {
         h * (2.0 * along) - wo
     } else {
@@ -41,7 +49,7 @@ pub fn sample_solid(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Optio
     if (wi.z > 0.0) != reflects || !is_above(wi.z.abs()) {
         return None;
     }
-    let (value, pdf) = evaluate_solid(glass, eta, wo, wi, h);
+    let (value, pdf) = evaluate_solid(glass, film, eta, wo, wi, h);
     let eta = if reflects { 1.0 } else { eta };
     let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta };
     (pdf > 0.0).then_some(sample)
@@ -49,21 +57,27 @@ pub fn sample_solid(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Optio
 
 /// For `wo` and the half vector `h` above the surface.
 #[inline]
-fn evaluate_solid(glass: &Dielectric, eta: f32, wo: Vec3, wi: Vec3, h: Vec3) -> (Vec3, f32) {
+fn evaluate_solid(
+    glass: &Dielectric,
+    film: Option<&ThinFilm>,
+    eta: f32,
+    wo: Vec3,
+    wi: Vec3,
+    h: Vec3,
+) -> (Vec3, f32) {
     let (along_o, along_i) = (wo.dot(h), wi.dot(h));
     // Facets seen from behind.
     if !(along_o > 0.0 && along_i * wi.z > 0.0) {
         return (Vec3::ZERO, 0.0);
     }
-    let (reflectance, _) = fresnel::dielectric(along_o, eta);
-    let split = Split::new(reflectance, glass.tint);
+    let (split, _) = glass.split(along_o, eta, film);
     let lobe = ggx::Lobe::new(h, wo.z, wi.z.abs(), glass.alpha);
     let gain = match glass.form {
         BsdfForm::AppendixB => 1.0,
         BsdfForm::Conserving => 1.0 / energy::rough_glass(glass.alpha, wo.z, eta),
     };
     if wi.z > 0.0 {
-        let value = Vec3::splat(split.reflectance * lobe.reflected * wi.z * gain);
+        let value = split.reflectance * (lobe.reflected * wi.z * gain);
         (value, split.choice * lobe.visible * 0.5)
     } else {
         let denominator = along_o + eta * along_i;
@@ -77,18 +91,24 @@ fn evaluate_solid(glass: &Dielectric, eta: f32, wo: Vec3, wi: Vec3, h: Vec3) -> 
 
 /// See [`super::Bsdf::eval`]. What passes is the mirror image of what is reflected.
 #[inline]
-pub fn eval_thin(glass: &Dielectric, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+pub fn eval_thin(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
         return (Vec3::ZERO, 0.0);
     }
     let mirrored = Vec3::new(wi.x, wi.y, wi.z.abs());
-    evaluate_thin(glass, wo, mirrored, (wo + mirrored).normalize(), wi.z > 0.0)
+    evaluate_thin(glass, film, wo, mirrored, (wo + mirrored).normalize(), wi.z > 0.0)
 }
 
 /// See [`super::Bsdf::sample`].
 #[inline]
-pub fn sample_thin(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+pub fn sample_thin(
+    glass: &Dielectric,
+    film: Option<&ThinFilm>,
+    wo: Vec3,
+    u_lobe: f32,
+    u: Vec2,
+) -> Option<BsdfSample> {
     let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
     let wo = wo * side;
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
@@ -97,9 +117,8 @@ pub fn sample_thin(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Option
     if !is_above(mirrored.z) {
         return None;
     }
-    let (face, _) = fresnel::dielectric(along, glass.ior);
-    let reflects = u_lobe < Split::new(fresnel::thin_sheet(face), glass.tint).choice;
-    let (value, pdf) = evaluate_thin(glass, wo, mirrored, h, reflects);
+    let reflects = u_lobe < glass.split_thin(along, film).choice;
+    let (value, pdf) = evaluate_thin(glass, film, wo, mirrored, h, reflects);
     let wi = if reflects { mirrored } else { Vec3::new(mirrored.x, mirrored.y, -mirrored.z) };
     let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta: 1.0 };
     (pdf > 0.0).then_some(sample)
@@ -108,19 +127,19 @@ pub fn sample_thin(glass: &Dielectric, wo: Vec3, u_lobe: f32, u: Vec2) -> Option
 #[inline]
 fn evaluate_thin(
     glass: &Dielectric,
+    film: Option<&ThinFilm>,
     wo: Vec3,
     mirrored: Vec3,
     h: Vec3,
     reflects: bool,
 ) -> (Vec3, f32) {
-    let (face, _) = fresnel::dielectric(wo.dot(h), glass.ior);
-    let split = Split::new(fresnel::thin_sheet(face), glass.tint);
+    let split = glass.split_thin(wo.dot(h), film);
     let lobe = ggx::Lobe::new(h, wo.z, mirrored.z, glass.alpha);
     let albedo = Albedos::get().at(Row::of(glass.alpha), wo.z);
     let scattered = lobe.reflected * mirrored.z / (1.0 - albedo.loss());
     let density = lobe.visible * 0.5;
     if reflects {
-        (Vec3::splat(split.reflectance * scattered), split.choice * density)
+        (split.reflectance * scattered, split.choice * density)
     } else {
         (split.transmittance(glass.tint) * scattered, (1.0 - split.choice) * density)
     }

@@ -48,6 +48,12 @@ fn under_layers(form: BsdfForm) -> impl Iterator<Item = (String, Bsdf)> {
         Layers { sheen_color: Vec3::new(0.9, 0.4, 0.2), sheen_roughness: 0.4, ..Layers::NONE };
     let brushed =
         Layers { anisotropy: 0.6, anisotropy_direction: Vec2::new(0.6, -0.8), ..Layers::NONE };
+    let film = Layers {
+        iridescence: 1.0,
+        iridescence_ior: 1.33,
+        iridescence_thickness: 380.0,
+        ..Layers::NONE
+    };
     let bent = Layers { clearcoat_normal: Vec3::new(0.36, -0.48, 0.8), ..coat };
     let all = [
         ("varnish", red, coat),
@@ -59,6 +65,13 @@ fn under_layers(form: BsdfForm) -> impl Iterator<Item = (String, Bsdf)> {
         ("all layers", metal, Layers { anisotropy: 0.5, clearcoat: 0.8, ..cloth }),
         ("bent coat", red, bent),
         ("lacquered glass", glass, coat),
+        ("film on plastic", red, film),
+        ("film on metal", metal, Layers { iridescence: 0.7, ..film }),
+        ("film on brushed metal", metal, Layers { iridescence_ior: 1.8, anisotropy: 0.5, ..film }),
+        ("lacquered film", metal, Layers { clearcoat: 0.6, ..film }),
+        ("film on glass", glass, film),
+        ("film on a sheet", SurfaceParams { thin: true, ..glass }, film),
+        ("film on half clear", SurfaceParams { transmission: 0.5, metallic: 0.25, ..glass }, film),
         ("cloth on a sheet", SurfaceParams { thin: true, ..glass }, cloth),
     ];
     all.into_iter().map(move |(name, params, layers)| {

@@ -7,7 +7,7 @@ use super::world::look_up;
 use super::{Material, MaterialLayers, Surface, TextureRef, World};
 use crate::accel::ClosestHit;
 use crate::geom::Triangle;
-use crate::material::{Bsdf, Layers};
+use crate::material::{Bsdf, Layers, SurfaceParams};
 use crate::math::{Frame, TextureId, Vec2, Vec3};
 
 /// A coat's normal less above its base than this is taken for the base's.
@@ -28,15 +28,20 @@ pub(super) fn factors(layers: &MaterialLayers) -> Layers {
         sheen_color: layers.sheen_color,
         sheen_roughness: layers.sheen_roughness,
         anisotropy: layers.anisotropy,
+        iridescence: layers.iridescence,
+        iridescence_ior: layers.iridescence_ior,
+        iridescence_thickness: layers.iridescence_thickness[1],
         ..Layers::NONE
     }
 }
 
 impl World {
-    /// What a surface with layers scatters where `hit` has met it.
+    /// What a surface with layers scatters where `hit` has met it; `ior` is the inside's index over
+    /// the outside's.
     #[inline(never)]
-    pub(super) fn layered_bsdf(&self, surface: &Surface, hit: &ClosestHit) -> Bsdf {
+    pub(super) fn layered_bsdf(&self, surface: &Surface, hit: &ClosestHit, ior: f32) -> Bsdf {
         let params = self.surface_params(surface.material, &surface.attributes);
+        let params = SurfaceParams { ior, ..params };
         let material = self.material(surface.material);
         let Some(described) = material.layers.as_deref() else {
             return Bsdf::new(&params, self.form);
@@ -81,6 +86,13 @@ impl World {
         }
         if let Some(texel) = texel(&described.sheen_roughness_texture) {
             layers.sheen_roughness *= texel.w;
+        }
+        if let Some(texel) = texel(&described.iridescence_texture) {
+            layers.iridescence *= texel.x;
+        }
+        if let Some(texel) = texel(&described.iridescence_thickness_texture) {
+            let [least, greatest] = described.iridescence_thickness;
+            layers.iridescence_thickness = least + (greatest - least) * texel.y;
         }
         layers
     }

@@ -3,19 +3,21 @@
 use std::f32::consts::PI;
 
 use super::defaults::bounds;
+use super::light_choice::{Chooser, of_punctual, of_triangle};
 use super::surface::{offset_origin, triangle_point};
 use super::world::emission;
-use super::{Scene, Surface, Triangles, World};
+use super::{LightChoice, Scene, Surface, Triangles, World};
 use crate::geom::TriangleSource;
-use crate::light::{Environment, Punctual, area_to_solid_angle, sample_triangle};
+use crate::light::{
+    Environment, LightBounds, Punctual, Sides, Vantage, area_to_solid_angle, sample_triangle,
+};
 use crate::math::{InstanceId, Ray, TriangleId, Vec2, Vec3};
-use crate::sampling::AliasTable;
 
 /// All lights under one running number: punctual lights, then the environment if there is one,
-/// then emitting triangles by instance; and a table to choose one by its power.
+/// then emitting triangles by instance; and what chooses one.
 #[derive(Debug)]
 pub struct Lights {
-    table: Option<AliasTable>,
+    chooser: Chooser,
     punctual: usize,
     environment: Option<usize>,
     first_triangle: usize,
@@ -49,8 +51,8 @@ pub struct LightSample {
 }
 
 impl Lights {
-    /// Tables the lights of a scene.
-    pub fn new(scene: &Scene, triangles: &Triangles) -> Self {
+    /// The lights of a scene, to be chosen as told.
+    pub fn new(scene: &Scene, triangles: &Triangles, choice: LightChoice) -> Self {
         let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
@@ -84,14 +86,26 @@ impl Lights {
             let share = environment_share(environment);
             weights[light] = if others > 0.0 { others * share / (1.0 - share) } else { 1.0 };
         }
-        let table = AliasTable::new(&weights).ok();
         let punctual = scene.lights.len();
-        Self { table, punctual, environment, first_triangle, triangles: emitters, instances }
+        let bounds = || {
+            let mut bounds = of_punctual(scene, &weights);
+            bounds.extend(environment.map(|_| LightBounds::NOWHERE));
+            let of_triangles = emitters.iter().zip(&weights[first_triangle..]);
+            bounds.extend(of_triangles.map(|(emitter, &weight)| {
+                let instance = &scene.instances[emitter.instance.index()];
+                let both = scene.materials[instance.material.index()].double_sided;
+                let sides = if both { Sides::Both } else { Sides::Front };
+                of_triangle(triangles, (emitter.instance, emitter.index), sides, weight)
+            }));
+            bounds
+        };
+        let chooser = Chooser::new(weights.clone(), choice, bounds);
+        Self { chooser, punctual, environment, first_triangle, triangles: emitters, instances }
     }
 
     /// Whether nothing shines.
     pub fn is_dark(&self) -> bool {
-        self.table.is_none()
+        self.chooser.is_empty()
     }
 
     /// The number of lights, each emitting triangle one.
@@ -106,29 +120,32 @@ impl Lights {
 
     /// The probability that the environment is chosen.
     fn environment_pmf(&self) -> f32 {
-        match (&self.table, self.environment) {
-            (Some(table), Some(light)) => table.pmf(light),
-            _ => 0.0,
-        }
+        self.environment.map_or(0.0, |light| self.chooser.far_probability(light))
     }
 
-    /// The probability that a triangle is chosen: the one numbered `index` of an instance.
-    fn triangle_pmf(&self, instance: InstanceId, index: usize) -> f32 {
-        let first = self.instances[instance.index()];
-        match &self.table {
-            Some(table) if first != u32::MAX => table.pmf(first as usize + index),
-            _ => 0.0,
+    /// The probability that a triangle is chosen for a point: the one numbered `index` of an
+    /// instance.
+    fn triangle_pmf(&self, vantage: &Vantage, instance: InstanceId, index: usize) -> f32 {
+        match self.instances[instance.index()] {
+            u32::MAX => 0.0,
+            first => self.chooser.near_probability(vantage, first as usize + index),
         }
     }
 }
 
 impl World {
-    /// Chooses a light and a direction to it, from a `surface`: by `u_light` which light, by `u`
-    /// where on it. `None` where nothing arrives from there.
+    /// Chooses a light and a direction to it, from a `surface` that is asked about as `vantage`
+    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from there.
     #[inline(always)]
-    pub fn sample_light(&self, surface: &Surface, u_light: f32, u: Vec2) -> Option<LightSample> {
+    pub fn sample_light(
+        &self,
+        surface: &Surface,
+        vantage: &Vantage,
+        u_light: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
         let lights = &self.lights;
-        let (light, pmf) = lights.table.as_ref()?.sample(u_light);
+        let (light, pmf) = lights.chooser.sample(vantage, u_light)?;
         if light >= lights.first_triangle {
             let emitter = lights.triangles[light - lights.first_triangle];
             self.sample_emitter(surface, emitter, pmf, u)
@@ -155,28 +172,35 @@ impl World {
         (radiance, pdf * self.lights.environment_pmf())
     }
 
-    /// What a `surface` sends back along a ray of unit direction that hit it at `distance`, and
-    /// the density over solid angle with which [`World::sample_light`] chooses that direction from
-    /// the ray's origin; `None` where it does not emit.
+    /// What a `surface` sends back along a ray that hit it; `None` where it does not emit.
     #[inline]
-    pub fn emitted(
-        &self,
-        surface: &Surface,
-        direction: Vec3,
-        distance: f32,
-    ) -> Option<(Vec3, f32)> {
+    pub fn emitted(&self, surface: &Surface) -> Option<Vec3> {
         let material = self.material(surface.material);
         if material.unlit {
             // Found by following paths alone: it is no light, but looks its colour from everywhere.
-            return Some((self.emission(surface.material, &surface.attributes), 0.0));
+            return Some(self.emission(surface.material, &surface.attributes));
         }
         if !material.is_emissive() || !(surface.front || material.double_sided) {
             return None;
         }
-        let pmf = self.lights.triangle_pmf(surface.instance, surface.triangle);
+        Some(self.emission(surface.material, &surface.attributes))
+    }
+
+    /// The density over solid angle with which [`World::sample_light`] chooses for `vantage`, where
+    /// a ray of unit `direction` began, the point of a `surface` that the ray hit at `distance`.
+    pub fn emitter_pdf(
+        &self,
+        surface: &Surface,
+        vantage: &Vantage,
+        direction: Vec3,
+        distance: f32,
+    ) -> f32 {
+        if self.material(surface.material).unlit {
+            return 0.0;
+        }
+        let pmf = self.lights.triangle_pmf(vantage, surface.instance, surface.triangle);
         let cosine = surface.normal.dot(direction);
-        let pdf = pmf * area_to_solid_angle(surface.area, distance * distance, cosine);
-        Some((self.emission(surface.material, &surface.attributes), pdf))
+        pmf * area_to_solid_angle(surface.area, distance * distance, cosine)
     }
 
     #[inline(always)]

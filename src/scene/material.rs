@@ -106,6 +106,10 @@ pub struct Material {
     pub layers: Option<Box<MaterialLayers>>,
     /// Present: the surface bounds a solid; absent: it is infinitely thin.
     pub volume: Option<Volume>,
+    /// How much more a solid bends blue light than red: 20 over its Abbe number; 0: all alike.
+    pub dispersion: f32,
+    /// Where solids overlap, the one of the highest priority is there; of equals, the inner one.
+    pub priority: i32,
 }
 
 impl Default for Material {
@@ -136,6 +140,8 @@ impl Default for Material {
             unlit: false,
             layers: None,
             volume: None,
+            dispersion: 0.0,
+            priority: 0,
         }
     }
 }

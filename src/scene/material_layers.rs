@@ -3,7 +3,7 @@
 use super::TextureRef;
 use crate::math::{Vec2, Vec3};
 
-/// KHR_materials_clearcoat, sheen and anisotropy. Fields are named as the specifications name them;
+/// KHR_materials_clearcoat, sheen, anisotropy and iridescence. Fields are named as the specifications name them;
 /// a factor multiplies its texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialLayers {
@@ -33,6 +33,16 @@ pub struct MaterialLayers {
     pub anisotropy_rotation: Vec2,
     /// The way in red and green, the strength in blue.
     pub anisotropy_texture: Option<TextureRef>,
+    /// Strength of a thin film.
+    pub iridescence: f32,
+    /// In its red channel.
+    pub iridescence_texture: Option<TextureRef>,
+    /// The film's index of refraction.
+    pub iridescence_ior: f32,
+    /// The film's least and greatest thickness, nanometres; without a texture it has the greatest.
+    pub iridescence_thickness: [f32; 2],
+    /// From the least to the greatest thickness, in its green channel.
+    pub iridescence_thickness_texture: Option<TextureRef>,
 }
 
 impl Default for MaterialLayers {
@@ -52,6 +62,11 @@ impl Default for MaterialLayers {
             anisotropy: 0.0,
             anisotropy_rotation: Vec2::X,
             anisotropy_texture: None,
+            iridescence: 0.0,
+            iridescence_texture: None,
+            iridescence_ior: 1.3,
+            iridescence_thickness: [100.0, 400.0],
+            iridescence_thickness_texture: None,
         }
     }
 }
@@ -59,7 +74,8 @@ impl Default for MaterialLayers {
 impl MaterialLayers {
     /// Whether any of them can be seen.
     pub fn any(&self) -> bool {
-        self.clearcoat > 0.0 || self.sheen_color != Vec3::ZERO || self.anisotropy > 0.0
+        let strengths = [self.clearcoat, self.anisotropy, self.iridescence];
+        strengths.iter().any(|&strength| strength > 0.0) || self.sheen_color != Vec3::ZERO
     }
 
     /// All places for textures, used or not.
@@ -71,6 +87,8 @@ impl MaterialLayers {
             &mut self.sheen_color_texture,
             &mut self.sheen_roughness_texture,
             &mut self.anisotropy_texture,
+            &mut self.iridescence_texture,
+            &mut self.iridescence_thickness_texture,
         ]
         .into_iter()
     }

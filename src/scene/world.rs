@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::defaults::bounds;
 use super::{
-    AlphaMode, Attributes, Lights, Material, Scene, Surface, TextureRef, Triangles, Volume,
-    layered_point,
+    AlphaMode, Attributes, LightChoice, Lights, Material, Scene, Surface, TextureRef, Triangles,
+    Volume, layered_point,
 };
 use crate::accel::ClosestHit;
 use crate::geom::Mesh;
-use crate::material::{Bsdf, BsdfForm, SurfaceParams};
+use crate::material::{Bsdf, BsdfForm, SurfaceParams, Wavelength};
 use crate::math::{MaterialId, Vec2, Vec3, Vec4};
 
 /// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
@@ -41,6 +41,8 @@ pub(super) struct Resolved {
     pub textured: bool,
     /// See [`Material::is_opaque`]; the colours of vertices have a say in it too.
     pub opaque: bool,
+    /// Whether it bounds solids that light goes through.
+    solid: bool,
     /// The inside, if it takes away light.
     absorption: Option<Volume>,
 }
@@ -54,13 +56,25 @@ impl World {
     /// # Errors
     /// The number of triangles, if it is 2^32 - 1 or more.
     pub fn new(scene: Arc<Scene>, form: BsdfForm) -> Result<Self, u64> {
+        Self::with_lights(scene, form, LightChoice::default())
+    }
+
+    /// The same, with lights chosen as told.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    pub fn with_lights(
+        scene: Arc<Scene>,
+        form: BsdfForm,
+        choice: LightChoice,
+    ) -> Result<Self, u64> {
         let triangles = Arc::new(Triangles::new(&scene)?);
         let mut materials: Vec<Resolved> =
             scene.materials.iter().map(|material| Resolved::new(material, form)).collect();
         for material in seen_through_vertices(&scene) {
             materials[material.index()].opaque = false;
         }
-        let lights = Lights::new(&scene, &triangles);
+        let lights = Lights::new(&scene, &triangles, choice);
         let used = |instance: &super::Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
         let slack = bounds(&scene).extent().max_element().max(0.0) * SLACK;
@@ -84,9 +98,19 @@ impl World {
         let resolved = &self.materials[surface.material.index()];
         match resolved.bsdf {
             Some(bsdf) if surface.attributes.color == Vec4::ONE => bsdf,
-            _ if resolved.layered => self.layered_bsdf(surface, hit),
-            _ => self.bare_bsdf(surface.material, &surface.attributes),
+            _ => self.bsdf_of_index(surface, hit, self.material(surface.material).ior),
         }
+    }
+
+    /// The same of another index of refraction, inside over outside.
+    #[inline]
+    pub fn bsdf_of_index(&self, surface: &Surface, hit: &ClosestHit, ior: f32) -> Bsdf {
+        let resolved = &self.materials[surface.material.index()];
+        if resolved.layered {
+            return self.layered_bsdf(surface, hit, ior);
+        }
+        let params = self.surface_params(surface.material, &surface.attributes);
+        Bsdf::new(&SurfaceParams { ior, ..params }, self.form)
     }
 
     /// What a material scatters at a point, but for what lies on it.
@@ -107,10 +131,35 @@ impl World {
         emission(&self.scene, self.material(id), at)
     }
 
-    /// Whether the inside of a material takes away light.
+    /// Whether a material bounds solids that light goes through.
     #[inline]
-    pub fn absorbs(&self, id: MaterialId) -> bool {
-        self.materials[id.index()].absorption.is_some()
+    pub fn is_solid(&self, id: MaterialId) -> bool {
+        self.materials[id.index()].solid
+    }
+
+    /// Whether a solid bends some colours more than others; air, [`MaterialId::NONE`], does not.
+    #[inline]
+    pub fn disperses(&self, id: MaterialId) -> bool {
+        let of = |material: &Resolved| material.solid;
+        self.materials.get(id.index()).is_some_and(of) && self.material(id).dispersion > 0.0
+    }
+
+    /// The index of refraction inside of a solid for a wavelength, or for all; 1 for
+    /// [`MaterialId::NONE`].
+    pub fn ior(&self, id: MaterialId, wavelength: Option<Wavelength>) -> f32 {
+        let Some(material) = self.scene.materials.get(id.index()) else { return 1.0 };
+        match wavelength {
+            Some(wavelength) if material.dispersion > 0.0 => {
+                wavelength.index(material.ior, material.dispersion)
+            }
+            _ => material.ior,
+        }
+    }
+
+    /// See [`Material::priority`].
+    #[inline]
+    pub fn priority(&self, id: MaterialId) -> i32 {
+        self.material(id).priority
     }
 
     /// What is left of white light after `distance` metres inside of a material; one where it
@@ -149,6 +198,7 @@ impl Resolved {
             layered: layers.is_some(),
             textured: material.clone().textures_mut().next().is_some(),
             opaque: material.is_opaque(),
+            solid: material.volume.is_some() && material.transmission > 0.0,
             absorption: material.volume.filter(|volume| {
                 volume.attenuation_distance.is_finite()
                     && volume.attenuation_distance > 0.0

@@ -52,6 +52,31 @@ pub fn store_keys<const SORTED: bool, S: Simd, const W: usize>(
     }
 }
 
+/// Stores the keys of `hits`, and the links of their lanes, in the order of a list of all lanes: a
+/// nibble each, the first one lowest. What is stored beyond their number has no meaning.
+#[inline(always)]
+pub fn store_listed<S: Simd, const W: usize>(
+    simd: S,
+    keys: [u32; W],
+    list: u64,
+    links: &[u32; W],
+    to_keys: &mut [u32; W],
+    to_links: &mut [u32; W],
+) {
+    #[cfg(target_arch = "x86_64")]
+    if let (8, Some(avx2)) = (W, simd.level().as_avx2()) {
+        return x86::store_listed(avx2, &keys, list as u32, links, to_keys, to_links);
+    }
+    let _ = simd;
+    let mut count = 0;
+    for place in 0..W {
+        let lane = (list >> (4 * place)) as usize % W;
+        // Overwritten by the next one if this lane was missed.
+        (to_keys[count], to_links[count]) = (keys[lane], links[lane]);
+        count = (count + usize::from(keys[lane] != 0)).min(W - 1);
+    }
+}
+
 /// Inserts into the first `count` keys, which are in descending order.
 #[inline(always)]
 fn insert<const W: usize>(keys: &mut [u32; W], count: usize, key: u32) {
@@ -67,7 +92,7 @@ fn insert<const W: usize>(keys: &mut [u32; W], count: usize, key: u32) {
 mod x86 {
     use std::arch::x86_64::*;
 
-    use fearless_simd::{Avx2, SimdBase, SimdInto, u32x4, u32x8};
+    use fearless_simd::{Avx2, SimdBase, SimdInto, SimdMask, u32x4, u32x8};
 
     use super::{LANE, insert};
 
@@ -120,6 +145,37 @@ mod x86 {
             _ => sort16(avx2, keys, hits, links, to_keys, to_links),
         }
     }
+
+    /// [`super::store_listed`] for eight lanes.
+    #[inline(always)]
+    pub fn store_listed(
+        avx2: Avx2,
+        keys: &[u32],
+        list: u32,
+        links: &[u32],
+        to_keys: &mut [u32],
+        to_links: &mut [u32],
+    ) {
+        let keys = u32x8::from_slice(avx2, keys).into();
+        let listed: u32x8<_> = listed(avx2, keys, list).simd_into(avx2);
+        let hits = !listed.simd_eq(u32x8::splat(avx2, 0)).to_bitmask() as u32;
+        let keys = hits_first(avx2, listed.into(), hits);
+        let links = pick8(avx2, u32x8::from_slice(avx2, links).into(), keys);
+        let (keys, links): (u32x8<_>, u32x8<_>) = (keys.simd_into(avx2), links.simd_into(avx2));
+        keys.store_slice(to_keys);
+        links.store_slice(to_links);
+    }
+
+    fearless_simd::kernel!(
+        /// Lanes in the order of a list.
+        #[inline(always)]
+        fn listed(avx2: Avx2, keys: __m256i, list: u32) -> __m256i {
+            let shifts = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
+            let lanes = _mm256_srlv_epi32(_mm256_set1_epi32(list as i32), shifts);
+            // Of each the lowest three bits count.
+            _mm256_permutevar8x32_epi32(keys, lanes)
+        }
+    );
 
     fearless_simd::kernel!(
         #[inline(always)]
@@ -257,6 +313,16 @@ mod tests {
         }
         to_keys[..expected.len()].sort_unstable_by(|a, b| b.cmp(a));
         assert_eq!(to_keys[..expected.len()], expected, "{isa} {W}");
+        // From the last lane to the first.
+        let list = (0..W).fold(0, |list, lane| list << 4 | lane as u64);
+        vectorized!(level, simd => store_listed::<_, W>(
+            simd, keys, list, &links, &mut to_keys, &mut to_links
+        ));
+        let expected: Vec<u32> = keys.iter().rev().copied().filter(|&key| key != 0).collect();
+        assert_eq!(to_keys[..expected.len()], expected, "{isa} {W}");
+        for (key, link) in expected.iter().zip(to_links) {
+            assert_eq!(link, 1000 + (key & LANE), "{isa} {W}");
+        }
     }
 
     proptest! {

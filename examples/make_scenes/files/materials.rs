@@ -80,3 +80,12 @@ pub fn brushed(mut below: Value, strength: f64, angle: f64) -> Value {
         json!({ "anisotropyStrength": strength, "anisotropyRotation": angle });
     below
 }
+
+/// Any material under a film of some index, its least and greatest thickness in nanometres.
+pub fn filmed(mut below: Value, ior: f64, [least, greatest]: [f64; 2]) -> Value {
+    below["extensions"]["KHR_materials_iridescence"] = json!({
+        "iridescenceFactor": 1.0, "iridescenceIor": ior,
+        "iridescenceThicknessMinimum": least, "iridescenceThicknessMaximum": greatest,
+    });
+    below
+}

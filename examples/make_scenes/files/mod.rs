@@ -1,5 +1,6 @@
 //! The files of `scenes/`: small scenes that each show something, and test it.
 
+mod colors;
 mod finishes;
 mod gltf;
 mod materials;
@@ -19,6 +20,8 @@ pub fn all() -> Vec<(String, Vec<u8>)> {
         rooms::metals(),
         rooms::glass(),
         finishes::finishes(),
+        colors::films(),
+        colors::gems(),
         surfaces::textured(),
         surfaces::alpha(),
         surfaces::sky(),

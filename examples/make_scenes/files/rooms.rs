@@ -82,7 +82,7 @@ pub fn furnace() -> Files {
 }
 
 /// Places spheres that share their triangles: material, centre and radius of each.
-fn spheres(g: &mut Gltf, balls: &[(Value, [f32; 3], f32)]) {
+pub fn spheres(g: &mut Gltf, balls: &[(Value, [f32; 3], f32)]) {
     let mut mesh: Option<usize> = None;
     for (material, centre, radius) in balls {
         let material = g.push("materials", material.clone());

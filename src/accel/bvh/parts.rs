@@ -36,8 +36,8 @@
 //!
 //! *Which rays* this covers ([`Parts::covers`]). With directions of at most 2^48, `t` is so
 //! large that 2^-149, the step of denormal numbers, is less than 2^-100 of space. The slab test
-//! raises components below 2^-127 to that; a far plane is then left at `t` of 2^126 margins, more
-//! than 2^103 of the largest coordinate: enough for origins up to 2^32 times as far as that, and
+//! raises components below 2^-126 to that; a far plane is then left at `t` of 2^125 margins, more
+//! than 2^102 of the largest coordinate: enough for origins up to 2^32 times as far as that, and
 //! directions of at least 2^-64. Others, hardly ever met, test all triangles. Scenes with
 //! coordinates above 2^100, whose distances might overflow, are never cut.
 

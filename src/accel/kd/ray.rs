@@ -23,7 +23,7 @@ impl KdRay {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         /// Keeps reciprocals finite: a component of zero becomes a huge slope of its sign.
-        const SMALLEST: f32 = 5.877472e-39; // 2^-127
+        const SMALLEST: f32 = f32::MIN_POSITIVE; // to divide by denormals is slow
         let (o, d) = (ray.origin(), ray.direction());
         let axis = |i: usize| Axis {
             origin: o[i],

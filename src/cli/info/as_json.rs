@@ -57,6 +57,7 @@ impl Report<'_> {
             let (degrees, height) = match *projection {
                 Projection::Perspective { yfov } => (Some(yfov.to_degrees()), None),
                 Projection::Orthographic { ymag, .. } => (None, Some(2.0 * ymag)),
+                Projection::Panorama => (None, None),
             };
             json!({
                 "name": named.name,

@@ -69,6 +69,7 @@ impl Report<'_> {
                 Projection::Orthographic { ymag, .. } => {
                     format!("{} m high", figure((2.0 * ymag).into()))
                 }
+                Projection::Panorama => "all around".to_owned(),
             };
             let kind = kind_of_camera(&named.camera.projection);
             format!("{}: {kind}, {size}", label(number, &named.name))

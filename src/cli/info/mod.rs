@@ -96,6 +96,7 @@ fn kind_of_camera(projection: &Projection) -> &'static str {
     match projection {
         Projection::Perspective { .. } => "perspective",
         Projection::Orthographic { .. } => "orthographic",
+        Projection::Panorama => "panorama",
     }
 }
 

@@ -17,8 +17,8 @@
 //! (two roundings of the inverse, 4 ulps of slack, two more roundings). So along each axis the point
 //! is within 2^-20 of the distance from origin to plane of the box, which is at most the sum
 //! `b + o` of the largest coordinates of box and origins along that axis. Where a component of the
-//! direction is below 2^-127 the slab test takes that instead; then the point may be off by `t`
-//! times 2^-126, and `t` is at most 2^21 times the sum along the direction's largest component,
+//! direction is below 2^-126 the slab test takes that instead; then the point may be off by `t`
+//! times 2^-125, and `t` is at most 2^21 times the sum along the direction's largest component,
 //! which is above 2^-20.
 //!
 //! *The planes are rounded.* The least `n · x` of a box is three products and their sum, off by

@@ -9,15 +9,17 @@ use super::notices::Notices;
 use crate::scene::UsedExtension;
 
 /// What this loader does all of.
-const HONOURED: [&str; 16] = [
+const HONOURED: [&str; 18] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -38,8 +40,6 @@ fn is_supported(name: &str) -> bool {
 /// What leaving an extension out means for the picture.
 fn consequence(name: &str) -> &'static str {
     match name {
-        "KHR_materials_dispersion" => "all colours are bent alike",
-        "KHR_materials_iridescence" => "the film is left out",
         "KHR_materials_pbrSpecularGlossiness" => "the metallic-roughness values are used",
         "KHR_texture_basisu" => "the texture's other image is used",
         _ => "it is left out",
@@ -154,15 +154,15 @@ mod tests {
 
     #[test]
     fn what_is_left_out_is_said_with_its_place() {
-        let text = r#"{"extensionsUsed": ["KHR_materials_ior", "KHR_materials_iridescence", "X_y"],
-            "materials": [{"extensions": {"KHR_materials_iridescence": {}, "KHR_materials_ior": {}}},
-                          {"extensions": {"KHR_materials_iridescence": {}}}],
+        let text = r#"{"extensionsUsed": ["KHR_materials_ior", "KHR_materials_pbrSpecularGlossiness", "X_y"],
+            "materials": [{"extensions": {"KHR_materials_pbrSpecularGlossiness": {}, "KHR_materials_ior": {}}},
+                          {"extensions": {"KHR_materials_pbrSpecularGlossiness": {}}}],
             "extras": {"extensions": {"none": {}}}}"#;
         assert_eq!(
             notices(text),
             [
-                "a: /materials/0/extensions/KHR_materials_iridescence: extension \
-                 KHR_materials_iridescence is not supported: the film is left out \
+                "a: /materials/0/extensions/KHR_materials_pbrSpecularGlossiness: extension \
+                 KHR_materials_pbrSpecularGlossiness is not supported: the metallic-roughness values are used \
                  (and at one other place)",
                 "a: /extensionsUsed/2: extension X_y is not supported",
             ]

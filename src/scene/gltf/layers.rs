@@ -1,4 +1,4 @@
-//! What lies on materials: KHR_materials_clearcoat, sheen and anisotropy.
+//! What lies on materials: KHR_materials_clearcoat, sheen, anisotropy and iridescence.
 
 use super::json::{Fault, Object};
 use super::material::Reader;
@@ -26,6 +26,9 @@ impl Reader<'_, '_> {
                 self.notices.add(anisotropy.place(), message);
             }
         }
+        if let Some(film) = object.extension("KHR_materials_iridescence")? {
+            self.iridescence(&film, &mut layers)?;
+        }
         Ok(layers.any().then(|| Box::new(layers)))
     }
 
@@ -51,6 +54,27 @@ impl Reader<'_, '_> {
         layers.sheen_roughness = self.share(sheen, "sheenRoughnessFactor", 0.0)?;
         layers.sheen_roughness_texture =
             self.member(sheen, "sheenRoughnessTexture", ColorSpace::Linear)?;
+        Ok(())
+    }
+
+    fn iridescence(&mut self, film: &Object, layers: &mut MaterialLayers) -> Result<(), Fault> {
+        layers.iridescence = self.share(film, "iridescenceFactor", 0.0)?;
+        layers.iridescence_texture = self.member(film, "iridescenceTexture", ColorSpace::Linear)?;
+        layers.iridescence_ior = film.number("iridescenceIor")?.unwrap_or(1.3);
+        if layers.iridescence_ior < 1.0 {
+            self.notices.add(film.at("iridescenceIor"), "is below 1; 1 is used");
+            layers.iridescence_ior = 1.0;
+        }
+        let keys = ["iridescenceThicknessMinimum", "iridescenceThicknessMaximum"];
+        for (key, thickness) in keys.into_iter().zip(&mut layers.iridescence_thickness) {
+            *thickness = film.number(key)?.unwrap_or(*thickness);
+            if *thickness < 0.0 {
+                self.notices.add(film.at(key), "is negative; 0 is used");
+                *thickness = 0.0;
+            }
+        }
+        layers.iridescence_thickness_texture =
+            self.member(film, "iridescenceThicknessTexture", ColorSpace::Linear)?;
         Ok(())
     }
 
@@ -92,19 +116,24 @@ mod tests {
                 "sheenColorTexture": {"index": 2}, "sheenRoughnessFactor": 0.75,
                 "sheenRoughnessTexture": {"index": 2}},
                 "KHR_materials_anisotropy": {"anisotropyStrength": 0.6, "anisotropyRotation": 3.1415927,
-                "anisotropyTexture": {"index": 3}}}"#,
+                "anisotropyTexture": {"index": 3}},
+                "KHR_materials_iridescence": {"iridescenceFactor": 0.75, "iridescenceIor": 1.5,
+                "iridescenceTexture": {"index": 3}, "iridescenceThicknessMinimum": 200,
+                "iridescenceThicknessMaximum": 700, "iridescenceThicknessTexture": {"index": 3}}}"#,
         )
         .expect("valid");
         assert!(notices.is_empty(), "{notices:?}");
         // The sheen's texture is read in both colour spaces.
         let slots: Vec<u32> = material.textures_mut().map(|texture| texture.texture.0).collect();
-        assert_eq!(slots, [0, 0, 1, 2, 3, 4]);
+        assert_eq!(slots, [0, 0, 1, 2, 3, 4, 4, 4]);
         let layers = material.layers.expect("there are some");
         assert_eq!((layers.clearcoat, layers.clearcoat_roughness), (0.5, 0.25));
         assert_eq!(layers.clearcoat_normal_scale, 2.0);
         assert_eq!(layers.sheen_color, Vec3::new(1.0, 0.5, 0.0));
         assert_eq!((layers.sheen_roughness, layers.anisotropy), (0.75, 0.6));
         assert!(layers.anisotropy_rotation.distance(-Vec2::X) < 1e-6);
+        assert_eq!((layers.iridescence, layers.iridescence_ior), (0.75, 1.5));
+        assert_eq!(layers.iridescence_thickness, [200.0, 700.0]);
     }
 
     #[test]
@@ -123,14 +152,18 @@ mod tests {
         let (material, notices) = material(
             r#"{"KHR_materials_clearcoat": {"clearcoatFactor": 2, "clearcoatRoughnessFactor": -1},
                 "KHR_materials_sheen": {"sheenColorFactor": [3, -1, 0], "sheenRoughnessFactor": 7},
-                "KHR_materials_anisotropy": {"anisotropyStrength": -0.1}}"#,
+                "KHR_materials_anisotropy": {"anisotropyStrength": -0.1},
+                "KHR_materials_iridescence": {"iridescenceFactor": 1.5, "iridescenceIor": 0.5,
+                "iridescenceThicknessMaximum": -9}}"#,
         )
         .expect("valid");
         let layers = material.layers.expect("there are some");
         assert_eq!((layers.clearcoat, layers.clearcoat_roughness), (1.0, 0.0));
         assert_eq!((layers.sheen_color, layers.sheen_roughness), (Vec3::X, 1.0));
-        // One for what is out of range, at four places, and one for what is negative.
-        assert_eq!((layers.anisotropy, notices.len()), (0.0, 2));
+        // One for what is out of range, at five places, and one each for what is negative or below 1.
+        assert_eq!((layers.anisotropy, layers.iridescence_ior), (0.0, 1.0));
+        assert_eq!((layers.iridescence, layers.iridescence_thickness), (1.0, [100.0, 0.0]));
+        assert_eq!(notices.len(), 3, "{notices:?}");
     }
 
     #[test]

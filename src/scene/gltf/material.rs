@@ -119,8 +119,30 @@ impl Reader<'_, '_> {
         if let Some(volume) = object.extension("KHR_materials_volume")? {
             material.volume = self.volume(&volume)?;
         }
+        if let Some(dispersion) = object.extension("KHR_materials_dispersion")? {
+            material.dispersion = dispersion.number("dispersion")?.unwrap_or(0.0);
+            if material.dispersion < 0.0 {
+                self.notices.add(dispersion.at("dispersion"), "is negative; 0 is used");
+                material.dispersion = 0.0;
+            } else if material.dispersion > 0.0 && material.volume.is_none() {
+                let message = "a surface without a volume bends no light: nothing is dispersed";
+                self.notices.add(dispersion.place(), message);
+            }
+        }
+        material.priority = self.priority()?;
         material.layers = self.layers(material.transmission)?;
         Ok(())
+    }
+
+    /// What the format has no word for, among what it leaves to applications.
+    fn priority(&self) -> Result<i32, Fault> {
+        match self.object.value("extras") {
+            Some(extras) if extras.is_object() => {
+                let extras = Object::new(extras, self.object.at("extras"))?;
+                Ok(extras.number("dapple_priority")?.map_or(0, |priority| priority as i32))
+            }
+            _ => Ok(0),
+        }
     }
 
     /// At least 1, as all that is known has.
@@ -303,6 +325,24 @@ mod tests {
         assert_eq!(volume("0"), None);
         let expected = Volume { attenuation_color: Vec3::ONE, attenuation_distance: 2.0 };
         assert_eq!(volume("0.1"), Some(expected));
+    }
+
+    #[test]
+    fn dispersion_and_priority_are_read() {
+        let extension = |dispersion: &str, volume: &str| {
+            material(&format!(
+                "{{\"extras\": {{\"dapple_priority\": -3}}, \"extensions\": {{{volume}
+                 \"KHR_materials_dispersion\": {{\"dispersion\": {dispersion}}}}}}}"
+            ))
+        };
+        let volume = "\"KHR_materials_volume\": {\"thicknessFactor\": 1},";
+        let (made, notices) = extension("0.4", volume).expect("valid");
+        assert_eq!((made.dispersion, made.priority, notices), (0.4, -3, 0));
+        assert_eq!(extension("0.4", "").expect("valid").1, 1);
+        let (made, notices) = extension("-1", volume).expect("valid");
+        assert_eq!((made.dispersion, notices), (0.0, 1));
+        assert!(material(r#"{"extras": {"dapple_priority": "high"}}"#).is_err());
+        assert_eq!(material(r#"{"extras": 7}"#).expect("valid").0, Material::default());
     }
 
     #[test]

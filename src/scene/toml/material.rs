@@ -43,6 +43,10 @@ const NUMBERS: &[(&str, RangeInclusive<f32>, Setter<f32>)] = &[
     ("clearcoat-roughness", SHARE, |m, value| layers(m).clearcoat_roughness = value),
     ("sheen-roughness", SHARE, |m, value| layers(m).sheen_roughness = value),
     ("anisotropy", SHARE, |m, value| layers(m).anisotropy = value),
+    ("dispersion", ANY, |m, value| m.dispersion = value),
+    ("iridescence", SHARE, |m, value| layers(m).iridescence = value),
+    ("iridescence-ior", 1.0..=f32::MAX, |m, value| layers(m).iridescence_ior = value),
+    ("iridescence-thickness", ANY, |m, value| layers(m).iridescence_thickness = [value; 2]),
     ("anisotropy-rotation", -360.0..=360.0, |m, degrees| {
         let (s, c) = libm::sincosf(degrees.to_radians());
         layers(m).anisotropy_rotation = Vec2::new(c, s);

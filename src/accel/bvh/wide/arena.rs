@@ -2,12 +2,13 @@
 //!
 //! All in one piece, so that a link's place is a row of it whatever it leads to, and a walk can ask for
 //! that place ahead of time without a branch. A node is eight rows: the lower and the upper planes
-//! along x, y and z, the links, and one to spare, which keeps nodes on cache lines. A leaf that
+//! along x, y and z, the links, and the lists of [`super::octants`]. A leaf that
 //! stores its triangles is nine rows of coordinates and one of ids; one that does not is its ids.
 
 use bytemuck::cast_slice;
 use memmap2::{Advice, MmapMut};
 
+use super::octants;
 use crate::accel::bvh::link::Link;
 use crate::geom::{BlockRef, TriangleBlock};
 use crate::math::{Aabb, TriangleId};
@@ -18,6 +19,8 @@ pub const NODE: usize = 8;
 pub const BLOCK: usize = 10;
 /// The row of a node that holds its links.
 const LINKS: usize = 6;
+/// The row of a node that holds its children's orders.
+const ORDERS: usize = 7;
 
 /// Rows of `W` numbers.
 pub struct Arena<const W: usize> {
@@ -82,6 +85,7 @@ pub fn write_node<const W: usize>(rows: &mut [[f32; W]], children: &[(Aabb, Link
     for (lane, (_, link)) in children.iter().enumerate() {
         rows[LINKS][lane] = f32::from_bits(link.0);
     }
+    rows[ORDERS] = octants::pack::<W>(children).map(f32::from_bits);
 }
 
 /// Puts triangles into a leaf's rows.
@@ -102,6 +106,12 @@ impl<'a, const W: usize> Rows<'a, W> {
         let row = link.place();
         let planes = self.floats[row..row + LINKS].try_into().expect("six rows");
         (planes, &self.bits[row + LINKS])
+    }
+
+    /// A node's children by octants of directions, see [`octants`].
+    #[inline(always)]
+    pub fn orders(&self, link: Link) -> &'a [u32; W] {
+        &self.bits[link.place() + ORDERS]
     }
 
     /// A leaf's triangles.

@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::arena::Rows;
-use super::stack::Stack;
+use super::stack::{Sorting, Stack};
 use super::{Scratch, Wide, node};
 use crate::accel::bvh::leaves::Fetched;
 use crate::accel::bvh::link::Link;
@@ -142,11 +142,8 @@ where
         }
         let (planes, links) = rows.node(link);
         let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
-        if Q::ANY {
-            stack.push::<false, S>(simd, keys, hits, links, top);
-        } else {
-            stack.push::<true, S>(simd, keys, hits, links, top);
-        }
+        let sorting = if Q::ANY { Sorting::None } else { self.sorting(rows, link, shot) };
+        stack.push(simd, sorting, keys, hits, links, top);
         ControlFlow::Continue(())
     }
 }

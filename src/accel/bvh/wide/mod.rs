@@ -2,15 +2,18 @@
 //!
 //! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008. A node's children are tested
 //! by one stream of vector instructions, and so are a leaf's triangles. A binary tree is built
-//! first and collapsed (`collapse`); a ray walks by algorithm 2 of the paper, its children
-//! ordered by distance rather than by octant, and a slice of rays is walked with sixteen of them in
-//! flight (`flight`). There, where any hit will do, they are taken as they come: sorting them
-//! costs up to 15 % and gains 4 at most.
+//! first and collapsed (`collapse`), or none (`direct`); a ray walks by algorithm 2 of the paper, its children ordered by
+//! distance, or by the direction's octant as in the paper (`octants`), and a slice of rays is walked
+//! with sixteen of them in flight (`flight`). There, where any hit will do, they are taken as they
+//! come: sorting them costs up to 15 % and gains 4 at most.
 
 mod arena;
 mod collapse;
+mod direct;
 mod flight;
 mod node;
+mod octants;
+mod shape;
 mod stack;
 
 use std::ops::ControlFlow;
@@ -19,10 +22,11 @@ use std::time::Instant;
 use fearless_simd::{Level, Simd};
 
 use self::arena::{Arena, BLOCK, Rows};
-use self::collapse::Collapsed;
-use self::stack::Stack;
+use self::shape::Shape;
+use self::stack::{Sorting, Stack};
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
 use super::link::Link;
+use super::prims::prims;
 use super::sah::{self, Cost, Fill, TRAVERSAL};
 use super::{BUILD, Parts, REFINE, build_tree_by};
 use crate::accel::{
@@ -82,10 +86,17 @@ const fn row(
     summary: &'static str,
     build: fn(&BuildInput<'_>) -> Result<Box<dyn Accel>, BuildError>,
 ) -> Variant {
-    const OPTIONS: &[OptionSpec] = &[BUILD, REFINED, LEAVES, TRIANGLES, CACHE];
+    const OPTIONS: &[OptionSpec] = &[BUILDS, REFINED, LEAVES, ORDER, TRIANGLES, CACHE];
     let paper = "Ernst and Greiner, Multi Bounding Volume Hierarchies, 2008";
     Variant { id, summary, paper, options: OPTIONS, build }
 }
+
+/// A binary tree's, or none in between.
+const BUILDS: OptionSpec = OptionSpec {
+    summary: "as for bvh2; or direct: binned in one pass without a binary tree, nor refinement",
+    values: Values::Choice(&["binned", "sweep", "esc", "sbvh", "direct"]),
+    ..BUILD
+};
 
 /// Refined unless said otherwise.
 const REFINED: OptionSpec = OptionSpec { default: Value::Choice("on"), ..REFINE };
@@ -98,18 +109,48 @@ const LEAVES: OptionSpec = OptionSpec {
     default: Value::Choice("full"),
 };
 
+/// The option that says how a node's children are ordered.
+const ORDER: OptionSpec = OptionSpec {
+    name: "order",
+    summary: "children by distance, or as listed for the direction's octant, as in the paper",
+    values: Values::Choice(&["distance", "octant"]),
+    default: Value::Choice("distance"),
+};
+
 /// A hierarchy of width `W`.
 pub struct Wide<const W: usize> {
     root: Option<Link>,
     arena: Arena<W>,
     /// `None` if the leaves store their triangles.
     fetch: Option<Fetch>,
+    /// Whether children are taken in the order of the direction's octant.
+    by_octant: bool,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
     parts: Option<Parts>,
     /// Row of the first leaf.
     first_leaf: usize,
     level: Level,
     report: BuildReport,
+}
+
+/// Builds the tree, binary first or in one pass, and says how long each phase took.
+fn shape<const W: usize>(
+    input: &BuildInput<'_>,
+    cost: Cost,
+) -> (Shape<W>, Vec<(&'static str, f64)>) {
+    if input.options.choice("build") == "direct" {
+        let start = Instant::now();
+        let prims = prims(&*input.source);
+        let boxes = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let shape = direct::build(prims, cost);
+        return (shape, vec![("boxes", boxes), ("tree", start.elapsed().as_secs_f64())]);
+    }
+    let (tree, mut phases) = build_tree_by(input, cost);
+    let start = Instant::now();
+    let shape = collapse::collapse(tree);
+    phases.push(("collapse", start.elapsed().as_secs_f64()));
+    (shape, phases)
 }
 
 /// A thread's own.
@@ -124,11 +165,7 @@ where
 {
     fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
-        let (tree, mut phases) =
-            build_tree_by(input, Cost { traversal: TRAVERSAL, width: W, fill });
-        let start = Instant::now();
-        let wide = Collapsed::<W>::new(&tree);
-        phases.push(("collapse", start.elapsed().as_secs_f64()));
+        let (wide, mut phases) = shape(input, Cost { traversal: TRAVERSAL, width: W, fill });
         if wide.report.max_depth > sah::MAX_DEPTH {
             let (depth, limit) = (wide.report.max_depth, sah::MAX_DEPTH);
             return Err(BuildError::TooDeep { depth, limit });
@@ -137,22 +174,34 @@ where
         let fetch = Fetch::new(input);
         let rows = wide.rows(fetch.is_none());
         if rows >= Link::LIMIT {
-            let (count, limit) = (tree.order.len(), tree.order.len() * Link::LIMIT / rows);
+            let count = wide.references();
+            let limit = (count as u64 * Link::LIMIT as u64 / rows as u64) as usize;
             return Err(BuildError::TooManyTriangles { count, limit });
         }
         let arena = wide
-            .write(&tree, &*input.source, fetch.is_none())
+            .write(&*input.source, fetch.is_none())
             .map_err(|_| BuildError::NoMemory { needed: (rows * size_of::<[f32; W]>()) as u64 })?;
         phases.push(("layout", start.elapsed().as_secs_f64()));
         Ok(Self {
             root: wide.root(),
             arena,
             fetch,
-            parts: tree.parts,
+            by_octant: input.options.choice("order") == "octant",
+            parts: wide.parts,
             first_leaf: wide.first_leaf(),
             level: input.level,
             report: BuildReport { phases, ..wide.report },
         })
+    }
+
+    /// In which order the children of a node go on the stack.
+    #[inline(always)]
+    fn sorting(&self, rows: Rows<'_, W>, node: Link, shot: &Shot<'_>) -> Sorting {
+        if self.by_octant {
+            Sorting::Listed(octants::list(rows.orders(node), octants::octant(&shot.slab)))
+        } else {
+            Sorting::ByDistance
+        }
     }
 
     /// A leaf's triangles.
@@ -250,8 +299,14 @@ where
                 counters.count(Event::BoxTest);
                 let (planes, links) = rows.node(link);
                 let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
-                if let Some(nearest) = stack.descend(simd, &keys, hits, links, &mut top) {
+                let sorting = self.sorting(rows, link, shot);
+                let below = stack.descend(simd, sorting, &keys, hits, links, &mut top);
+                if let Some(nearest) = below {
                     counters.add(Event::Push, u64::from(hits.count_ones()) - 1);
+                    if hits & (hits - 1) != 0 {
+                        // Where it will turn to when it comes back from below `nearest`.
+                        rows.prefetch(stack.peek(top));
+                    }
                     link = nearest;
                     continue;
                 }

@@ -4,12 +4,23 @@ use fearless_simd::Simd;
 
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::sah;
-use crate::simd::order::store_keys;
+use crate::simd::order::{store_keys, store_listed};
 
 /// Rows of a stack. A level puts `W` aside and takes one of them, and the last store is a whole
 /// vector: with one row for the bottom, that is enough for any tree that builders make.
 const ROWS: usize = 128;
 const _: () = assert!(sah::MAX_DEPTH + 2 < ROWS);
+
+/// In which order a node's children go on the stack.
+#[derive(Clone, Copy)]
+pub enum Sorting {
+    /// As they come: any hit will do.
+    None,
+    /// The nearest uppermost.
+    ByDistance,
+    /// The last of a list of lanes uppermost, see [`super::octants`].
+    Listed(u64),
+}
 
 /// Keys and links of the same places. At the bottom lies a key of zero.
 ///
@@ -28,11 +39,12 @@ impl<const W: usize> Stack<W> {
         Self { keys: [[0; W]; ROWS + 1], links: [[0; W]; ROWS + 1] }
     }
 
-    /// Puts a node's children on top that the ray enters, the nearest uppermost if `SORTED`.
+    /// Puts a node's children on top that the ray enters.
     #[inline(always)]
-    pub fn push<const SORTED: bool, S: Simd>(
+    pub fn push<S: Simd>(
         &mut self,
         simd: S,
+        sorting: Sorting,
         keys: [u32; W],
         hits: u32,
         links: &[u32; W],
@@ -43,16 +55,23 @@ impl<const W: usize> Stack<W> {
         let to_links = &mut self.links.as_flattened_mut()[place..place + W];
         let to_keys = to_keys.try_into().expect("W keys");
         let to_links = to_links.try_into().expect("W links");
-        store_keys::<SORTED, S, W>(simd, keys, hits, links, to_keys, to_links);
+        match sorting {
+            Sorting::None => store_keys::<false, S, W>(simd, keys, hits, links, to_keys, to_links),
+            Sorting::ByDistance => {
+                store_keys::<true, S, W>(simd, keys, hits, links, to_keys, to_links);
+            }
+            Sorting::Listed(list) => store_listed(simd, keys, list, links, to_keys, to_links),
+        }
         *top += hits.count_ones() as usize;
     }
 
-    /// As [`Stack::push`], but hands out the nearest; `None` if the ray enters none. A ray by
+    /// As [`Stack::push`], but hands out the uppermost; `None` if the ray enters none. A ray by
     /// itself gains by branches for one child and two, which are most often all.
     #[inline(always)]
     pub fn descend<S: Simd>(
         &mut self,
         simd: S,
+        sorting: Sorting,
         keys: &[u32; W],
         hits: u32,
         links: &[u32; W],
@@ -60,6 +79,10 @@ impl<const W: usize> Stack<W> {
     ) -> Option<Link> {
         if hits == 0 {
             return None;
+        }
+        if let Sorting::Listed(_) = sorting {
+            self.push(simd, sorting, *keys, hits, links, top);
+            return Some(self.pop(top).1);
         }
         let first = hits.trailing_zeros() as usize % W;
         let others = hits & (hits - 1);
@@ -75,7 +98,7 @@ impl<const W: usize> Stack<W> {
             *top += 1;
             return Some(Link(links[near]));
         }
-        self.push::<true, S>(simd, *keys, hits, links, top);
+        self.push(simd, sorting, *keys, hits, links, top);
         Some(self.pop(top).1)
     }
 
@@ -85,6 +108,12 @@ impl<const W: usize> Stack<W> {
         *top -= 1;
         let place = *top % Self::SIZE;
         (self.keys.as_flattened()[place], Link(self.links.as_flattened()[place]))
+    }
+
+    /// What is on top, whatever it is.
+    #[inline(always)]
+    pub fn peek(&self, top: usize) -> Link {
+        Link(self.links.as_flattened()[(top - 1) % Self::SIZE])
     }
 
     /// Takes the uppermost whose key is not above a limit; `None` at the bottom.

@@ -1,0 +1,67 @@
+//! Surfaces under a thin film: metal, plastic, glass, or some of each (KHR_materials_iridescence).
+
+use super::anisotropic::Anisotropic;
+use super::mixed::{mixed, sample_mixed};
+use super::thin_film::ThinFilm;
+use super::{BsdfForm, BsdfSample, Dielectric, SurfaceParams, unit};
+use crate::math::{Vec2, Vec3};
+
+/// A film over what is opaque but for a `share` of glass.
+///
+/// In [`BsdfForm::Conserving`] what lies below a dielectric's film gets what the brightest colour
+/// leaves of Schlick's reflection as bright as the film's: never more light than there is, and a
+/// little less where the film is colourful.
+#[derive(Clone, Copy, Debug)]
+pub struct Filmed {
+    opaque: Anisotropic,
+    glass: Dielectric,
+    share: f32,
+    film: ThinFilm,
+}
+
+impl Filmed {
+    /// What `params` describe, brushed with a strength along a direction, under a film.
+    pub fn new(
+        params: &SurfaceParams,
+        stretch: (f32, Vec2),
+        film: ThinFilm,
+        form: BsdfForm,
+    ) -> Self {
+        let metallic = unit(params.metallic);
+        let share = unit(params.transmission) * (1.0 - metallic);
+        // All of the metal is in the part that is not clear.
+        let metallic = unit(metallic / (1.0 - share));
+        let opaque = Anisotropic::filmed(params, metallic, stretch, film, form);
+        Self { opaque, glass: Dielectric::new(params, form), share, film }
+    }
+
+    /// See [`super::Bsdf::eval`].
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let opaque = self.opaque.eval(wo, wi);
+        if self.share == 0.0 {
+            return opaque;
+        }
+        mixed(self.share, opaque, self.glass.eval_under(Some(&self.film), wo, wi))
+    }
+
+    /// See [`super::Bsdf::sample`].
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        sample_mixed(
+            self.share,
+            u_lobe,
+            |u_lobe| self.opaque.sample(wo, u_lobe, u),
+            |u_lobe| self.glass.sample_under(Some(&self.film), wo, u_lobe, u),
+            |wi| self.eval(wo, wi),
+        )
+    }
+
+    /// See [`super::Bsdf::transmits`].
+    pub fn transmits(&self) -> bool {
+        self.share > 0.0
+    }
+
+    /// See [`super::Bsdf::albedo`].
+    pub fn albedo(&self) -> Vec3 {
+        self.opaque.albedo() * (1.0 - self.share) + self.glass.albedo() * self.share
+    }
+}
