@@ -12,7 +12,7 @@ mod punctual;
 mod tree;
 
 pub use area::{TriangleSample, area_to_solid_angle, sample_triangle};
-pub use environment::{Environment, EnvironmentSample};
 pub use cone::Cone;
+pub use environment::{Environment, EnvironmentSample};
 pub use punctual::{Illumination, Punctual, PunctualKind};
 pub use tree::{LightBounds, LightTree, Sides, Vantage};
