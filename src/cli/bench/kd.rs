@@ -55,7 +55,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
         format!("Kd-tree walks, {name}, {count} triangles"),
         format!("Builds and layouts, kd-stack-direction, {name}"),
     ];
-    let growth = if args.output.reports() { growth(&settings)? } else { Vec::new() };
+    let growth = if args.output.reports() { growth(&settings, args.quiet)? } else { Vec::new() };
     let object = |rows: &[Row]| rows.iter().map(Row::json).collect::<Vec<_>>();
     let mut results = Results {
         name: "kd",
@@ -81,9 +81,9 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
 }
 
 /// Builds over machines of growing size.
-fn growth(settings: &Settings) -> Result<Vec<Growth>, CliError> {
+fn growth(settings: &Settings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
     let measure = |size: u64| {
-        let source = BenchScene::Assembly(size).with_file(input::triangles)?;
+        let source = BenchScene::Assembly(size).with_file(|path| input::triangles(path, quiet))?;
         Ok(kd_growth::measure(&source, settings)?)
     };
     kd_growth::sizes(settings).map(measure).collect()
