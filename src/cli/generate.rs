@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::outputs::{self, Output};
 use super::progress::say;
-use super::{CliError, table};
+use super::{CliError, Quiet, table};
 use crate::camera::flight;
 use crate::files::{self, Flush};
 use crate::scene::generate::{Generator, TRIANGLES};
@@ -48,9 +48,7 @@ enum What {
 Examples:
   dapple generate assembly --triangles 69451 -o machine.glb
   dapple render machine.glb -o machine.exr --png machine.png
-  dapple generate assembly --triangles 4304391 --seed 7 -o car.glb --json
-
-Exit: 0 done, 2 usage, 4 output not written.")]
+  dapple generate assembly --triangles 4304391 --seed 7 -o car.glb --json")]
 struct AssemblyArgs {
     /// Triangles of the scene, exactly: 1 to 20000000
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(TRIANGLES))]
@@ -70,9 +68,7 @@ struct AssemblyArgs {
 #[command(after_help = "\
 Examples:
   dapple generate city -o city.glb --path city.txt
-  dapple bench coherent city.glb --path city.txt
-
-Exit: 0 done, 2 usage, 4 output not written.")]
+  dapple bench coherent city.glb --path city.txt")]
 struct CityArgs {
     /// Triangles of the scene, exactly: 1 to 20000000
     #[arg(long, value_name = "N", default_value_t = 9_200)]
@@ -92,9 +88,7 @@ struct CityArgs {
 #[command(after_help = "\
 Examples:
   dapple generate kitchen -o kitchen.glb --path kitchen.txt
-  dapple render kitchen.glb -o kitchen.exr --png kitchen.png
-
-Exit: 0 done, 2 usage, 4 output not written.")]
+  dapple render kitchen.glb -o kitchen.exr --png kitchen.png")]
 struct KitchenArgs {
     /// Triangles of the scene, exactly: 1 to 20000000
     #[arg(long, value_name = "N", default_value_t = 103_000)]
@@ -114,9 +108,7 @@ struct KitchenArgs {
 #[command(after_help = "\
 Examples:
   dapple generate landscape -o land.glb --path land.txt
-  dapple generate landscape --triangles 5000000 --seed 3 -o large.glb
-
-Exit: 0 done, 2 usage, 4 output not written.")]
+  dapple generate landscape --triangles 5000000 --seed 3 -o large.glb")]
 struct LandscapeArgs {
     /// Triangles of the scene, exactly: 1 to 20000000
     #[arg(long, value_name = "N", default_value_t = 644_000)]
@@ -138,9 +130,8 @@ struct SceneArgs {
     /// Where the path of a camera goes: a line each, eye, target, up and angle of view
     #[arg(long, value_name = "FILE")]
     path: Option<PathBuf>,
-    /// Says nothing but errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
     /// Prints a summary as one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -174,7 +165,7 @@ fn generate(generator: Generator, triangles: u64, args: &SceneArgs) -> Result<Ex
     }
     let written = written.expect("was written without an error");
     let seconds = start.elapsed().as_secs_f64();
-    if !args.quiet {
+    if !args.quiet.quiet {
         say(&format!(
             "{}: {} triangles, {} vertices, {:.1} MB in {seconds:.2} s",
             args.output.display(),

@@ -161,7 +161,7 @@ impl Lamp {
             Kind::Spot => {
                 let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
                 let corners = corners.map(|(x, z)| Vec3::new(x, -1.2, z));
-                Shaft::cone(at, corners, 8.0 * size)
+                Shaft::spot(at, corners, 8.0 * size)
             }
             Kind::Area => Shaft::within(
                 bounds.union(Aabb { min: at - Vec3::splat(size), max: at + Vec3::splat(size) }),

@@ -74,7 +74,7 @@ pub const FINER: [u32; 3] = [16, 32, 64];
 pub enum Tiling {
     /// So many along a side.
     Fixed(u32),
-    /// [`ACROSS`] along a side, and each is cut as long as that leads deeper.
+    /// Over the kd-tree, whose structure cuts tiles where the scene is complex.
     Adaptive,
 }
 
@@ -245,6 +245,12 @@ impl Bench<'_> {
         Ok((spec.to_string(), build(&spec, Arc::clone(self.source), self.settings.isa)?))
     }
 
+    fn build_default(&self, id: &str) -> Result<Named, BuildError> {
+        (self.tell)(&format!("{}: building {id}", self.name));
+        let spec: AccelSpec = id.parse().expect("is in the table");
+        Ok((spec.to_string(), build(&spec, Arc::clone(self.source), self.settings.isa)?))
+    }
+
     /// The figures of structures over all pictures in tiles, and the share of rays that hit.
     fn columns(
         &self,
@@ -308,7 +314,7 @@ impl Bench<'_> {
     ) -> Result<Vec<(Tiling, Column)>, BenchError> {
         let (packet, at) = (borrowed(&built[place(Name::Packet)]), place(Name::EntryPoint));
         let mut tilings = vec![(Tiling::Fixed(ACROSS), columns[at].clone())];
-        let adaptive = self.build("bvh-entry-point", "tiles=adaptive")?;
+        let adaptive = self.build_default("kd-entry-point")?;
         let fixed = FINER.map(|across| (Tiling::Fixed(across), across, borrowed(&built[at])));
         let all = fixed.into_iter().chain([(Tiling::Adaptive, ACROSS, borrowed(&adaptive))]);
         for (tiling, across, accel) in all {

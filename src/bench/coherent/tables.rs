@@ -261,8 +261,8 @@ fn partition(scenes: &[Scene], _: &Settings) -> Table {
 }
 
 fn tilings(scenes: &[Scene], _: &Settings) -> Table {
-    let note = "bvh-entry-point with so many tiles a picture, and with the 8x8 tiles cut into \
-                quarters as long as one of them enters deeper. Thousands of nodes a picture, \
+    let note = "bvh-entry-point with so many tiles a picture, and kd-entry-point, which cuts the \
+                8x8 tiles where the scene is complex. Thousands of nodes a picture, \
                 searched and in all; S: speed-up over packets from the root by 8x8 tiles.";
     let heading = ["", "searched", "in all", "ratio", "Mrays/s", "S"];
     let mut table = Table::new("Entry points by tiles", note, &heading);
@@ -291,7 +291,7 @@ impl Tiling {
     pub fn name(self) -> String {
         match self {
             Self::Fixed(across) => format!("{across}x{across}"),
-            Self::Adaptive => "adaptive".to_owned(),
+            Self::Adaptive => "kd, adaptive".to_owned(),
         }
     }
 }

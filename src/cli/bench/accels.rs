@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::super::progress::say;
-use super::super::{CliError, input, table};
+use super::super::{CliError, Quiet, input, table};
 use super::memory_limit;
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
@@ -26,9 +26,7 @@ use crate::simd::Isa;
 Examples:
   dapple bench accels
   dapple bench accels --markdown
-  dapple bench accels bunny.obj --rays 1000000 --rounds 5 --json
-
-Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+  dapple bench accels bunny.obj --rays 1000000 --rounds 5 --json")]
 pub struct BenchAccelsArgs {
     /// A scene file, or an .npy of (N, 9) float32 triangles
     file: Option<PathBuf>,
@@ -49,9 +47,8 @@ pub struct BenchAccelsArgs {
     /// Print the table as Markdown
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
-    /// Don't tell what is being done
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -67,7 +64,8 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
         Some(file) => BenchScene::File(file.clone()),
         None => BenchScene::Made(Generator::Kitchen, KITCHEN),
     };
-    let source = scene.with_file(input::triangles)?;
+    let quiet = args.quiet;
+    let source = scene.with_file(|path| input::triangles(path, quiet))?;
     // Its own flight leads through a scene that was made.
     let pose = args.file.is_none().then(|| Generator::Kitchen.flight(KITCHEN, 0)[0]);
     let settings = Settings {
@@ -77,7 +75,7 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
         isa: args.isa,
     };
     let tell = |what: &str| {
-        if !args.quiet {
+        if !args.quiet.quiet {
             say(what);
         }
     };

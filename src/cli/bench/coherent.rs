@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::super::args::resolution;
 use super::super::progress::say;
-use super::super::{CliError, input, memory};
+use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use super::{builder, memory_limit, ray_bytes};
@@ -35,9 +35,7 @@ Examples:
   dapple bench coherent --report out
   dapple bench coherent --frames 4 --rounds 1 --resolution 512x512
   dapple generate city --triangles 50000 -o city.glb --path city.txt
-  dapple bench coherent city.glb --path city.txt --json
-
-Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+  dapple bench coherent city.glb --path city.txt --json")]
 pub struct CoherentArgs {
     /// Scene files, or .npy of (N, 9) float32 triangles
     #[arg(requires = "path")]
@@ -66,9 +64,8 @@ pub struct CoherentArgs {
     /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
     #[arg(long, value_name = "MB", default_value_t = 0)]
     memory: u64,
-    /// Don't tell what is being done
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -103,7 +100,7 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
         isa: args.isa,
     };
     let tell = |what: &str| {
-        if !args.quiet {
+        if !args.quiet.quiet {
             say(what);
         }
     };
@@ -125,13 +122,14 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
 
 /// How each scene is loaded.
 fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> + '_>> {
+    let quiet = args.quiet;
     if args.files.is_empty() {
         let pairs = MADE.into_iter().zip(paper::SCENES);
         let load = |(generator, paper): (Generator, paper::Scene)| {
             let triangles = paper.triangles as u64;
             let scene = BenchScene::Made(generator, triangles);
             Box::new(move || {
-                let source = scene.with_file(input::triangles)?;
+                let source = scene.with_file(|path| input::triangles(path, quiet))?;
                 Ok((generator.name().to_owned(), source, generator.flight(triangles, 0)))
             }) as Box<dyn Fn() -> _>
         };
@@ -142,7 +140,7 @@ fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> +
         Box::new(move || {
             // What is short first.
             let flight = read(&path)?;
-            Ok((scene.name(), scene.with_file(input::triangles)?, flight))
+            Ok((scene.name(), scene.with_file(|path| input::triangles(path, quiet))?, flight))
         }) as Box<dyn Fn() -> _>
     };
     args.files.iter().zip(&args.path).map(load).collect()

@@ -129,7 +129,7 @@ impl Shaft {
 
     /// The region of segments that begin and end in a pyramid, up to a distance from its apex along
     /// its middle: what a spot light reaches. `None` if the corners make no pyramid.
-    pub fn cone(apex: Vec3, corners: [Vec3; 4], range: f32) -> Option<Self> {
+    pub fn spot(apex: Vec3, corners: [Vec3; 4], range: f32) -> Option<Self> {
         let (planes, axis) = pyramid_planes(Aabb::of_points([apex]), corners)?;
         // Where an edge of the pyramid meets the plane that ends it.
         let end = |corner: Vec3| apex + corner * (range / corner.dot(axis));
@@ -181,6 +181,13 @@ impl Shaft {
     /// The greater difference of slopes across its axis; infinite where that is not known.
     pub fn spread(&self) -> f32 {
         self.core.map_or(f32::INFINITY, |(_, _, spread)| spread)
+    }
+
+    /// The point that all of its rays start at and the directions of its corners, of which theirs
+    /// are sums with positive weights; `None` if that is not known.
+    pub fn cone(&self) -> Option<(Vec3, [Vec3; 4])> {
+        let (origins, corners, _) = self.core.as_ref()?;
+        (origins.min == origins.max).then_some((origins.min, *corners))
     }
 
     /// Whether this region is known to hold every ray of which another was made.

@@ -1,8 +1,8 @@
 //! `bvh-packet`, `bvh-partition`, `bvh-entry-point`, `bvh-path-compression`: the binary hierarchy,
 //! many rays at a time.
 //!
-//! A slice is cut into packets of up to 256 rays (`cut`): blocks of its raster where it is one, runs
-//! of rays where it is not. A packet walks the tree of `bvh2` together (`packet`), so that a node is
+//! A slice is cut into packets of up to 256 rays: blocks of its raster where it is one, runs of rays
+//! where it is not (`accel::coherent`, which packets through kd-trees share). A packet walks the tree of `bvh2` together (`packet`), so that a node is
 //! fetched once for all of its rays and most decisions are made once.
 //!
 //! `bvh-packet`: I. Wald, S. Boulos and P. Shirley, "Ray tracing deformable scenes using dynamic
@@ -40,10 +40,6 @@
 //! by the verdict; and a box is passed by only if the slab test of each ray says so, or the shaft,
 //! which never says so of a box that one would enter ([`crate::geom::shaft`]).
 
-mod adaptive;
-mod compress;
-mod cut;
-mod entry;
 mod packet;
 mod place;
 mod single;
@@ -55,17 +51,15 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
 
-use self::compress::{Branch, Compression, Step};
-use self::cut::RAYS;
-use self::entry::entry_point;
 use self::packet::Packet;
-use self::place::Places;
+use self::place::{Place, Places};
 use super::binary::{self, Bvh2};
 use super::leaves::{CACHE, TRIANGLES};
 use super::{BUILD, REFINE};
+use crate::accel::coherent::{Branch, Narrowing, PC, Pool, Regions, SIZE, Start, Step, View};
 use crate::accel::{
-    Accel, Batch, BuildError, BuildInput, BuildReport, Counters, MemoryReport, NotCounted,
-    OptionSpec, PoolUse, Query, Shot, Traverse, Value, Values, Variant,
+    Accel, Batch, BuildError, BuildInput, BuildReport, Counters, MemoryReport, OptionSpec, PoolUse,
+    Query, Shot, Traverse, Value, Values, Variant,
 };
 use crate::geom::Shaft;
 
@@ -92,14 +86,8 @@ pub const ENTRY_POINT: Variant = Variant {
     id: "bvh-entry-point",
     summary: "bvh-packet from the deepest node that holds all that a slice's shaft meets",
     paper: "Reshetov, Soupikov and Hurley, Multi-Level Ray Tracing Algorithm, 2005; Fowler 2009",
-    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE, WITH, TILES],
-    build: |input| {
-        let start = match input.options.choice("tiles") {
-            "adaptive" => Start::EntryPoints,
-            _ => Start::EntryPoint,
-        };
-        Ok(Box::new(Coherent::build(input, start, With::chosen(input))?))
-    },
+    options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE, WITH],
+    build: |input| Ok(Box::new(Coherent::build(input, Start::EntryPoint, With::chosen(input))?)),
 };
 
 /// The row of path compression.
@@ -118,14 +106,6 @@ pub const PATH_COMPRESSION: Variant = Variant {
     },
 };
 
-/// The side of a packet.
-const SIZE: OptionSpec = OptionSpec {
-    name: "size",
-    summary: "rays along a side of a packet, where the slice is a raster",
-    values: Values::Integer(2, 16),
-    default: Value::Integer(16),
-};
-
 /// What walks below the entry point or the compressed tree.
 const WITH: OptionSpec = OptionSpec {
     name: "with",
@@ -133,22 +113,6 @@ const WITH: OptionSpec = OptionSpec {
               or rays one by one",
     values: Values::Choice(&["packet", "partition", "single"]),
     default: Value::Choice("packet"),
-};
-
-/// What has an entry point of its own.
-const TILES: OptionSpec = OptionSpec {
-    name: "tiles",
-    summary: "one entry point a slice, or adaptive: its parts' as long as those lie deeper",
-    values: Values::Choice(&["slice", "adaptive"]),
-    default: Value::Choice("slice"),
-};
-
-/// How paths are compressed.
-const PC: OptionSpec = OptionSpec {
-    name: "pc",
-    summary: "how paths are compressed; both make the same tree",
-    values: Values::Choice(&["iterative", "recursive"]),
-    default: Value::Choice("iterative"),
 };
 
 /// Whether packets have trees of their own.
@@ -167,23 +131,7 @@ pub struct Coherent {
     with: With,
     start: Start,
     /// What it was narrowed to.
-    view: Option<View>,
-}
-
-/// Where packets start from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Start {
-    Root,
-    /// The entry point of the slice.
-    EntryPoint,
-    /// Those of parts of the slice.
-    EntryPoints,
-    /// The slice's tree of branches.
-    Compressed {
-        recursive: bool,
-        /// One more for each packet.
-        per_packet: bool,
-    },
+    view: Option<View<Place>>,
 }
 
 /// What walks.
@@ -207,41 +155,16 @@ impl With {
     }
 }
 
-/// The part of the hierarchy that a region meets.
-struct View {
-    shaft: Shaft,
-    branches: Vec<Branch>,
-    /// `None` if it meets no leaf.
-    step: Option<Step>,
-}
-
 /// A thread's own.
 pub struct Scratch {
     single: binary::Scratch,
     packet: Packet,
-    /// Rays of the packet at hand, those that head the same way, and those to be walked one by one.
-    members: Vec<u32>,
-    group: Vec<u32>,
-    singles: Vec<u32>,
-    /// The pool: trees of the regions that were entered, of the slice and of the packet at hand.
-    branches: Vec<Branch>,
-    /// The most branches that were in use at once.
-    peak: usize,
-    /// Regions that were entered, from the outermost on.
-    regions: Vec<Region>,
-    /// Where each packet of the slice at hand starts.
-    starts: Vec<Option<Step>>,
+    pool: Pool,
+    /// Trees of the regions that were entered, of the slice and of the packet at hand.
+    branches: Vec<Branch<Place>>,
+    regions: Regions<Place>,
     /// Steps put aside by a ray that walks alone, and where it enters them.
-    steps: Vec<(Step, f32)>,
-}
-
-/// A region that a thread has entered.
-struct Region {
-    shaft: Shaft,
-    /// `None` if it meets no leaf.
-    step: Option<Step>,
-    /// So many branches were in the pool before.
-    before: usize,
+    steps: Vec<(Step<Place>, f32)>,
 }
 
 impl Coherent {
@@ -251,43 +174,9 @@ impl Coherent {
         Ok(Self { bvh, size: side * side, with, start, view: None })
     }
 
-    fn places(&self) -> Option<Places<'_>> {
-        self.bvh.root.map(|root| Places { bvh: &self.bvh, root })
-    }
-
-    /// The branches of the view, and where rays start that lie in the innermost of the regions
-    /// around: those that a thread has entered, or the view's.
-    fn around(
-        &self,
-        regions: &[Region],
-        holds: impl Fn(&Shaft) -> bool,
-    ) -> (&[Branch], Option<Step>) {
-        let branches = self.view.as_ref().map_or(&[][..], |view| &view.branches);
-        if let Some(region) = regions.iter().rev().find(|region| holds(&region.shaft)) {
-            return (branches, region.step);
-        }
-        let view = self.view.as_ref().filter(|view| holds(&view.shaft));
-        (branches, view.map_or(Some(Step::ROOT), |view| view.step))
-    }
-
-    /// Where rays of a shaft start below a step. Branches are put behind those of the thread.
-    /// `None` if they meet no leaf.
-    fn narrow<C: Counters>(
-        &self,
-        (places, from): (Places<'_>, Step),
-        (view, own): (&[Branch], &mut Vec<Branch>),
-        shaft: &Shaft,
-        counters: &mut C,
-    ) -> Option<Step> {
-        let mut compression = Compression { places, view, own, shaft };
-        match self.start {
-            Start::Root => Some(from),
-            Start::EntryPoint | Start::EntryPoints => {
-                entry_point(places, from.place, shaft, counters).map(Step::to)
-            }
-            Start::Compressed { recursive: true, .. } => compression.recursive(from, counters),
-            Start::Compressed { .. } => compression.iterative(from, counters),
-        }
+    fn narrowing(&self) -> Option<Narrowing<'_, Places<'_>>> {
+        let tree = self.bvh.root.map(|root| Places { bvh: &self.bvh, root })?;
+        Some(Narrowing { tree, root: Place::ROOT, start: self.start, view: self.view.as_ref() })
     }
 }
 
@@ -298,13 +187,9 @@ impl Traverse for Coherent {
         Scratch {
             single: self.bvh.scratch(),
             packet: Packet::new(),
-            members: Vec::with_capacity(RAYS),
-            group: Vec::with_capacity(RAYS),
-            singles: Vec::new(),
+            pool: Pool::default(),
             branches: Vec::new(),
-            peak: 0,
-            regions: Vec::new(),
-            starts: Vec::new(),
+            regions: Regions::new(),
             steps: Vec::new(),
         }
     }
@@ -334,43 +219,24 @@ impl Traverse for Coherent {
     }
 
     fn enter<C: Counters>(&self, shaft: &Shaft, scratch: &mut Scratch, counters: &mut C) {
-        let Some(places) = self.places().filter(|_| self.start != Start::Root) else { return };
-        let before = scratch.branches.len();
-        let holds = |wider: &Shaft| wider.contains(shaft);
-        let (view, from) = self.around(&scratch.regions, holds);
-        let step = from.and_then(|from| {
-            self.narrow((places, from), (view, &mut scratch.branches), shaft, counters)
-        });
-        scratch.peak = scratch.peak.max(scratch.branches.len());
-        scratch.regions.push(Region { shaft: shaft.clone(), step, before });
-    }
-
-    fn leave(&self, scratch: &mut Scratch) {
-        if let Some(region) = scratch.regions.pop() {
-            scratch.branches.truncate(region.before);
+        if let Some(narrowing) = self.narrowing().filter(|_| self.start != Start::Root) {
+            let Scratch { branches, regions, .. } = scratch;
+            narrowing.enter(shaft, regions, branches, counters);
         }
     }
 
+    fn leave(&self, scratch: &mut Scratch) {
+        scratch.regions.leave(&mut scratch.branches);
+    }
+
     fn pool(&self, scratch: &mut Scratch) -> PoolUse {
-        let in_use = scratch.branches.len();
-        let peak = std::mem::replace(&mut scratch.peak, in_use).max(in_use);
-        let bytes = size_of::<Branch>();
-        PoolUse { peak: peak * bytes, size: scratch.branches.capacity() * bytes }
+        scratch.regions.pool_use(&scratch.branches)
     }
 
     fn view(&self, shaft: &Shaft) -> Option<Box<dyn Accel + '_>> {
-        let places = self.places().filter(|_| self.start != Start::Root)?;
-        let wider = self.view.as_ref().filter(|view| view.shaft.contains(shaft));
-        let from = wider.map_or(Some(Step::ROOT), |view| view.step);
-        let wider = wider.map_or(&[][..], |view| &view.branches);
-        let mut branches = Vec::new();
-        let step = from.and_then(|from| {
-            self.narrow((places, from), (wider, &mut branches), shaft, &mut NotCounted)
-        });
-        branches.shrink_to_fit();
-        let step = step.map(|step| step.without(wider.len()));
-        let (bvh, view) = (Arc::clone(&self.bvh), View { shaft: shaft.clone(), branches, step });
-        Some(Box::new(Self { bvh, view: Some(view), ..*self }))
+        let narrowing = self.narrowing().filter(|_| self.start != Start::Root)?;
+        let (bvh, view) = (Arc::clone(&self.bvh), Some(narrowing.to(shaft)));
+        Some(Box::new(Self { bvh, view, ..*self }))
     }
 
     fn level(&self) -> Level {
@@ -380,7 +246,7 @@ impl Traverse for Coherent {
     fn memory(&self) -> MemoryReport {
         let mut memory = Traverse::memory(&*self.bvh);
         if let Some(view) = &self.view {
-            memory.parts.push(("branches", size_of_val(&*view.branches)));
+            memory.parts.push(("branches", view.bytes()));
         }
         memory
     }

@@ -8,11 +8,18 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::super::binary::Node;
-use super::compress::{Branches, Step};
-use super::place::Places;
-use super::{Branch, Coherent, Scratch};
+use super::Coherent;
+use super::place::{Place, Places};
+use crate::accel::bvh::binary;
+use crate::accel::coherent::{Branches, Hierarchy, Pool, Step};
 use crate::accel::{Batch, Counters, Event, Query, Shot};
 use crate::math::larger;
+
+/// The hierarchy, the branches, and where all rays start.
+type Start<'a> = (Places<'a>, Branches<'a, Place>, Step<Place>);
+
+/// Steps put aside, and where the ray enters them.
+type Aside = Vec<(Step<Place>, f32)>;
 
 impl Coherent {
     /// Walks all rays of a slice from a step; leaves a list of those that boxes are not good for.
@@ -20,20 +27,21 @@ impl Coherent {
     pub(super) fn shoot_each<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        (places, view, from): (Places<'_>, &[Branch], Step),
+        (places, branches, from): Start<'_>,
         batch: &Batch<'_>,
         answers: &mut [Q::Answer],
-        scratch: &mut Scratch,
+        (single, steps, pool): (&mut binary::Scratch, &mut Aside, &mut Pool),
         counters: &mut C,
     ) {
         for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
             if !self.knows(ray) {
-                scratch.singles.push(index as u32);
+                pool.leave(index);
                 continue;
             }
             let mut query = Q::new(ray);
             let shot = Shot::new(ray, index, batch.filter());
-            let start = (places, view, from);
+            let start = (places, branches, from);
+            let scratch = (&mut *single, &mut *steps);
             let _final = self.walk_branches(simd, start, &shot, &mut query, scratch, counters);
             *answer = query.answer();
         }
@@ -44,13 +52,12 @@ impl Coherent {
     fn walk_branches<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        (places, view, from): (Places<'_>, &[Branch], Step),
+        (places, branches, from): Start<'_>,
         shot: &Shot<'_>,
         query: &mut Q,
-        Scratch { single, branches, steps, .. }: &mut Scratch,
+        (single, steps): (&mut binary::Scratch, &mut Aside),
         counters: &mut C,
     ) -> ControlFlow<()> {
-        let branches = Branches { view, own: branches };
         steps.clear();
         steps.push((from, f32::NEG_INFINITY));
         while let Some((mut at, enter)) = steps.pop() {
@@ -58,7 +65,7 @@ impl Coherent {
                 continue;
             }
             while !at.is_plain() {
-                let Some([a, b]) = branches.below(places, at) else { break };
+                let [a, b] = branches.sides(at);
                 counters.count(Event::InnerNode);
                 counters.count(Event::BoxTest);
                 let boxes = Node::of([places.bounds(a.place), places.bounds(b.place)]);

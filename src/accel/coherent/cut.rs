@@ -1,11 +1,6 @@
 //! How a slice is cut into packets.
 
-use std::ops::Range;
-
-use fearless_simd::Simd;
-
 use crate::accel::Batch;
-use crate::geom::Shaft;
 use crate::math::{Ray, Vec3};
 
 /// Rays of a packet at most: 16 by 16.
@@ -46,43 +41,15 @@ impl<'a> Cut<'a> {
         Self { rays, most, width, height, each, sides, cells: (0..count).map(cell).collect() }
     }
 
-    /// How many blocks there are, along each side.
-    pub fn blocks(&self) -> [usize; 2] {
+    /// How many packets there are, along each side.
+    fn counts(&self) -> [usize; 2] {
         [self.width.div_ceil(1 << self.sides[0]), self.height.div_ceil(1 << self.sides[1])]
     }
 
     /// How many packets there are; a cell of many rays is several.
     pub fn packets(&self) -> usize {
-        let [columns, rows] = self.blocks();
+        let [columns, rows] = self.counts();
         columns * rows * self.parts()
-    }
-
-    /// The packets of a block, in the order of [`Cut::list`].
-    pub fn packets_of(&self, column: usize, row: usize) -> Range<usize> {
-        let first = (row * self.blocks()[0] + column) * self.parts();
-        first..first + self.parts()
-    }
-
-    /// The region of the rays of some columns and rows of blocks; see [`Shaft::of_rays`].
-    #[inline(always)]
-    pub fn shaft<S: Simd>(
-        &self,
-        simd: S,
-        columns: Range<usize>,
-        rows: Range<usize>,
-    ) -> Option<Shaft> {
-        let cells = |blocks: &Range<usize>, side: u32, size: usize| {
-            (blocks.start << side)..(blocks.end << side).min(size)
-        };
-        let across = cells(&columns, self.sides[0], self.width);
-        let down = cells(&rows, self.sides[1], self.height);
-        let row = |y: usize| {
-            let first = y * self.width;
-            &self.rays[(first + across.start) * self.each..(first + across.end) * self.each]
-        };
-        let (top, bottom) = (row(down.start), row(down.end - 1));
-        let corners = [top.first()?, top.last()?, bottom.first()?, bottom.last()?];
-        Shaft::of_rows(simd, down.map(row), corners.map(Ray::direction))
     }
 
     fn parts(&self) -> usize {
@@ -93,7 +60,7 @@ impl<'a> Cut<'a> {
     /// directions of its corners.
     pub fn list(&self, packet: usize, members: &mut Vec<u32>) -> [Vec3; 4] {
         members.clear();
-        let [columns, _] = self.blocks();
+        let [columns, _] = self.counts();
         let (block, part) = (packet / self.parts(), packet % self.parts());
         let start = [(block % columns) << self.sides[0], (block / columns) << self.sides[1]];
         let size = [

@@ -1,0 +1,216 @@
+//! Trees narrowed to the region of a slice, a packet or a view.
+
+use fearless_simd::Simd;
+
+use super::compress::Compression;
+use super::entry::entry_point;
+use super::hierarchy::{Branch, Hierarchy, Step};
+use crate::accel::{Batch, Counters, NotCounted, PoolUse};
+use crate::geom::Shaft;
+use crate::math::Ray;
+
+/// Where packets start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The root.
+    Root,
+    /// The entry point of the slice.
+    EntryPoint,
+    /// The slice's tree of branches.
+    Compressed {
+        /// By recursion rather than by a loop.
+        recursive: bool,
+        /// One more for each packet.
+        per_packet: bool,
+    },
+}
+
+/// The part of a tree that a region meets.
+pub struct View<P> {
+    shaft: Shaft,
+    branches: Vec<Branch<P>>,
+    /// `None` if it meets no leaf.
+    step: Option<Step<P>>,
+}
+
+/// A region that a thread has entered.
+pub struct Region<P> {
+    shaft: Shaft,
+    /// `None` if it meets no leaf.
+    step: Option<Step<P>>,
+    /// So many branches were in the pool before.
+    before: usize,
+}
+
+/// The regions that a thread has entered, from the outermost on, and the most branches in use.
+pub struct Regions<P> {
+    list: Vec<Region<P>>,
+    peak: usize,
+}
+
+impl<P> Regions<P> {
+    /// None.
+    pub const fn new() -> Self {
+        Self { list: Vec::new(), peak: 0 }
+    }
+
+    /// Leaves the innermost: its branches go.
+    pub fn leave(&mut self, own: &mut Vec<Branch<P>>) {
+        if let Some(region) = self.list.pop() {
+            own.truncate(region.before);
+        }
+    }
+
+    /// Notes how many branches are in use.
+    pub fn note(&mut self, own: &[Branch<P>]) {
+        self.peak = self.peak.max(own.len());
+    }
+
+    /// See [`crate::accel::Tracer::pool`].
+    pub fn pool_use(&mut self, own: &Vec<Branch<P>>) -> PoolUse {
+        let peak = std::mem::replace(&mut self.peak, own.len()).max(own.len());
+        let bytes = size_of::<Branch<P>>();
+        PoolUse { peak: peak * bytes, size: own.capacity() * bytes }
+    }
+}
+
+/// A tree, what it was narrowed to already, and how it is narrowed further.
+pub struct Narrowing<'a, H: Hierarchy> {
+    /// The tree.
+    pub tree: H,
+    /// Its root.
+    pub root: H::Place,
+    /// How.
+    pub start: Start,
+    /// What it was narrowed to.
+    pub view: Option<&'a View<H::Place>>,
+}
+
+/// Where branches come from and go to.
+pub struct Trees<'a, P> {
+    /// Those of a view.
+    pub view: &'a [Branch<P>],
+    /// Those of the thread; new ones are put behind them.
+    pub own: &'a mut Vec<Branch<P>>,
+}
+
+/// Where the packets of a slice start.
+pub struct Started<'a, P> {
+    /// `None` if they meet no leaf.
+    pub from: Option<Step<P>>,
+    /// The branches of the view, if that holds the slice.
+    pub view: &'a [Branch<P>],
+}
+
+impl<P> View<P> {
+    /// Bytes of its branches.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.branches)
+    }
+}
+
+impl<'a, H: Hierarchy> Narrowing<'a, H> {
+    /// Where rays of a shaft start below a step; `None` if they meet no leaf.
+    pub fn narrow<C: Counters>(
+        &self,
+        from: Step<H::Place>,
+        Trees { view, own }: Trees<'_, H::Place>,
+        shaft: &Shaft,
+        counters: &mut C,
+    ) -> Option<Step<H::Place>> {
+        let mut compression = Compression { tree: self.tree, view, own, shaft };
+        match self.start {
+            Start::Root => Some(from),
+            Start::EntryPoint => {
+                let entry = entry_point(self.tree, from.place, shaft, counters);
+                entry.map(|(place, _)| Step::to(place))
+            }
+            Start::Compressed { recursive: true, .. } => compression.recursive(from, counters),
+            Start::Compressed { .. } => compression.iterative(from, counters),
+        }
+    }
+
+    /// The part that a region meets.
+    pub fn to(&self, shaft: &Shaft) -> View<H::Place> {
+        let wider = self.view.filter(|view| view.shaft.contains(shaft));
+        let from = wider.map_or(Some(Step::to(self.root)), |view| view.step);
+        let wider = wider.map_or(&[][..], |view| &view.branches);
+        let mut branches = Vec::new();
+        let step = from.and_then(|from| {
+            self.narrow(from, Trees { view: wider, own: &mut branches }, shaft, &mut NotCounted)
+        });
+        branches.shrink_to_fit();
+        let step = step.map(|step| step.without(wider.len()));
+        View { shaft: shaft.clone(), branches, step }
+    }
+
+    /// The branches of the view, and where rays start that lie in the innermost of the regions
+    /// around: those that a thread has entered, or the view's.
+    fn around(
+        &self,
+        regions: &[Region<H::Place>],
+        holds: impl Fn(&Shaft) -> bool,
+    ) -> Started<'a, H::Place> {
+        let branches = self.view.map_or(&[][..], |view| &view.branches);
+        if let Some(region) = regions.iter().rev().find(|region| holds(&region.shaft)) {
+            return Started { from: region.step, view: branches };
+        }
+        let view = self.view.filter(|view| holds(&view.shaft));
+        Started { from: view.map_or(Some(Step::to(self.root)), |view| view.step), view: branches }
+    }
+
+    /// Enters a region: what it meets is put behind the branches of the thread.
+    pub fn enter<C: Counters>(
+        &self,
+        shaft: &Shaft,
+        regions: &mut Regions<H::Place>,
+        own: &mut Vec<Branch<H::Place>>,
+        counters: &mut C,
+    ) {
+        let before = own.len();
+        let Started { from, view } = self.around(&regions.list, |wider| wider.contains(shaft));
+        let pool = Trees { view, own };
+        let step = from.and_then(|from| self.narrow(from, pool, shaft, counters));
+        regions.note(own);
+        regions.list.push(Region { shaft: shaft.clone(), step, before });
+    }
+
+    /// Where the packets of a slice start, within the regions that were entered. Its branches are
+    /// put behind those of the thread.
+    pub fn of_slice<S: Simd, C: Counters>(
+        &self,
+        simd: S,
+        (batch, regions): (&Batch<'_>, &Regions<H::Place>),
+        knows: impl Fn(&Ray) -> bool,
+        own: &mut Vec<Branch<H::Place>>,
+        counters: &mut C,
+    ) -> Started<'a, H::Place> {
+        if self.start == Start::Root {
+            return Started { from: Some(Step::to(self.root)), view: &[] };
+        }
+        let shaft = of_slice(simd, batch, &knows);
+        let holds = |region: &Shaft| {
+            let contained = shaft.as_ref().is_some_and(|shaft| region.contains(shaft));
+            contained || batch.rays().iter().all(|ray| knows(ray) && region.holds(ray))
+        };
+        let Started { mut from, view } = self.around(&regions.list, holds);
+        if let (Some(step), Some(shaft)) = (from, &shaft) {
+            from = self.narrow(step, Trees { view, own }, shaft, counters);
+        }
+        Started { from, view }
+    }
+}
+
+/// A region that holds a whole slice.
+fn of_slice<S: Simd>(simd: S, batch: &Batch<'_>, knows: impl Fn(&Ray) -> bool) -> Option<Shaft> {
+    let rays = batch.rays();
+    if !rays.iter().all(knows) {
+        return None;
+    }
+    let row = batch.grid().map_or(rays.len(), |(width, _, each)| width * each);
+    let given = || {
+        let given = batch.shaft().filter(|shaft| rays.iter().all(|ray| shaft.holds(ray)));
+        given.cloned()
+    };
+    Shaft::of_rays(simd, rays, row).or_else(given)
+}
