@@ -70,6 +70,7 @@ pub static VARIANTS: &[Variant] = &[
     kd::RELEVANT_TRIANGLES,
     kd::ENTRY_POINT,
     kd::PATH_COMPRESSION,
+    kd::WIDE,
 ];
 
 impl fmt::Debug for Variant {

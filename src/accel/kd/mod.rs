@@ -54,6 +54,7 @@
 pub mod build;
 mod coherent;
 pub mod layout;
+pub mod lines;
 pub mod links;
 pub mod ray;
 mod rows;

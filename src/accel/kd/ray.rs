@@ -56,6 +56,12 @@ impl KdRay {
         self.axes[axis & 3].origin
     }
 
+    /// The direction's reciprocal, made finite.
+    #[inline(always)]
+    pub fn inverse(&self, axis: usize) -> f32 {
+        self.axes[axis & 3].inverse
+    }
+
     /// The coordinate at `t`.
     #[inline(always)]
     pub fn at(&self, axis: usize, t: f32) -> f32 {

@@ -9,6 +9,7 @@ pub mod prefetch;
 mod robust;
 pub mod todo;
 mod visit;
+pub mod wide;
 
 pub use visit::{LeafTest, Visit, With};
 
