@@ -82,8 +82,9 @@ fn all_builds_agree_with_brute_force() {
         let rays = hostile_rays(&*source, 1500);
         for value in OPTIONS[0].values.to_string().split('|') {
             for options in ["", ",leaf=8", ",depth=3", ",empty=0.8"] {
-                let spec = format!("kd-stack-direction:build={value}{options}");
-                agree(&spec, name, &source, &rays);
+                for id in ["kd-stack-direction", "kd-wide"] {
+                    agree(&format!("{id}:build={value}{options}"), name, &source, &rays);
+                }
             }
         }
     }

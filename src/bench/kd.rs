@@ -1,8 +1,8 @@
 //! Kd-trees side by side: table 3 of Hapala and Havran's review, measured.
 //!
-//! All walks share one tree. Each is made, held against the first one's answers, timed and dropped,
-//! so that the derived data of one at a time is in memory. Then the plain stack, over all builds
-//! and layouts.
+//! Walks share a tree, as long as they have the same options of builds. Each is made, held against
+//! the first one's answers, timed and dropped, so that the derived data of one at a time is in
+//! memory. Then the plain stack, over all builds and layouts.
 
 use std::sync::Arc;
 
@@ -100,14 +100,20 @@ pub fn walks(
     source: &Arc<dyn TriangleSource>,
     settings: &Settings,
 ) -> Result<Vec<Row>, BenchError> {
-    let tree = tree(source, settings, "sah")?;
+    let mut options = Options::defaults(&OPTIONS);
+    let mut tree = tree(source, settings, &options)?;
     let sets = sets(&tree, source, settings)?;
-    let rows = OVER.iter().map(|&(id, over)| {
+    let mut rows = Vec::new();
+    for &(id, over) in OVER {
         let variant = VARIANTS.iter().find(|variant| variant.id == id).unwrap_or(&STACK_DIRECTION);
-        let options = Options::defaults(variant.options);
-        row(id.to_owned(), &tree, over, &options, &sets, settings)
-    });
-    rows.collect()
+        let own = Options::defaults(variant.options);
+        if !own.iter().take(OPTIONS.len()).eq(options.iter().take(OPTIONS.len())) {
+            tree = self::tree(source, settings, &own)?;
+        }
+        options = own;
+        rows.push(row(id.to_owned(), &tree, over, &options, &sets, settings)?);
+    }
+    Ok(rows)
 }
 
 /// Measures the plain stack over all builds and layouts.
@@ -122,7 +128,7 @@ pub fn builds_and_layouts(
     let mut kept: Option<Sets> = None;
     let over = over(STACK_DIRECTION.id);
     for build in choices(OPTIONS[0].values) {
-        let tree = tree(source, settings, build)?;
+        let tree = tree(source, settings, &built(build))?;
         let sets = match kept.take() {
             Some(sets) => sets,
             None => sets(&tree, source, settings)?,
@@ -138,7 +144,8 @@ pub fn builds_and_layouts(
     Ok(rows)
 }
 
-fn choices(values: Values) -> &'static [&'static str] {
+/// The words of a choice.
+pub(super) fn choices(values: Values) -> &'static [&'static str] {
     match values {
         Values::Choice(words) => words,
         _ => &[],
@@ -149,18 +156,23 @@ fn over(id: &str) -> OverTree {
     OVER.iter().find(|(known, _)| *known == id).unwrap_or(&OVER[0]).1
 }
 
-fn tree(
+/// The default options with one of the builds.
+pub(super) fn built(build: &str) -> Options {
+    let options = Options::parse("kd", &OPTIONS, &format!("build={build}"));
+    options.unwrap_or_else(|_| Options::defaults(&OPTIONS))
+}
+
+/// A tree, if the estimate fits the memory.
+pub(super) fn tree(
     source: &Arc<dyn TriangleSource>,
     settings: &Settings,
-    build: &'static str,
+    options: &Options,
 ) -> Result<KdTree, BenchError> {
     let needed = estimate(source.len());
     if needed > settings.memory {
         return Err(BuildError::TooLarge { needed, limit: settings.memory }.into());
     }
-    let options = Options::parse("kd", &OPTIONS, &format!("build={build}"));
-    let options = options.unwrap_or_else(|_| Options::defaults(&OPTIONS));
-    Ok(KdTree::build(source, &options)?)
+    Ok(KdTree::build(source, options)?)
 }
 
 fn level(settings: &Settings) -> Result<fearless_simd::Level, BuildError> {
@@ -211,30 +223,36 @@ fn row(
     })
 }
 
-/// The rows as a table.
-pub fn table(title: &str, rows: &[Row]) -> Table {
-    const PER_SET: [&str; 5] = ["nodes", "leaves", "tests", "restarts", "Mrays/s"];
-    let mut table = Table::new(title, "", &["structure", "build s", "SAH cost", "MB"]);
-    for set in SETS {
-        table.heading.extend(PER_SET.map(|name| format!("{} {name}", set.name())));
-    }
-    table.rows = rows.iter().map(cells).collect();
-    table
+/// The rows as tables: sizes and rates in one, then the work of each set in one of its own.
+pub fn tables(title: &str, rows: &[Row]) -> Vec<Table> {
+    let mut rates = Table::new(title, "", &["structure", "build s", "SAH cost", "MB"]);
+    rates.heading.extend(SETS.map(|set| format!("{} Mrays/s", set.name())));
+    rates.rows = rows.iter().map(rates_of).collect();
+    let work = SETS.iter().enumerate().map(|(place, set)| {
+        let heading = ["structure", "nodes", "leaves", "tests", "triangles", "restarts"];
+        let mut table = Table::new(format!("{title}: {} rays, each", set.name()), "", &heading);
+        table.rows = rows.iter().map(|row| work_of(row, place)).collect();
+        table
+    });
+    std::iter::once(rates).chain(work).collect()
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn rates_of(row: &Row) -> Vec<String> {
     let mut cells = vec![
         row.spec.clone(),
         format!("{:.3}", row.build_seconds),
         format!("{:.2}", row.sah_cost),
         format!("{:.1}", row.bytes as f64 * 1e-6),
     ];
-    for set in &row.sets {
-        let events = [Event::InnerNode, Event::Leaf, Event::TriangleTest, Event::Restart];
-        cells.extend(events.map(|event| format!("{:.2}", set.per_ray(event))));
-        cells.push(format!("{:.3}", set.rate()));
-    }
+    cells.extend(row.sets.iter().map(|set| format!("{:.3}", set.rate())));
     cells
+}
+
+fn work_of(row: &Row, set: usize) -> Vec<String> {
+    const EVENTS: [Event; 5] =
+        [Event::InnerNode, Event::Leaf, Event::TriangleTest, Event::TriangleLane, Event::Restart];
+    let figures = EVENTS.map(|event| format!("{:.2}", row.sets[set].per_ray(event)));
+    std::iter::once(row.spec.clone()).chain(figures).collect()
 }
 
 #[cfg(test)]
@@ -257,8 +275,12 @@ mod tests {
         let settings = Settings { rays: 50, memory: u64::MAX, isa: Isa::Portable };
         let rows = walks(&source(), &settings).expect("all agree");
         assert_eq!(rows.len(), OVER.len());
-        let table = table("walks", &rows).markdown();
-        assert!(OVER.iter().all(|(id, _)| table.contains(id)));
+        let tables = tables("walks", &rows);
+        assert_eq!(tables.len(), 1 + SETS.len());
+        for table in tables.iter().map(Table::markdown) {
+            assert!(OVER.iter().all(|(id, _)| table.contains(id)));
+            assert!(table.lines().all(|line| line.len() <= 130), "{table}");
+        }
         assert_eq!(builds_and_layouts(&source(), &settings).expect("all agree").len(), 15);
     }
 

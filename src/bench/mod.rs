@@ -5,6 +5,7 @@
 //! | [`ray_sets`] | rays over a scene: random, primary, bounce and hostile ones |
 //! | [`measure`] | answers compared, passes timed by turns, work counted |
 //! | [`kd`] | kd-trees side by side: Hapala and Havran's table 3 |
+//! | [`kd_growth`] | how their builds grow with the scene |
 //! | [`mbvh`] | multi bounding volume hierarchies: Ernst and Greiner's tables and figure 4 |
 //! | [`renders`] | whole renders: their figure 1 |
 //! | [`table`], [`bars`], [`plot`] | how it is shown |
@@ -12,6 +13,7 @@
 pub mod agreement;
 pub mod bars;
 pub mod kd;
+pub mod kd_growth;
 pub mod mbvh;
 pub mod measure;
 pub mod plot;

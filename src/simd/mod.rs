@@ -1,6 +1,7 @@
 //! The instruction sets: the only place that names them.
 
 pub mod order;
+mod pick;
 mod prefetch;
 mod vectors;
 
@@ -9,6 +10,7 @@ use std::str::FromStr;
 
 use fearless_simd::Level;
 
+pub use pick::pick;
 pub use prefetch::prefetch;
 pub use vectors::{Lanes, Vectors};
 

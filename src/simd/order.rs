@@ -92,7 +92,7 @@ fn insert<const W: usize>(keys: &mut [u32; W], count: usize, key: u32) {
 mod x86 {
     use std::arch::x86_64::*;
 
-    use fearless_simd::{Avx2, SimdBase, SimdInt, SimdInto, SimdMask, u32x4, u32x8};
+    use fearless_simd::{Avx2, SimdBase, SimdInto, SimdMask, u32x4, u32x8};
 
     use super::{LANE, insert};
 

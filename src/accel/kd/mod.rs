@@ -5,7 +5,7 @@
 //!
 //! A builder ([`build`]) makes a [`tree::KdTree`], plain data in depth-first order. A layout
 //! ([`layout`]) puts its nodes into memory; links and boxes are derived from it for those walks
-//! that need them; a walk ([`walk`]) visits leaves along a ray.
+//! that need them; a walk ([`walk`]) visits leaves along a ray, or (`coherent`) along many.
 //!
 //! # Why all walks find what brute force finds
 //! Let u be 2^-24, half an ulp of one, and the unit of length the longest edge of the box of all
@@ -52,7 +52,9 @@
 //! as those of tame rays. Beyond, all triangles are tested, their own boxes first.
 
 pub mod build;
+mod coherent;
 pub mod layout;
+pub mod lines;
 pub mod links;
 pub mod ray;
 mod rows;

@@ -4,19 +4,21 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::super::{CliError, input, memory};
+use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
+use super::scenes::BenchScene;
 use super::{memory_limit, ray_bytes};
 use crate::bench::bars::bars;
 use crate::bench::kd::{self, Row, SETS, Settings};
+use crate::bench::kd_growth::{self, Growth};
 use crate::bench::measure::Measured;
 use crate::bench::ray_sets::RaySet;
 use crate::simd::Isa;
 
-/// All kd-trees: nodes, leaves and tests a ray, bytes and rates; then builds by layouts.
+/// All kd-trees: bytes, rates, nodes, leaves and tests a ray; then builds by layouts; with --report
+/// also the time of builds over machines of 10^4 to 10^6 triangles.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out\n\n\
-    Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+#[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out")]
 pub struct KdArgs {
     /// A scene file, or an .npy of (N, 9) float32 triangles
     scene: PathBuf,
@@ -31,6 +33,8 @@ pub struct KdArgs {
     #[arg(long, value_name = "MB", default_value_t = 0)]
     memory: u64,
     #[command(flatten)]
+    quiet: Quiet,
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -40,7 +44,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     let needed = ray_bytes(args.rays, SETS.len() as u64 + 1);
     memory::require(&format!("{} rays of each set", args.rays), needed)?;
     args.output.probe()?;
-    let source = input::triangles(&args.scene)?;
+    let source = input::triangles(&args.scene, args.quiet)?;
     let memory = memory_limit(args.memory);
     let settings = Settings { rays: args.rays as usize, memory, isa: args.isa };
     let walks = kd::walks(&source, &settings)?;
@@ -51,23 +55,38 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
         format!("Kd-tree walks, {name}, {count} triangles"),
         format!("Builds and layouts, kd-stack-direction, {name}"),
     ];
+    let growth = if args.output.reports() { growth(&settings, args.quiet)? } else { Vec::new() };
     let object = |rows: &[Row]| rows.iter().map(Row::json).collect::<Vec<_>>();
-    let results = Results {
+    let mut results = Results {
         name: "kd",
-        tables: vec![kd::table(&titles[0], &walks), kd::table(&titles[1], &builds)],
+        tables: [kd::tables(&titles[0], &walks), kd::tables(&titles[1], &builds)].concat(),
         json: json!({
             "scene": name.to_string(),
             "triangles": count,
             "rays": args.rays,
             "walks": object(&walks),
             "builds": object(&builds),
+            "growth": kd_growth::json(&growth),
         }),
         plots: vec![
             ("walks".to_owned(), chart(&titles[0], &walks)),
             ("builds".to_owned(), chart(&titles[1], &builds)),
         ],
     };
+    if !growth.is_empty() {
+        results.tables.push(kd_growth::table(&growth));
+        results.plots.push(("growth".to_owned(), kd_growth::plot(&growth)));
+    }
     results.publish(&args.output)
+}
+
+/// Builds over machines of growing size.
+fn growth(settings: &Settings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
+    let measure = |size: u64| {
+        let source = BenchScene::Assembly(size).with_file(|path| input::triangles(path, quiet))?;
+        Ok(kd_growth::measure(&source, settings)?)
+    };
+    kd_growth::sizes(settings).map(measure).collect()
 }
 
 fn chart(title: &str, rows: &[Row]) -> String {

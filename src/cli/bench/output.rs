@@ -22,6 +22,11 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
+    /// Whether there is to be a report.
+    pub fn reports(&self) -> bool {
+        self.report.is_some()
+    }
+
     /// Makes the folder of the report, before the work.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! What the builders with bins share.
 
+use super::cost::CellCosts;
 use super::{Costs, Plane, Reference};
 use crate::math::Aabb;
 
@@ -70,8 +71,7 @@ impl Planes {
 
 /// Planes to choose from.
 pub struct Candidates<'a> {
-    cell: &'a Aabb,
-    costs: &'a Costs,
+    costs: CellCosts<'a>,
     /// The part of the cell that triangles take.
     range: Aabb,
     /// The best so far.
@@ -83,7 +83,7 @@ impl<'a> Candidates<'a> {
     pub fn new(references: &[Reference], cell: &'a Aabb, costs: &'a Costs) -> Self {
         let all = references.iter().fold(Aabb::EMPTY, |all, r| all.union(r.bounds));
         let range = all.intersection(*cell);
-        let mut candidates = Self { cell, costs, range, best: None };
+        let mut candidates = Self { costs: costs.in_cell(cell), range, best: None };
         let count = references.len();
         for axis in 0..3 {
             candidates.offer(axis, range.min[axis], 0, count);
@@ -100,7 +100,7 @@ impl<'a> Candidates<'a> {
     /// Considers a plane with that many triangles below and above it.
     #[inline]
     pub fn offer(&mut self, axis: usize, split: f32, below: usize, above: usize) {
-        if let Some(plane) = self.costs.plane(self.cell, axis, split, below, above) {
+        if let Some(plane) = self.costs.plane(axis, split, below, above) {
             self.best = Plane::better(self.best, plane);
         }
     }

@@ -55,7 +55,7 @@ mod tests {
             .filter_map(|split| {
                 let below = spans.iter().filter(|s| s.0 < split).count();
                 let above = spans.iter().filter(|s| s.1 > split).count();
-                costs.plane(&cell, 0, split, below, above)
+                costs.in_cell(&cell).plane(0, split, below, above)
             })
             .fold(None, Plane::better);
         assert_eq!(Some(best), expected);

@@ -99,6 +99,7 @@ pub fn build(
 fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
     let mut below = [0; 3];
     let mut above = [part.references.len(); 3];
+    let costs = settings.costs.in_cell(cell);
     let mut best = None;
     let mut rest = &part.events[..];
     while let Some(&Event { at, axis, .. }) = rest.first() {
@@ -111,7 +112,7 @@ fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
         }
         let axis = axis as usize;
         above[axis] -= ends;
-        if let Some(plane) = settings.costs.plane(cell, axis, at, below[axis], above[axis]) {
+        if let Some(plane) = costs.plane(axis, at, below[axis], above[axis]) {
             best = Plane::better(best, plane);
         }
         below[axis] += count - ends;
@@ -247,7 +248,7 @@ mod tests {
                 let axis = event.axis as usize;
                 let below = references.iter().filter(|r| r.bounds.min[axis] < event.at).count();
                 let above = references.iter().filter(|r| r.bounds.max[axis] > event.at).count();
-                settings.costs.plane(&cell, axis, event.at, below, above)
+                settings.costs.in_cell(&cell).plane(axis, event.at, below, above)
             });
             let expected = all.fold(None, Plane::better);
             assert_eq!(

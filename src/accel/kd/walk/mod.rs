@@ -9,6 +9,7 @@ pub mod prefetch;
 mod robust;
 pub mod todo;
 mod visit;
+pub mod wide;
 
 pub use visit::{LeafTest, Visit, With};
 
@@ -62,6 +63,16 @@ impl<W: Walk> Walked<W> {
     /// Joins them.
     pub fn new(tree: &KdTree, walk: W, level: Level) -> Self {
         Self { base: Arc::clone(&tree.base), walk, level, report: tree.report.clone() }
+    }
+
+    /// The way.
+    pub fn way(&self) -> &W {
+        &self.walk
+    }
+
+    /// What all walks through the tree share.
+    pub fn base(&self) -> &Base {
+        &self.base
     }
 }
 

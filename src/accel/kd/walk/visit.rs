@@ -44,8 +44,9 @@ impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
     }
 }
 
+/// Tests the triangles of a leaf.
 #[inline(always)]
-fn test_all<S: Simd, Q: Query, C: Counters>(
+pub fn test_all<S: Simd, Q: Query, C: Counters>(
     simd: S,
     leaves: &Leaves,
     slots: &[Slot],

@@ -1,0 +1,196 @@
+//! Subtrees of three levels as nodes of seven planes and eight children, and leaves as blocks.
+//!
+//! - V. Havran, "Analysis of cache sensitive representation for binary space partitioning trees",
+//!   1999: a subtree lies on a cache line, as in [`super::layout::Treelet`].
+//! - L. Szécsi, "An effective implementation of the k-D tree", 2003: leaves take the places of
+//!   pointers.
+//!
+//! Here all lines have the same shape, so that one stream of vector instructions can look at a whole
+//! line: where a leaf lies higher up, the places below it are planes at infinity, with the leaf below
+//! them and nothing above. A bit for each child says whether there is anything in it, so that empty
+//! leaves are not visited at all. The pointer to a leaf is one to its triangles, which lie there
+//! ready to be tested: more memory than the lists of [`super::tree::Leaves`] take, but one cache miss
+//! in place of three, each of which had to wait for the one before.
+
+use rayon::prelude::*;
+
+use super::tree::{KdTree, LeafId, Leaves, Node};
+use crate::geom::{Triangle, TriangleBlock};
+use crate::math::{NodeId, Vec3};
+
+/// Triangles that are tested at once.
+pub const WIDTH: usize = 8;
+
+/// Triangles to test at once.
+pub type Block = TriangleBlock<WIDTH>;
+
+/// Lines of a tree, the root's first, and the blocks of its leaves.
+#[derive(Debug)]
+pub struct Lines {
+    lines: Vec<Line>,
+    blocks: Vec<Block>,
+    /// Leaves with too many blocks for a [`Child`] to say: where they begin and end.
+    long: Vec<[u32; 2]>,
+}
+
+/// A subtree of three levels: one plane, two and four, in the order of a heap. A child is above the
+/// plane of level l on its way if bit 2 - l of its number is set.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Line {
+    /// The planes' bits. In the place of an eighth: the axes, two bits a plane, and from bit 16 on
+    /// a bit for each child that is not empty.
+    pub planes: [u32; 8],
+    /// The children.
+    pub children: [Child; 8],
+}
+
+/// A line by its number; or, with the top bit, a leaf by its first block and, in the five bits
+/// below, how many there are. If these are all set, the leaf by its place in the table of long ones.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub struct Child(u32);
+
+/// What a [`Child`] leads to.
+#[derive(Clone, Copy, Debug)]
+pub enum Below<'a> {
+    /// Divides its cell.
+    Line(&'a Line),
+    /// Holds triangles.
+    Leaf(&'a [Block]),
+}
+
+/// Planes of a line.
+const PLANES: usize = 7;
+
+impl Line {
+    const EMPTY: Self = Self { planes: [0; 8], children: [Child::ROOT; 8] };
+
+    /// A bit for each child that is not empty.
+    #[inline(always)]
+    pub fn occupied(&self) -> u32 {
+        self.planes[PLANES] >> 16
+    }
+
+    fn put(&mut self, place: usize, child: Child) {
+        self.children[place] = child;
+        self.planes[PLANES] |= 1 << (16 + place);
+    }
+}
+
+impl Child {
+    /// The root's line.
+    pub const ROOT: Self = Self(0);
+    const IS_LEAF: u32 = 1 << 31;
+    const PLACE_BITS: u32 = 26;
+    const PLACE: u32 = (1 << Self::PLACE_BITS) - 1;
+    const LONG: u32 = 31;
+
+    fn leaf(place: u32, blocks: u32) -> Self {
+        Self(Self::IS_LEAF | blocks << Self::PLACE_BITS | place)
+    }
+}
+
+impl Lines {
+    /// Lays a tree out; `None` if there are too many lines or blocks to number.
+    pub fn new(tree: &KdTree) -> Option<Self> {
+        let leaves = &tree.base.leaves;
+        let (firsts, ids) = places(leaves);
+        let blocks = ids.par_iter().map(|&(leaf, part)| block(leaves, leaf, part)).collect();
+        let mut lines = Self { lines: vec![Line::EMPTY], blocks, long: Vec::new() };
+        let mut roots = vec![(NodeId(0), 0)];
+        while let Some((root, line)) = roots.pop() {
+            lines.fill(tree, &firsts, root, line, &mut roots);
+        }
+        let fits = lines.lines.len() < Child::IS_LEAF as usize
+            && lines.blocks.len() <= Child::PLACE as usize;
+        fits.then_some(lines)
+    }
+
+    /// What a child leads to.
+    #[inline(always)]
+    pub fn below(&self, Child(child): Child) -> Below<'_> {
+        if child & Child::IS_LEAF == 0 {
+            return Below::Line(&self.lines[child as usize]);
+        }
+        let (place, count) = (child & Child::PLACE, child >> Child::PLACE_BITS & Child::LONG);
+        let [begin, end] =
+            if count == Child::LONG { self.long[place as usize] } else { [place, place + count] };
+        Below::Leaf(&self.blocks[begin as usize..end as usize])
+    }
+
+    /// Bytes by part.
+    pub fn memory(&self) -> [(&'static str, usize); 2] {
+        let long = size_of_val(&*self.long);
+        [("lines", size_of_val(&*self.lines)), ("blocks", size_of_val(&*self.blocks) + long)]
+    }
+
+    /// Fills a line with what lies below a node; adds lines for what lies below those.
+    fn fill(
+        &mut self,
+        tree: &KdTree,
+        firsts: &[u32],
+        root: NodeId,
+        line: usize,
+        roots: &mut Vec<(NodeId, usize)>,
+    ) {
+        let mut places = vec![(Some(root), 0)];
+        while let Some((node, place)) = places.pop() {
+            let at = node.map(|node| (node, tree.nodes[node.index()]));
+            if let Some(child) = usize::checked_sub(place, PLANES) {
+                match at {
+                    Some((_, Node::Leaf(leaf))) if !leaf.is_empty() => {
+                        let leaf = self.leaf(firsts[leaf.index()], firsts[leaf.index() + 1]);
+                        self.lines[line].put(child, leaf);
+                    }
+                    Some((node, Node::Inner { .. })) => {
+                        let below = self.lines.len();
+                        roots.push((node, below));
+                        self.lines.push(Line::EMPTY);
+                        self.lines[line].put(child, Child(below as u32));
+                    }
+                    _ => {}
+                }
+                continue;
+            }
+            let (axis, split, children) = match at {
+                Some((node, Node::Inner { axis, split, above })) => {
+                    (axis, split, [Some(NodeId(node.0 + 1)), Some(above)])
+                }
+                _ => (0, f32::INFINITY, [node, None]),
+            };
+            self.lines[line].planes[place] = split.to_bits();
+            self.lines[line].planes[PLANES] |= u32::from(axis) << (2 * place);
+            places.extend([(children[1], 2 * place + 2), (children[0], 2 * place + 1)]);
+        }
+    }
+
+    fn leaf(&mut self, begin: u32, end: u32) -> Child {
+        if end - begin < Child::LONG {
+            return Child::leaf(begin, end - begin);
+        }
+        self.long.push([begin, end]);
+        Child::leaf(self.long.len() as u32 - 1, Child::LONG)
+    }
+}
+
+/// Where the blocks of each leaf begin, the end last; and of each block its leaf and which it is.
+fn places(leaves: &Leaves) -> (Vec<u32>, Vec<(LeafId, usize)>) {
+    let (mut firsts, mut ids) = (vec![0], Vec::new());
+    for leaf in (0..leaves.count() as u32).map(LeafId) {
+        let blocks = leaves.triangles(leaf).len().div_ceil(WIDTH);
+        ids.extend((0..blocks).map(|part| (leaf, part)));
+        firsts.push(ids.len() as u32);
+    }
+    (firsts, ids)
+}
+
+fn block(leaves: &Leaves, leaf: LeafId, part: usize) -> Block {
+    let slots = leaves.triangles(leaf);
+    let slots = &slots[part * WIDTH..slots.len().min((part + 1) * WIDTH)];
+    Block::fetch(slots.len(), |lane| {
+        let corners = leaves.corners(slots[lane]);
+        let [a, b, c] = corners.map(|[x, y, z, _]| Vec3::new(x, y, z));
+        (leaves.id(slots[lane]), Triangle { a, b, c })
+    })
+}

@@ -1,0 +1,285 @@
+//! Three levels at a step: a line of seven planes, and the spans of its eight children at once.
+//!
+//! Not in the review. The plain stack's arithmetic by vector instructions: the distances to all
+//! planes of a line, [`KdRay::t_split`]'s lane by lane; then for each child what is left of the
+//! line's span, up to the nearest plane that it lies in front of, from the farthest that it lies
+//! behind. Cells don't overlap, so neither do the spans of those children that are crossed, and
+//! where they begin gives their order. A ray branches once for three levels, where it can hardly be
+//! guessed, in place of six times; meets no empty leaves; and waits for memory once for three
+//! levels, and once for a leaf (see [`super::super::lines`]). The tree is made for it: a step of a
+//! vector is cheap and a miss of the cache is not, so leaves are large.
+//!
+//! The idea is that of multi bounding volume hierarchies (M. Ernst, G. Greiner, 2008), done to the
+//! subtrees of three levels that V. Havran put on a cache line (1999).
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use fearless_simd::{
+    Bytes, Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, i32x8, u32x8,
+};
+
+use super::super::layout::{Compact, Layout, Nodes};
+use super::super::lines::{Below, Block, Child, Line, Lines, WIDTH};
+use super::super::ray::{KdRay, Span};
+use super::super::tree::{Base, KdTree};
+use super::{Visit, With, robust};
+use crate::accel::{
+    BuildError, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse, test_block,
+};
+use crate::simd::pick;
+
+/// Walks by lines.
+pub struct WideWalk {
+    base: Arc<Base>,
+    lines: Lines,
+    /// For rays that are not tame.
+    nodes: Compact,
+    level: Level,
+    report: BuildReport,
+}
+
+impl WideWalk {
+    /// Lays a tree out to walk it.
+    ///
+    /// # Errors
+    /// If the tree is too deep for the stack.
+    pub fn new(tree: &KdTree, level: Level) -> Result<Self, BuildError> {
+        const LIMIT: usize = 64;
+        if tree.depth() > LIMIT {
+            return Err(BuildError::TooDeep { depth: tree.depth(), limit: LIMIT });
+        }
+        let lines = Lines::new(tree).ok_or(BuildError::TooLarge {
+            needed: tree.base.source.len() as u64 * 1200,
+            limit: u64::from(u32::MAX),
+        })?;
+        Ok(Self {
+            base: Arc::clone(&tree.base),
+            lines,
+            nodes: Compact::new(tree),
+            level,
+            report: tree.report.clone(),
+        })
+    }
+}
+
+/// Entries of a stack: seven for each third level, and some to spare.
+const ENTRIES: usize = 256;
+const MASK: usize = ENTRIES - 1;
+
+/// A child with the span in which it is crossed.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    child: Child,
+    span: Span,
+}
+
+/// Children that wait, the farthest at the bottom.
+pub struct Stack([Entry; ENTRIES]);
+
+impl Stack {
+    /// Hands out the nearest of a line's children that are crossed, if any, and puts the others on
+    /// top.
+    #[inline(always)]
+    fn put(&mut self, children: &Children, line: &Line, top: &mut usize) -> Option<Entry> {
+        let entry = |child: u32| {
+            let child = child as usize & 7;
+            let span = Span { enter: children.enter[child], exit: children.exit[child] };
+            Entry { child: line.children[child], span }
+        };
+        let mut left = children.crossed;
+        if left == 0 {
+            return None;
+        }
+        let mut nearest = entry(left.trailing_zeros());
+        left &= left - 1;
+        let bottom = *top;
+        while left != 0 {
+            let other = entry(left.trailing_zeros());
+            left &= left - 1;
+            let is_nearer = other.span.enter < nearest.span.enter;
+            let (near, far) = if is_nearer { (other, nearest) } else { (nearest, other) };
+            nearest = near;
+            let mut place = *top;
+            while place > bottom && self.0[(place - 1) & MASK].span.enter < far.span.enter {
+                self.0[place & MASK] = self.0[(place - 1) & MASK];
+                place -= 1;
+            }
+            self.0[place & MASK] = far;
+            *top += 1;
+        }
+        Some(nearest)
+    }
+}
+
+/// The spans of a line's children.
+struct Children {
+    enter: [f32; 8],
+    exit: [f32; 8],
+    /// A bit for each that is crossed and not empty.
+    crossed: u32,
+}
+
+impl Children {
+    /// How many are crossed beside the nearest.
+    #[inline(always)]
+    fn others(&self) -> u32 {
+        self.crossed.count_ones().saturating_sub(1)
+    }
+}
+
+/// A ray, prepared for lines: origin and reciprocal direction by axis, and the same once more, as
+/// lanes are picked modulo eight.
+struct Planes<S: Simd> {
+    origin: f32x8<S>,
+    inverse: f32x8<S>,
+}
+
+impl<S: Simd> Planes<S> {
+    #[inline(always)]
+    fn new(simd: S, ray: &KdRay) -> Self {
+        let twice = |[x, y, z]: [f32; 3]| f32x8::load_array(simd, [x, y, z, x, x, y, z, x]);
+        Self {
+            origin: twice([ray.origin(0), ray.origin(1), ray.origin(2)]),
+            inverse: twice([ray.inverse(0), ray.inverse(1), ray.inverse(2)]),
+        }
+    }
+
+    /// The spans of a line's children within its own.
+    #[inline(always)]
+    fn children(&self, simd: S, line: &Line, span: Span) -> Children {
+        /// On each level, the plane of each child, and a sign where the child is above it.
+        const PLANE: [[u32; 8]; 3] = [[0; 8], [1, 1, 1, 1, 2, 2, 2, 2], [3, 3, 4, 4, 5, 5, 6, 6]];
+        const UP: i32 = i32::MIN;
+        const ABOVE: [[i32; 8]; 3] = [
+            [0, 0, 0, 0, UP, UP, UP, UP],
+            [0, 0, UP, UP, 0, 0, UP, UP],
+            [0, UP, 0, UP, 0, UP, 0, UP],
+        ];
+        const SHIFT: [u32; 8] = [0, 2, 4, 6, 8, 10, 12, 14];
+        let row = |row: &[u32; 8]| u32x8::load_array(simd, *row);
+        let axes = u32x8::splat(simd, line.planes[7]) >> row(&SHIFT);
+        let inverse = pick(simd, self.inverse, axes);
+        let splits = f32x8::from_bits(row(&line.planes));
+        let t = (splits - pick(simd, self.origin, axes)) * inverse;
+        let mut enter = f32x8::splat(simd, span.enter);
+        let mut exit = f32x8::splat(simd, span.exit);
+        for level in 0..3 {
+            let plane = row(&PLANE[level]);
+            let t = pick(simd, t, plane);
+            let sign: i32x8<S> = pick(simd, inverse, plane).to_bits().bitcast();
+            // A child lies behind a plane if it is above and the ray goes up, or neither.
+            let behind = (sign ^ i32x8::load_array(simd, ABOVE[level])).simd_lt(0);
+            enter = behind.select(enter.max(t), enter);
+            exit = behind.select(exit, exit.min(t));
+        }
+        let crossed = enter.simd_lt(exit).to_bitmask() as u32 & line.occupied();
+        Children { enter: enter.to_array(), exit: exit.to_array(), crossed }
+    }
+}
+
+impl WideWalk {
+    #[inline(always)]
+    fn descend<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        visit: &mut Visit<'_, Q, C>,
+        span: Span,
+        stack: &mut Stack,
+    ) {
+        let planes = Planes::new(simd, &visit.ray);
+        let mut next = Entry { child: Child::ROOT, span };
+        let mut top = 0;
+        loop {
+            match self.lines.below(next.child) {
+                Below::Line(line) => {
+                    visit.counters.count(Event::InnerNode);
+                    let children = planes.children(simd, line, next.span);
+                    visit.counters.add(Event::Push, u64::from(children.others()));
+                    if let Some(nearest) = stack.put(&children, line, &mut top) {
+                        next = nearest;
+                        continue;
+                    }
+                }
+                Below::Leaf(blocks) => {
+                    visit.counters.count(Event::Leaf);
+                    if test_leaf(simd, visit, blocks).is_break() {
+                        return;
+                    }
+                }
+            }
+            if top == 0 {
+                return;
+            }
+            top -= 1;
+            next = stack.0[top & MASK];
+            // All that wait lie behind it.
+            if next.span.enter > visit.query.t_max() {
+                return;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn test_leaf<S: Simd, Q: Query, C: Counters>(
+    simd: S,
+    visit: &mut Visit<'_, Q, C>,
+    blocks: &[Block],
+) -> ControlFlow<()> {
+    let Visit { shot, query, counters, .. } = visit;
+    for block in blocks {
+        let block = block.parts();
+        test_block::<S, f32x8<S>, Q, C, WIDTH>(simd, shot, block, *query, *counters)?;
+    }
+    ControlFlow::Continue(())
+}
+
+impl Traverse for WideWalk {
+    type Scratch = (Stack, robust::Todo);
+
+    fn scratch(&self) -> Self::Scratch {
+        let nothing = Entry { child: Child::ROOT, span: Span { enter: 0.0, exit: 0.0 } };
+        (Stack([nothing; ENTRIES]), robust::Todo::default())
+    }
+
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        (stack, todo): &mut Self::Scratch,
+        counters: &mut C,
+    ) {
+        let (base, ray) = (&*self.base, KdRay::new(&shot.ray));
+        let leaf_test = &With(simd);
+        let mut visit = Visit { base, shot, ray, leaf_test, query, counters };
+        let span = visit.span();
+        if !base.slack.is_tame(&shot.ray) {
+            robust::walk(&self.nodes, &mut visit, todo);
+        } else if let Some(span) = span {
+            if span.enter < span.exit {
+                self.descend(simd, &mut visit, span, stack);
+            } else {
+                // A point: no child has a part of it.
+                robust::walk(&self.nodes, &mut visit, todo);
+            }
+        }
+    }
+
+    fn level(&self) -> Level {
+        self.level
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut parts = vec![("nodes", self.nodes.bytes())];
+        parts.extend(self.lines.memory());
+        parts.extend(self.base.leaves.memory());
+        MemoryReport::new(parts)
+    }
+
+    fn report(&self) -> &BuildReport {
+        &self.report
+    }
+}
