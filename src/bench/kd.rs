@@ -249,13 +249,8 @@ fn rates_of(row: &Row) -> Vec<String> {
 }
 
 fn work_of(row: &Row, set: usize) -> Vec<String> {
-    const EVENTS: [Event; 5] = [
-        Event::InnerNode,
-        Event::Leaf,
-        Event::TriangleTest,
-        Event::TriangleLane,
-        Event::Restart,
-    ];
+    const EVENTS: [Event; 5] =
+        [Event::InnerNode, Event::Leaf, Event::TriangleTest, Event::TriangleLane, Event::Restart];
     let figures = EVENTS.map(|event| format!("{:.2}", row.sets[set].per_ray(event)));
     std::iter::once(row.spec.clone()).chain(figures).collect()
 }

@@ -20,12 +20,7 @@ mod x86 {
     use fearless_simd::{Avx2, Simd, SimdBase, SimdInto, f32x8, u32x8};
 
     #[inline(always)]
-    pub fn pick<S: Simd>(
-        simd: S,
-        avx2: Avx2,
-        values: f32x8<S>,
-        lanes: u32x8<S>,
-    ) -> f32x8<S> {
+    pub fn pick<S: Simd>(simd: S, avx2: Avx2, values: f32x8<S>, lanes: u32x8<S>) -> f32x8<S> {
         // Vectors of one token become those of another by way of arrays, which costs nothing.
         let values = f32x8::load_array(avx2, values.to_array());
         let lanes = u32x8::load_array(avx2, lanes.to_array());

@@ -9,13 +9,18 @@
 //! levels, and once for a leaf (see [`super::super::lines`]). The tree is made for it: a step of a
 //! vector is cheap and a miss of the cache is not, so leaves are large.
 //!
+//! By the tie rule of all walks, a child is crossed if what is left of the span has a length. A span
+//! that is a point has none; such rays are rare and take the walk of those that are not tame.
+//!
 //! The idea is that of multi bounding volume hierarchies (M. Ernst, G. Greiner, 2008), done to the
 //! subtrees of three levels that V. Havran put on a cache line (1999).
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use fearless_simd::{Bytes, Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, i32x8, u32x8};
+use fearless_simd::{
+    Bytes, Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, i32x8, u32x8,
+};
 
 use super::super::layout::{Compact, Layout, Nodes};
 use super::super::lines::{Below, Block, Child, Line, Lines, WIDTH};
@@ -47,13 +52,9 @@ impl WideWalk {
         if tree.depth() > LIMIT {
             return Err(BuildError::TooDeep { depth: tree.depth(), limit: LIMIT });
         }
-        let lines = Lines::new(tree).ok_or(BuildError::TooLarge {
-            needed: tree.base.source.len() as u64 * 1200,
-            limit: u64::from(u32::MAX),
-        })?;
         Ok(Self {
             base: Arc::clone(&tree.base),
-            lines,
+            lines: Lines::new(tree)?,
             nodes: Compact::new(tree),
             level,
             report: tree.report.clone(),
@@ -147,8 +148,7 @@ impl<S: Simd> Planes<S> {
     #[inline(always)]
     fn children(&self, simd: S, line: &Line, span: Span) -> Children {
         /// On each level, the plane of each child, and a sign where the child is above it.
-        const PLANE: [[u32; 8]; 3] =
-            [[0; 8], [1, 1, 1, 1, 2, 2, 2, 2], [3, 3, 4, 4, 5, 5, 6, 6]];
+        const PLANE: [[u32; 8]; 3] = [[0; 8], [1, 1, 1, 1, 2, 2, 2, 2], [3, 3, 4, 4, 5, 5, 6, 6]];
         const UP: i32 = i32::MIN;
         const ABOVE: [[i32; 8]; 3] = [
             [0, 0, 0, 0, UP, UP, UP, UP],
