@@ -18,8 +18,10 @@ fn specs() -> Vec<AccelSpec> {
         specs.push(variant.id.to_owned());
         for option in variant.options {
             let id = variant.id;
-            // Packets walk bvh2's tree, which is asked in all its forms under its own name.
-            if id.starts_with("bvh-") && ["build", "refine"].contains(&option.name) {
+            // Packets walk trees that are asked in all their forms under other names.
+            let packets = ["size", "tiles"];
+            let packets = variant.options.iter().any(|option| packets.contains(&option.name));
+            if packets && ["build", "refine"].contains(&option.name) {
                 continue;
             }
             match option.values {

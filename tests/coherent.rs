@@ -18,6 +18,20 @@ const SPECS: &[&str] = &[
     "bvh-entry-point",
     "bvh-path-compression",
     "bvh-path-compression:pc=recursive,with=partition,per-packet=on",
+    "kd-packet",
+    "kd-packet:size=2",
+    "kd-packet:size=5",
+    "kd-packet-ropes",
+    "kd-omnidirectional",
+    "kd-omnidirectional-origin:size=8",
+    "kd-lcts",
+    "kd-lcts:size=4",
+    "kd-relevant-triangles",
+    "kd-relevant-triangles:size=3",
+    "kd-entry-point",
+    "kd-entry-point:tiles=4",
+    "kd-path-compression",
+    "kd-path-compression:pc=recursive,size=8",
 ];
 
 fn soup(count: usize, size: f32, scale: f32) -> Vec<Triangle> {
@@ -161,7 +175,9 @@ fn a_view_answers_rays_inside_and_outside_of_it() {
     };
     let rays = raster(eye, Vec3::Z, 0.6, 0.0, 4, 1.0);
     let expected = answers(&*structure("brute"), &rays, None, false);
-    assert!(structure("bvh-packet").view(&shaft(0.4, 0.0)).is_none());
+    for id in ["bvh-packet", "kd-packet", "kd-lcts"] {
+        assert!(structure(id).view(&shaft(0.4, 0.0)).is_none(), "{id}");
+    }
     for spec in SPECS.iter().filter(|spec| spec.contains("entry") || spec.contains("path")) {
         let whole = structure(spec);
         let around = whole.view(&shaft(0.4, 0.0)).expect("it can be narrowed");
@@ -188,8 +204,19 @@ fn rays_that_run_side_by_side_share_their_nodes() {
         tracer.closest_hits(&batch, &mut vec![ClosestHit::MISS; rays.len()]);
         tracer.counts()[Event::InnerNode]
     };
-    let single = nodes("bvh2");
-    for spec in SPECS.iter().filter(|spec| !spec.contains("build")) {
-        assert!(nodes(spec) * 8 < single, "{spec}: {} nodes, bvh2 {single}", nodes(spec));
+    for single in ["bvh2", "kd-stack-direction"] {
+        let of_single = nodes(single);
+        let alike =
+            |spec: &&&str| spec[..3] == single[..3] || single == "bvh2" && !spec.contains("kd");
+        for spec in SPECS.iter().filter(|spec| !spec.contains("build")).filter(alike) {
+            let share =
+                match spec.split_once("size=").map_or(16, |(_, side)| side.parse().unwrap_or(8)) {
+                    2 | 3 => 2,
+                    4 | 5 => 4,
+                    _ => 8,
+                };
+            let nodes = nodes(spec);
+            assert!(nodes * share < of_single, "{spec}: {nodes} nodes, {single} {of_single}");
+        }
     }
 }

@@ -112,3 +112,67 @@ fn weights_of_a_node_go_before_those_of_its_mesh() {
     file.document["nodes"][1]["weights"] = json!([null]);
     assert!(message(file.load()).contains("/nodes/1/weights/0"));
 }
+
+/// The square, whose node an animation moves from x = 0 to x = 4 and turns by half a circle about
+/// Z within two seconds.
+fn animated() -> File {
+    let mut file = File::square();
+    let times = file.floats(&[[1.0], [3.0]], "SCALAR");
+    let places = file.floats(&[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]], "VEC3");
+    let turns = file.floats(&[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 0.0]], "VEC4");
+    let sampler = |output: usize| json!({"input": times, "output": output});
+    let channel = |sampler: usize, path: &str| json!({"sampler": sampler, "target": {"node": 0, "path": path}});
+    file.document["nodes"][0]["scale"] = json!([2, 2, 2]);
+    file.push(
+        "animations",
+        json!({
+            "samplers": [sampler(places), sampler(turns)],
+            "channels": [channel(0, "translation"), channel(1, "rotation")],
+        }),
+    );
+    file
+}
+
+fn at(file: &File, time: f32) -> Result<Scene, dapple::scene::LoadError> {
+    let options = dapple::scene::LoadOptions { time: Some(time), ..Default::default() };
+    file.load_with(&options)
+}
+
+#[test]
+fn an_animation_is_posed_at_a_time_and_keeps_what_it_does_not_move() {
+    let file = animated();
+    let rest = file.load().expect("loads");
+    assert_eq!(corners(&rest)[1], Vec3::new(2.0, 0.0, 0.0));
+    assert!(rest.notices[0].message.contains("--time"), "{:?}", rest.notices);
+    for (time, corner) in
+        [(0.0, [2.0, 0.0]), (2.0, [2.0, 2.0]), (3.0, [2.0, 0.0]), (9.0, [2.0, 0.0])]
+    {
+        let scene = at(&file, time).expect("loads");
+        assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+        let expected = Vec3::new(corner[0], corner[1], 0.0);
+        assert!(corners(&scene)[1].distance(expected) < 1e-5, "{time}: {:?}", corners(&scene));
+    }
+    assert!(corners(&at(&file, 3.0).expect("loads"))[0].distance(Vec3::X * 4.0) < 1e-5);
+    let still = at(&File::square(), 1.0).expect("loads");
+    assert!(still.notices[0].message.contains("there is no animation"));
+}
+
+#[test]
+fn broken_animations_are_refused() {
+    for (pointer, value, said) in [
+        ("/animations/0/channels/0/sampler", json!(2), "sampler"),
+        ("/animations/0/channels/0/target/node", json!(7), "node"),
+        ("/animations/0/samplers/0/interpolation", json!("CUBIC"), "none of STEP"),
+        ("/animations/0/samplers/0/interpolation", json!("CUBICSPLINE"), "2 times do not go"),
+        ("/animations/0/samplers/0/output", json!(99), "accessor"),
+        ("/animations/0/samplers/0/output", json!(0), "2 times do not go"),
+    ] {
+        let mut file = animated();
+        *file.document.pointer_mut(pointer).unwrap_or(&mut Value::Null) = value.clone();
+        if file.document.pointer(pointer).is_none() {
+            file.document["animations"][0]["samplers"][0]["interpolation"] = value;
+        }
+        let said_then = message(at(&file, 2.0));
+        assert!(said_then.contains(said), "{said_then}");
+    }
+}

@@ -1,5 +1,5 @@
-//! Files that are broken, odd or meant to break something: OBJ, MTL, PLY, NumPy
-//! and images.
+//! Files that are broken, odd or meant to break something: OBJ, MTL, PLY, TOML,
+//! NumPy and images.
 //!
 //! The corpora of the fuzz targets are replayed here, as they are, cut short and with bytes
 //! changed. A file whose name starts with `ok-` is to be read, `bad-` to be refused.
@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 
 use dapple::scene::obj::{check_mtl, check_obj};
 use dapple::scene::{
-    EnvironmentImage, Image, LoadError, LoadOptions, MissingTexture, npy, obj, ply,
+    EnvironmentImage, Image, LoadError, LoadOptions, MissingTexture, npy, obj, ply, toml,
 };
 use proptest::prelude::*;
 
 type Check = fn(&[u8]) -> Result<(), String>;
 
-const CHECKS: [(&str, Check); 5] = [
+const CHECKS: [(&str, Check); 6] = [
+    ("toml", |bytes| toml::check(bytes).map_err(|error| error.to_string())),
     ("obj", |bytes| check_obj(bytes).map_err(|error| error.to_string())),
     ("mtl", |bytes| check_mtl(bytes).map_err(|error| error.to_string())),
     ("ply", |bytes| {

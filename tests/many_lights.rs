@@ -19,9 +19,8 @@ use stage::{lambert, mean, rectangle, scene, settings, sphere};
 
 /// A room of side 4 that is open towards the camera, a ball in it.
 fn room() -> Vec<(Mesh, Material)> {
-    let wall = |centre, right, up, reflectance| {
-        (rectangle(centre, right, up), lambert(reflectance))
-    };
+    let wall =
+        |centre, right, up, reflectance| (rectangle(centre, right, up), lambert(reflectance));
     let (x, y, z) = (Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 2.0);
     let mut ball = sphere(3);
     ball.positions.iter_mut().for_each(|p| *p = *p * 0.7 + Vec3::new(0.5, -1.3, 0.2));

@@ -51,8 +51,7 @@ fn slabs(slabs: impl IntoIterator<Item = (Material, [f32; 2])>) -> (Scene, Camer
 fn of_two_that_overlap_the_higher_priority_absorbs() {
     for (priority, meters) in [(1, 0.75), (-1, 0.25)] {
         let clear = glass(1.0);
-        let (scene, camera) =
-            slabs([(smoke(1.0, priority), [0.0, 0.75]), (clear, [0.25, 1.0])]);
+        let (scene, camera) = slabs([(smoke(1.0, priority), [0.0, 0.75]), (clear, [0.25, 1.0])]);
         let expected = libm::powf(0.5, 2.0 * meters);
         assert_mean(&run(scene, &camera, &settings(4, 4, 10)), expected);
     }
@@ -62,7 +61,8 @@ fn of_two_that_overlap_the_higher_priority_absorbs() {
 /// glass and water less than between glass and air.
 #[test]
 fn borders_bend_by_the_ratio_of_both_sides() {
-    let reflectance = |ratio: f32| ((ratio - 1.0) / (ratio + 1.0)) * ((ratio - 1.0) / (ratio + 1.0));
+    let reflectance =
+        |ratio: f32| ((ratio - 1.0) / (ratio + 1.0)) * ((ratio - 1.0) / (ratio + 1.0));
     let outer = reflectance(1.5);
     for inner_ior in [1.5, 1.33] {
         let (scene, camera) = slabs([(glass(1.5), [0.0, 1.0]), (glass(inner_ior), [0.3, 0.6])]);

@@ -26,6 +26,7 @@
 mod batch;
 pub mod brute;
 pub mod bvh;
+mod coherent;
 mod counters;
 mod error;
 pub mod kd;

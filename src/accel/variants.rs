@@ -62,6 +62,14 @@ pub static VARIANTS: &[Variant] = &[
     kd::SHORT_STACK,
     kd::SPILL,
     kd::PREFETCH,
+    kd::PACKET,
+    kd::PACKET_ROPES,
+    kd::OMNIDIRECTIONAL,
+    kd::OMNIDIRECTIONAL_ORIGIN,
+    kd::LCTS,
+    kd::RELEVANT_TRIANGLES,
+    kd::ENTRY_POINT,
+    kd::PATH_COMPRESSION,
     kd::WIDE,
 ];
 

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use serde_json::json;
 
-use super::{CliError, table};
+use super::{CliError, Quiet, table};
 use crate::accel::{VARIANTS, Value, Values, Variant};
 
 /// List the acceleration structures, with their options.
@@ -16,6 +16,8 @@ pub struct AccelsArgs {
     /// Print an array of objects with `id`, `summary`, `paper` and `options`
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Prints the table.

@@ -1,6 +1,7 @@
 //! The flags of `dapple render`.
 
-use std::path::PathBuf;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{ArgAction, Args, ValueEnum};
@@ -8,11 +9,12 @@ use clap::{ArgAction, Args, ValueEnum};
 use crate::accel::AccelSpec;
 use crate::film::tonemap::Tonemap;
 use crate::film::{PixelFilter, Window};
+use crate::light::{Preetham, Sun};
 use crate::material::BsdfForm;
 use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
-use crate::scene::{EnvironmentSource, LightChoice};
+use crate::scene::{EnvironmentSource, LightChoice, Sky, sun_direction};
 use crate::simd::Isa;
 
 /// Renders a scene.
@@ -27,11 +29,15 @@ Examples:
   dapple render bunny.obj -o bunny.exr --env studio.hdr --look-from 0.1,0.2,0.4 --look-at 0,0.1,0
   dapple render kitchen.glb -o kitchen.exr --spp 512 --resolution 1920x1080 --accel bvh2
 
-Exit: 0 done, 2 usage, 3 input, 4 output not written, 5 a limit, 130 or 143 interrupted after
-saving what there was.")]
+  dapple render scene.toml -o scene.exr
+  dapple render --from scene.exr -o again.exr --spp 1024
+
+A .toml scene places other files, with a camera, light and, under [render], these very flags by
+their names; what is given here goes before.")]
 pub struct RenderArgs {
-    /// The scene: .gltf, .glb, .obj or .ply
-    pub scene_file: PathBuf,
+    /// The scene: .gltf, .glb, .obj, .ply or .toml
+    #[arg(value_name = "SCENE", required_unless_present = "from")]
+    pub scene_file: Option<PathBuf>,
 
     /// Where the picture goes: an EXR with all layers
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
@@ -96,16 +102,40 @@ pub struct RenderArgs {
     pub lights: LightChoice,
     /// Light from all around: an image of latitude and longitude (.hdr, .exr, …), or a colour
     #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light", value_parser = parsed::<EnvironmentSource>)]
-    #[arg(allow_hyphen_values = true)]
+    #[arg(allow_hyphen_values = true, conflicts_with = "sky")]
     pub env: Option<EnvironmentSource>,
-    /// Multiplies it
+    /// Sun and sky of a clear day instead, by the air's turbidity: 2 mountains, 3 fine, 10 haze
+    #[arg(long, value_name = "2..10", help_heading = "Light", value_parser = turbidity)]
+    pub sky: Option<f32>,
+    /// How high its sun stands, in degrees [default: 45]
+    #[arg(long, value_name = "DEGREES", help_heading = "Light", value_parser = elevation)]
+    #[arg(hide_short_help = true)]
+    pub sun_elevation: Option<f32>,
+    /// Where it stands on a compass whose north is -Z, in degrees [default: 135]
+    #[arg(long, value_name = "DEGREES", help_heading = "Light", value_parser = finite)]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
+    pub sun_azimuth: Option<f32>,
+    /// Both at once: the direction that leads to it
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Light", value_parser = vector)]
+    #[arg(conflicts_with_all = ["sun_elevation", "sun_azimuth"])]
+    #[arg(hide_short_help = true, allow_hyphen_values = true)]
+    pub sun_direction: Option<Vec3>,
+    /// How large it is, in degrees; 0: there is sky alone [default: 0.533]
+    #[arg(long, value_name = "DEGREES", help_heading = "Light", value_parser = diameter)]
+    #[arg(hide_short_help = true)]
+    pub sun_diameter: Option<f32>,
+    /// The share of light that the ground below that sky sends back [default: 0.2]
+    #[arg(long, value_name = "SHARE", help_heading = "Light", value_parser = share)]
+    #[arg(hide_short_help = true)]
+    pub ground_albedo: Option<f32>,
+    /// Multiplies the light from all around
     #[arg(long, value_name = "X", default_value_t = 1.0, help_heading = "Light")]
-    #[arg(value_parser = not_negative, requires = "env", hide_short_help = true)]
+    #[arg(value_parser = not_negative, hide_short_help = true)]
     #[arg(allow_negative_numbers = true)]
     pub env_scale: f32,
-    /// Turns it about +Y, in degrees
+    /// Turns the image all around about +Y, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
-    #[arg(help_heading = "Light", value_parser = finite, requires = "env", hide_short_help = true)]
+    #[arg(help_heading = "Light", value_parser = finite, hide_short_help = true)]
     pub env_rotate: f32,
 
     /// A camera of the scene, by name or number from 0
@@ -118,11 +148,11 @@ pub struct RenderArgs {
     pub look_from: Option<Vec3>,
     /// Where it looks [default: the middle of the scene]
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
-    #[arg(requires = "look_from", allow_hyphen_values = true)]
+    #[arg(allow_hyphen_values = true)]
     pub look_at: Option<Vec3>,
     /// What is up for it [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", value_parser = vector)]
-    #[arg(requires = "look_from", allow_hyphen_values = true, hide_short_help = true)]
+    #[arg(allow_hyphen_values = true, hide_short_help = true)]
     pub up: Option<Vec3>,
     /// The angle from the picture's lower edge to its upper one, in degrees
     #[arg(long, value_name = "DEGREES", help_heading = "Camera", value_parser = field_of_view)]
@@ -137,15 +167,22 @@ pub struct RenderArgs {
     pub aperture: Option<f32>,
     /// Distance of what is sharp [default: that of --look-at, or the middle of the scene]
     #[arg(long, value_name = "METRES", help_heading = "Camera", value_parser = positive)]
-    #[arg(requires = "aperture", hide_short_help = true, allow_negative_numbers = true)]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
     pub focus: Option<f32>,
 
+    /// Repeats the run that made a picture, but for what is said here
+    #[arg(long, value_name = "FILE.exr", help_heading = "Input")]
+    pub from: Option<PathBuf>,
     /// Which of a glTF file's scenes, by name or number from 0
     #[arg(long, value_name = "NAME|N", help_heading = "Input", hide_short_help = true)]
     pub scene: Option<String>,
     /// A variant of a glTF file's materials, by name or number from 0
     #[arg(long, value_name = "NAME|N", help_heading = "Input", hide_short_help = true)]
     pub variant: Option<String>,
+    /// The time at which animations are posed, in seconds [default: they are at rest]
+    #[arg(long, value_name = "SECONDS", help_heading = "Input", value_parser = finite)]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
+    pub time: Option<f32>,
     /// Refuses a scene that asks for anything that is not honoured
     #[arg(long, help_heading = "Input")]
     pub strict: bool,
@@ -171,6 +208,13 @@ pub struct RenderArgs {
     #[arg(value_parser = parsed::<Isa>, hide_short_help = true)]
     pub isa: Isa,
 
+    /// Loads and builds, estimates memory and time, and stops
+    #[arg(long, help_heading = "Messages", conflicts_with = "debug_sample")]
+    pub dry_run: bool,
+    /// Prints all settings as the table [render] of a .toml scene, and stops
+    #[arg(long, help_heading = "Messages", conflicts_with_all = ["debug_sample", "dry_run"])]
+    #[arg(hide_short_help = true)]
+    pub print_config: bool,
     /// Follows one sample alone and tells of its path on standard output
     #[arg(long, value_name = "x,y,s", help_heading = "Messages", value_parser = sample_id)]
     #[arg(hide_short_help = true)]
@@ -188,6 +232,48 @@ pub struct RenderArgs {
     /// Prints a summary as one JSON object on standard output
     #[arg(long, help_heading = "Messages")]
     pub json: bool,
+}
+
+impl RenderArgs {
+    /// The scene's file; empty where none is given, which is only while `--from` is not read yet.
+    pub fn scene_file(&self) -> &Path {
+        self.scene_file.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// Flags that need another one, which is not there; that one too.
+    pub fn lacking(&self) -> Option<(&'static str, &'static str)> {
+        let around = self.env.is_some() || self.sky.is_some();
+        let eye = self.look_from.is_some();
+        let all = [
+            ("--look-at", self.look_at.is_some(), "--look-from", eye),
+            ("--up", self.up.is_some(), "--look-from", eye),
+            ("--focus", self.focus.is_some(), "--aperture", self.aperture.is_some()),
+            ("--env-scale", self.env_scale != 1.0, "--env or --sky", around),
+            ("--env-rotate", self.env_rotate != 0.0, "--env", self.env.is_some()),
+            ("--sun-elevation", self.sun_elevation.is_some(), "--sky", self.sky.is_some()),
+            ("--sun-azimuth", self.sun_azimuth.is_some(), "--sky", self.sky.is_some()),
+            ("--sun-direction", self.sun_direction.is_some(), "--sky", self.sky.is_some()),
+            ("--sun-diameter", self.sun_diameter.is_some(), "--sky", self.sky.is_some()),
+            ("--ground-albedo", self.ground_albedo.is_some(), "--sky", self.sky.is_some()),
+        ];
+        let found = all.into_iter().find(|&(_, given, _, has)| given && !has);
+        found.map(|(flag, _, needed, _)| (flag, needed))
+    }
+
+    /// The clear day that is asked for.
+    pub fn clear_sky(&self) -> Option<Sky> {
+        let turbidity = self.sky?;
+        let default = Sky::default();
+        let by_angles =
+            || sun_direction(self.sun_elevation.unwrap_or(45.0), self.sun_azimuth.unwrap_or(135.0));
+        let diameter = self.sun_diameter.unwrap_or(Sun::DIAMETER);
+        Some(Sky {
+            turbidity,
+            sun: self.sun_direction.map_or_else(by_angles, Vec3::normalize),
+            ground_albedo: self.ground_albedo.unwrap_or(default.ground_albedo),
+            sun_diameter: (diameter > 0.0).then_some(diameter),
+        })
+    }
 }
 
 /// A kind of camera that no scene file has.
@@ -253,6 +339,28 @@ fn positive(text: &str) -> Result<f32, String> {
 fn not_negative(text: &str) -> Result<f32, String> {
     let value = finite(text)?;
     if value >= 0.0 { Ok(value) } else { Err("must not be below zero".to_owned()) }
+}
+
+fn within(text: &str, range: RangeInclusive<f32>) -> Result<f32, String> {
+    let value = finite(text)?;
+    let (least, most) = (*range.start(), *range.end());
+    if range.contains(&value) { Ok(value) } else { Err(format!("must be from {least} to {most}")) }
+}
+
+fn turbidity(text: &str) -> Result<f32, String> {
+    within(text, Preetham::TURBIDITY)
+}
+
+fn elevation(text: &str) -> Result<f32, String> {
+    within(text, 0.0..=90.0)
+}
+
+fn diameter(text: &str) -> Result<f32, String> {
+    within(text, 0.0..=180.0)
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    within(text, 0.0..=1.0)
 }
 
 fn field_of_view(text: &str) -> Result<f32, String> {

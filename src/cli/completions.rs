@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap_complete::Shell;
 
-use super::{CliError, table};
+use super::{CliError, Quiet, table};
 
 /// Print a script that completes dapple's commands and flags in a shell.
 #[derive(clap::Args, Debug)]
@@ -15,6 +15,8 @@ Examples:
 pub struct CompletionsArgs {
     /// The shell
     shell: Shell,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Prints the script for `command`.

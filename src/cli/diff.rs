@@ -1,7 +1,7 @@
 //! `dapple diff`: how an image differs from a reference, as a table, as JSON or as a failure.
 
 use crate::cli::outputs::{self, Output};
-use crate::cli::{CliError, table};
+use crate::cli::{CliError, Quiet, table};
 use crate::film::compare::{self, Comparison, FlipKind, Named};
 use crate::film::{FilmError, png};
 use clap::Args;
@@ -21,10 +21,7 @@ use std::str::FromStr;
 Examples:
   dapple diff out.exr golden.exr
   dapple diff out.exr golden.exr --heatmap where.png
-  dapple diff out.exr mitsuba.exr --fail bias=0.005 --fail bad-tiles=0.01
-
-Exit status: 0, or 1 if a --fail is exceeded (or NaN), 3 if a file is missing, damaged, or the
-sizes differ, 4 if the heat map cannot be written.")]
+  dapple diff out.exr mitsuba.exr --fail bias=0.005 --fail bad-tiles=0.01")]
 pub struct DiffArgs {
     /// The image to judge (.exr or .png)
     pub image: PathBuf,
@@ -33,7 +30,7 @@ pub struct DiffArgs {
     /// Write FLIP per pixel as a picture: black is equal, pale yellow as different as can be
     #[arg(long, value_name = "PNG")]
     pub heatmap: Option<PathBuf>,
-    /// Exit with 1 if METRIC is above VALUE: rmse, relmse, flip, bias, bad-tiles, max, not-finite
+    /// Ends with 1 if METRIC is above VALUE: rmse, relmse, flip, bias, bad-tiles, max, not-finite
     #[arg(long, value_name = "METRIC=VALUE")]
     pub fail: Vec<Limit>,
     /// FLIP of what a display shows, clamped, instead of FLIP over a range of exposures
@@ -42,6 +39,8 @@ pub struct DiffArgs {
     /// One JSON object instead of the table
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub(super) quiet: Quiet,
 }
 
 /// The metrics that `--fail` knows, by the words for them.
@@ -208,7 +207,15 @@ mod tests {
 
     fn arguments(image: PathBuf, reference: PathBuf, fail: &[&str]) -> DiffArgs {
         let fail = fail.iter().map(|it| it.parse().expect("a limit")).collect();
-        DiffArgs { image, reference, heatmap: None, fail, ldr: false, json: false }
+        DiffArgs {
+            image,
+            reference,
+            heatmap: None,
+            fail,
+            ldr: false,
+            json: false,
+            quiet: Quiet::default(),
+        }
     }
 
     #[test]

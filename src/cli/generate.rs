@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::outputs::{self, Output};
 use super::progress::say;
-use super::{CliError, table};
+use super::{CliError, Quiet, table};
 use crate::files::{self, Flush};
 use crate::scene::generate::{Generator, TRIANGLES};
 
@@ -43,9 +43,7 @@ enum What {
 Examples:
   dapple generate assembly --triangles 69451 -o machine.glb
   dapple render machine.glb -o machine.exr --png machine.png
-  dapple generate assembly --triangles 4304391 --seed 7 -o car.glb --json
-
-Exit: 0 done, 2 usage, 4 output not written.")]
+  dapple generate assembly --triangles 4304391 --seed 7 -o car.glb --json")]
 struct SceneArgs {
     /// Triangles of the scene, exactly: 1 to 20000000
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(TRIANGLES))]
@@ -56,9 +54,8 @@ struct SceneArgs {
     /// Where the scene goes: binary glTF (.glb)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Says nothing but errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
     /// Prints a summary as one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -82,7 +79,7 @@ fn generate(generator: Generator, args: &SceneArgs) -> Result<ExitCode, CliError
     .map_err(|error| CliError::not_written(&args.output, &error))?;
     let written = written.expect("was written without an error");
     let seconds = start.elapsed().as_secs_f64();
-    if !args.quiet {
+    if !args.quiet.quiet {
         say(&format!(
             "{}: {} triangles, {} vertices, {:.1} MB in {seconds:.2} s",
             args.output.display(),

@@ -1,5 +1,6 @@
 //! `dapple golden`: a folder of pictures that renders are held against.
 
+use crate::cli::golden_page::Page;
 use crate::cli::table;
 use crate::film::FilmError;
 use crate::film::golden::{self, GoldenScene, Outcome, RenderFn, Verdict};
@@ -40,10 +41,8 @@ pub enum GoldenCommand {
     #[command(after_help = "\
 Examples:
   dapple golden check golden
-  dapple golden check golden --only cornell -- --accel kd-ropes
-
-Exit status: 0 all the same, 1 some differ, 2 arguments that cannot be, 3 some are missing or
-cannot be rendered, 5 a limit.")]
+  dapple golden check golden --report out
+  dapple golden check golden --only cornell -- --accel kd-ropes")]
     Check(CheckArgs),
     /// Render each scene and store the picture where it differs, with a table of old against new
     #[command(after_help = "\
@@ -66,6 +65,9 @@ pub struct FolderArgs {
     /// One JSON array instead of the table
     #[arg(long)]
     pub json: bool,
+    /// Says nothing but errors and the table
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// Which scenes, and how they are rendered otherwise.
@@ -74,6 +76,9 @@ pub struct CheckArgs {
     /// The scenes
     #[command(flatten)]
     pub folder: FolderArgs,
+    /// Write an HTML page into this folder: each picture beside its golden one and the map of FLIP
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
     /// Arguments of `dapple render` to add to those of the manifest, which they override
     #[arg(last = true, value_name = "RENDER ARGUMENTS")]
     pub render: Vec<String>,
@@ -86,16 +91,31 @@ pub struct CheckArgs {
 /// no error but a line of the table, and an exit status.
 pub fn run(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmError> {
     // What is stored is what the manifest says: no more words then.
-    let (folder, words, updates) = match &args.command {
-        GoldenCommand::Check(check) => (&check.folder, &check.render[..], false),
-        GoldenCommand::Update(folder) => (folder, &[][..], true),
+    let (folder, words, report) = match &args.command {
+        GoldenCommand::Check(check) => (&check.folder, &check.render[..], check.report.as_deref()),
+        GoldenCommand::Update(folder) => (folder, &[][..], None),
     };
+    let updates = matches!(args.command, GoldenCommand::Update(_));
+    let mut page = report.map(Page::new).transpose()?;
     let mut outcomes = Vec::new();
     for scene in &chosen(folder, words)? {
-        // Where it takes long one wants to know; whether anybody reads it is no concern.
-        let _ = writeln!(std::io::stderr(), "{}: rendering {}", scene.name, scene.file.display());
-        let run = if updates { golden::update } else { golden::check };
-        outcomes.push(run(scene, render));
+        if !folder.quiet {
+            // Where it takes long one wants to know; whether anybody reads it is no concern.
+            let file = scene.file.display();
+            let _ = writeln!(std::io::stderr(), "{}: rendering {file}", scene.name);
+        }
+        if updates {
+            outcomes.push(golden::update(scene, render));
+            continue;
+        }
+        let (outcome, pair) = golden::check(scene, render);
+        if let Some(page) = &mut page {
+            page.add(&outcome, word(outcome.verdict, updates), pair.as_ref())?;
+        }
+        outcomes.push(outcome);
+    }
+    if let Some(page) = page {
+        page.write()?;
     }
     let text = if folder.json { in_json(&outcomes)? } else { in_words(&outcomes, updates) };
     table::print(&text)?;
@@ -139,15 +159,18 @@ fn in_json(outcomes: &[Outcome]) -> Result<String, FilmError> {
     Ok(text + "\n")
 }
 
-fn in_words(outcomes: &[Outcome], updates: bool) -> String {
-    let word = |verdict| match (verdict, updates) {
+fn word(verdict: Verdict, updates: bool) -> &'static str {
+    match (verdict, updates) {
         (Verdict::Same, _) => "same",
         (Verdict::Changed, false) => "DIFFERS",
         (Verdict::New, false) => "MISSING",
         (Verdict::Changed, true) => "changed",
         (Verdict::New, true) => "new",
         (Verdict::Failed, _) => "FAILED",
-    };
+    }
+}
+
+fn in_words(outcomes: &[Outcome], updates: bool) -> String {
     let heading = ["scene", "pixels off", "FLIP", "relMSE", "bad tiles", "result"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for outcome in outcomes {
@@ -160,7 +183,7 @@ fn in_words(outcomes: &[Outcome], updates: bool) -> String {
             figure(|it| Some(it.flip)),
             figure(|it| Some(it.relmse)),
             figure(|it| it.bad_tiles),
-            word(outcome.verdict).to_owned(),
+            word(outcome.verdict, updates).to_owned(),
         ]);
     }
     let mut text = table::columns(&rows);
@@ -223,6 +246,12 @@ mod tests {
         assert_eq!(status(&["check", "DIR"], 0.6), code(1));
         assert_eq!(status(&["check", "DIR", "--only", "dark"], 0.6), code(0));
         assert_eq!(status(&["check", "DIR", "--", "--spp", "2"], 0.5), code(1));
+        let page = folder.path().join("new/report");
+        let words = ["check", "DIR", "-q", "--report", page.to_str().expect("a name")];
+        assert_eq!(status(&words, 0.6), code(1));
+        let html = std::fs::read_to_string(page.join("index.html")).expect("written");
+        assert_eq!(html.matches("data:image/png;base64,").count(), 6);
+        assert!(html.contains("DIFFERS") && html.contains("dark") && !html.contains("http"));
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub fn describe(rendered: &mut Rendered, args: &RenderArgs, job: &Job, words: &[
         ("seed", job.settings.seed.to_string()),
         ("spp", job.settings.spp.to_string()),
         ("accel", args.accel.to_string()),
-        ("scene", args.scene_file.display().to_string()),
+        ("scene", args.scene_file().display().to_string()),
         ("scene-digest", format!("{:016x}", job.world.scene.digest())),
         ("lost-samples", rendered.lost_count.to_string()),
         ("render-time", format!("{:.3} s", rendered.elapsed.as_secs_f64())),
@@ -29,28 +29,32 @@ pub fn describe(rendered: &mut Rendered, args: &RenderArgs, job: &Job, words: &[
     }
 }
 
-/// All that the picture is a function of beside its scene file, by the names of the flags, as TOML.
-/// What was neither asked for nor has a default is left out.
-fn settings(args: &RenderArgs, job: &Job) -> String {
+/// All flags that are settings, by their names, as TOML: those that the picture is a function of
+/// beside its scene file, how it is shown, and with what it is made. What was neither asked for nor
+/// has a default is left out.
+pub fn settings(args: &RenderArgs, job: &Job) -> String {
     let (settings, transport) = (&job.settings, &job.settings.transport);
-    let crop = settings.crop;
     let whole = |numbers: &[i64]| Value::from(numbers.to_vec());
     let vector = |v: Vec3| Value::from(v.to_array().map(short).to_vec());
     let aovs: Vec<&str> = settings.aovs.iter().map(|aov| aov.id()).collect();
     let all = [
+        ("accel", Some(args.accel.to_string().into())),
         ("aov", Some(Value::from(aovs))),
         ("aperture", args.aperture.map(short)),
         ("bsdf", Some(args.bsdf.to_string().into())),
         ("lights", Some(args.lights.to_string().into())),
         ("camera-model", args.camera_model.map(|_| "panorama".into())),
         ("camera", args.camera.clone().map(Value::from)),
-        ("crop", Some(whole(&[crop.x0, crop.y0, crop.x1, crop.y1].map(i64::from)))),
+        ("crop", args.crop.map(|c| whole(&[c.x0, c.y0, c.x1, c.y1].map(i64::from)))),
         ("env", args.env.as_ref().map(environment)),
         ("env-rotate", args.env.as_ref().map(|_| short(args.env_rotate))),
-        ("env-scale", args.env.as_ref().map(|_| short(args.env_scale))),
+        ("env-scale", (args.env.is_some() || args.sky.is_some()).then(|| short(args.env_scale))),
+        ("exposure", Some(short(args.exposure))),
         ("filter", Some(settings.filter.to_string().into())),
         ("focus", args.focus.map(short)),
         ("fov", args.fov.map(short)),
+        ("ground-albedo", args.ground_albedo.map(short)),
+        ("isa", Some(args.isa.to_string().into())),
         ("look-at", args.look_at.map(vector)),
         ("look-from", args.look_from.map(vector)),
         ("max-depth", Some(i64::from(transport.max_depth).into())),
@@ -60,8 +64,16 @@ fn settings(args: &RenderArgs, job: &Job) -> String {
         ("sampler", Some(settings.pattern.to_string().into())),
         ("scene", args.scene.clone().map(Value::from)),
         ("seed", Some(number(settings.seed))),
+        ("sky", args.sky.map(short)),
         ("spp", Some(number(settings.spp))),
         ("strict", Some(args.strict.into())),
+        ("sun-azimuth", args.sun_azimuth.map(short)),
+        ("sun-diameter", args.sun_diameter.map(short)),
+        ("sun-direction", args.sun_direction.map(vector)),
+        ("sun-elevation", args.sun_elevation.map(short)),
+        ("threads", Some(number(args.threads as u64))),
+        ("time", args.time.map(short)),
+        ("tonemap", Some(args.tonemap.to_string().into())),
         ("transparent", Some(transport.transparent.into())),
         ("up", args.up.map(vector)),
         ("variant", args.variant.clone().map(Value::from)),

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{CliError, progress};
+use super::{CliError, Quiet, progress};
 use crate::accel::BuildError;
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::Vec3;
@@ -11,8 +11,8 @@ use crate::scene::defaults::nothing_to_see;
 use crate::scene::{self, LoadOptions, MissingTexture, Triangles, npy};
 
 /// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order. What
-/// there is to say of the scene is said.
-pub fn triangles(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
+/// there is to say of the scene is said, unless it is to be quiet.
+pub fn triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSource>, CliError> {
     if path.extension().is_some_and(|extension| extension == "npy") {
         return table(path);
     }
@@ -21,7 +21,9 @@ pub fn triangles(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
         LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
     let scene = scene::load(path, &options)?;
     let file = path.display().to_string();
-    scene.notices.iter().chain(&nothing_to_see(&scene, &file)).for_each(progress::note);
+    if !quiet.quiet {
+        scene.notices.iter().chain(&nothing_to_see(&scene, &file)).for_each(progress::note);
+    }
     let triangles = Triangles::new(&scene).map_err(|count| BuildError::TooManyTriangles {
         count: usize::try_from(count).unwrap_or(usize::MAX),
         limit: u32::MAX as usize,

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap_mangen::Man;
 
-use super::{CliError, table};
+use super::{CliError, Quiet, table};
 
 /// Print the manual page of dapple, or of one of its commands.
 #[derive(clap::Args, Debug)]
@@ -17,6 +17,8 @@ pub struct ManArgs {
     /// The command, and the command of that
     #[arg(value_name = "COMMAND")]
     words: Vec<String>,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Prints the page of `command`, or of that below it which the words name.

@@ -40,6 +40,9 @@ const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 /// What is wrong with the scene or with the flags together.
 pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
     let start = Instant::now();
+    if let Some((flag, needed)) = args.lacking() {
+        return Err(CliError::Usage(format!("{flag} is of no use without {needed}")));
+    }
     let options = LoadOptions {
         strict: args.strict,
         missing_texture: match args.missing_texture {
@@ -48,14 +51,21 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
         },
         scene: args.scene.clone(),
         variant: args.variant.clone(),
+        time: args.time,
     };
-    let mut scene = scene::load(&args.scene_file, &options)?;
+    let mut scene = scene::load(args.scene_file(), &options)?;
     let mut notices = std::mem::take(&mut scene.notices);
-    let file = args.scene_file.display().to_string();
+    let file = args.scene_file().display().to_string();
     if let Some(source) = &args.env {
         let (environment, remarks) = source.load(args.env_scale, args.env_rotate)?;
         scene.environment = Some(environment);
         notices.extend(remarks);
+    } else if let Some(sky) = args.clear_sky() {
+        if sky.sun.is_nan() || sky.sun.y < 0.0 {
+            let message = "--sun-direction must lead to where the sky is, above the horizon";
+            return Err(CliError::Usage(message.to_owned()));
+        }
+        scene.environment = Some(sky.environment(args.env_scale));
     }
     if args.strict && !notices.is_empty() {
         return Err(LoadError::Strict { notices }.into());
@@ -79,7 +89,7 @@ fn camera(
     args: &RenderArgs,
     notices: &mut Vec<Notice>,
 ) -> Result<(Camera, f32), CliError> {
-    let file = args.scene_file.display().to_string();
+    let file = args.scene_file().display().to_string();
     let bounds = bounds(scene);
     let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
     let asked = args.resolution.map(|(width, height)| width as f32 / height as f32);
@@ -107,7 +117,7 @@ fn camera(
     if let Some(yfov) = fov {
         if matches!(camera.projection, Projection::Orthographic { .. }) {
             let message = "--fov makes the orthographic camera a perspective one".to_owned();
-            notices.push(Notice { place: args.scene_file.display().to_string(), message });
+            notices.push(Notice { place: args.scene_file().display().to_string(), message });
         }
         camera = camera.with_yfov(yfov);
     }
@@ -155,7 +165,7 @@ fn chosen<'s>(
 ) -> Result<&'s scene::NamedCamera, LoadError> {
     let names = || scene.cameras.iter().map(|camera| camera.name.as_str());
     let number = scene::chosen(names(), wanted)
-        .ok_or_else(|| LoadError::no_such(&args.scene_file, "camera", wanted, names()))?;
+        .ok_or_else(|| LoadError::no_such(args.scene_file(), "camera", wanted, names()))?;
     Ok(&scene.cameras[number])
 }
 

@@ -1,43 +1,53 @@
 //! `dapple render`: a scene in, a picture out.
 
-use std::ffi::OsStr;
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use clap::Parser;
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::args::{ProgressStyle, RenderArgs};
-use super::header::describe;
+use super::header::{self, describe};
 use super::outputs::{self, Output};
 use super::prepare::{Job, prepare};
 use super::progress::{Reporter, note, say};
-use super::{CliError, input, memory, shell, table};
+use super::{CliError, dry_run, input, layers, memory, shell, table};
 use crate::accel;
 use crate::film::{Picture, exr, png};
 use crate::render::{Control, LostSample, Rendered, film_bytes, render, replay};
 use crate::scene::EnvironmentSource;
 
 /// Runs the command.
-pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
+pub fn run() -> Result<ExitCode, CliError> {
+    let settled = layers::settled(std::env::args_os().skip(2).collect())?;
+    let args = &settled.args;
+    let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
     let outputs = outputs(args);
-    if outputs.is_empty() && args.debug_sample.is_none() {
+    if outputs.is_empty() && !stops {
         return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
     }
-    if args.debug_sample.is_none() {
+    if !stops {
         outputs::check(&outputs, &inputs(args))?;
     }
     let interrupt = Interrupt::listen()?;
     let job = prepare(args)?;
     if !args.quiet {
         tell(args, &job);
+        settled.made_of(&job).iter().for_each(note);
     }
     if let Some(sample) = args.debug_sample {
         return debug(args, &job, sample);
+    }
+    if args.print_config {
+        table::print(&format!("[render]\n{}", header::settings(args, &job)))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if args.dry_run {
+        return dry_run::run(args, &job);
     }
     let (mut rendered, built) = on_pool(args, &job, &interrupt.raised, args.progress)?;
     if rendered.samples.1 == 0 {
@@ -57,32 +67,23 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, CliError> {
     if rendered.cancelled {
         let (fewest, most) = rendered.samples;
         say(&format!("interrupted: saved with {fewest} to {most} of {} samples", args.spp));
+        if rendered.without_samples > 0 {
+            let (without, all) = (rendered.without_samples, job.settings.crop.area());
+            say(&format!("{without} of {all} pixels have no sample: they are black"));
+        }
         return Ok(interrupt.exit_code());
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// The flags of a scene and further words of a command line, of which a later one overrides an
-/// earlier one.
+/// earlier one, over the settings that the scene itself brings.
 ///
 /// # Errors
 /// [`CliError::Usage`] for words that `dapple render` does not take.
 pub fn parse(scene: &Path, words: &[String]) -> Result<RenderArgs, CliError> {
-    #[derive(Parser)]
-    #[command(args_override_self = true)]
-    struct Words {
-        #[command(flatten)]
-        args: RenderArgs,
-    }
-    let all = [OsStr::new("render"), scene.as_os_str()];
-    let parsed = Words::try_parse_from(all.into_iter().chain(words.iter().map(OsStr::new)));
-    let parsed = parsed.map_err(|error| {
-        // What follows the first paragraph is about a command that nobody has typed.
-        let text = error.to_string();
-        let text = text.split("\n\n").next().unwrap_or_default();
-        CliError::Usage(text.strip_prefix("error: ").unwrap_or(text).to_owned())
-    })?;
-    Ok(parsed.args)
+    let all = std::iter::once(scene.into()).chain(words.iter().map(OsString::from)).collect();
+    layers::settled(all).map(|settled| settled.args)
 }
 
 /// Renders a scene by the words of a command line, without saying what it takes and without writing
@@ -97,6 +98,8 @@ pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
         ("--png", args.png.is_some()),
         ("--debug-sample", args.debug_sample.is_some()),
         ("--json", args.json),
+        ("--dry-run", args.dry_run),
+        ("--print-config", args.print_config),
     ];
     if let Some((flag, _)) = misplaced.iter().find(|(_, given)| *given) {
         let message = format!("{flag} has no place here: the picture is compared, not written");
@@ -122,7 +125,7 @@ fn inputs(args: &RenderArgs) -> Vec<&Path> {
         Some(EnvironmentSource::File(path)) => Some(path.as_path()),
         _ => None,
     };
-    std::iter::once(args.scene_file.as_path()).chain(environment).collect()
+    std::iter::once(args.scene_file()).chain(environment).collect()
 }
 
 /// Builds the structure and renders, on as many threads as asked for.
@@ -157,7 +160,7 @@ fn tell(args: &RenderArgs, job: &Job) {
         let scene = &job.world.scene;
         say(&format!(
             "{}: {} triangles, {} instances of {} meshes, {} materials, {} textures, {} lights; {:.2} s",
-            args.scene_file.display(),
+            args.scene_file().display(),
             crate::geom::TriangleSource::len(&*job.world.triangles),
             scene.instances.len(),
             scene.meshes.len(),
@@ -246,7 +249,7 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
 
 fn summary_json(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -> String {
     json!({
-        "scene": args.scene_file,
+        "scene": args.scene_file(),
         "resolution": [job.settings.resolution.0, job.settings.resolution.1],
         "spp": rendered.samples.0,
         "accel": args.accel.to_string(),
@@ -260,6 +263,7 @@ fn summary_json(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Durati
         "lost_samples": rendered.lost_count,
         "peak_bytes": memory::peak(),
         "interrupted": rendered.cancelled,
+        "pixels_without_samples": rendered.without_samples,
     })
     .to_string()
 }

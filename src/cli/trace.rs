@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::args::threads;
 use super::outputs::{self, Output};
-use super::{CliError, input, memory, table};
+use super::{CliError, Quiet, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;
 use crate::math::Ray;
@@ -65,6 +65,8 @@ pub struct TraceArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Rays that a thread takes at once; `validate` replays slices of up to as many.
@@ -129,7 +131,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
     // A hit is half as long as a ray; the rows are in memory besides.
     let length = fs::metadata(&args.rays).map_or(0, |found| found.len());
     memory::require(&args.rays.display().to_string(), length / 2 * 3)?;
-    let source = input::triangles(&args.scene)?;
+    let source = input::triangles(&args.scene, args.quiet)?;
     let rows = npy::read_f32(&args.rays, 8)?;
     let rays = rows.len() / 8;
     let (triangles, slices) = (source.len(), Slices::new(args));

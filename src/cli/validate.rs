@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::args::threads;
 use super::outputs::{self, Output};
-use super::{CliError, input, memory, shell, table, trace};
+use super::{CliError, Quiet, input, memory, shell, table, trace};
 use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, VARIANTS, build};
 use crate::bench::agreement::{
     Difference, LONGEST_SLICE, answers_in_time, first_difference, mixed_rays,
@@ -51,6 +51,8 @@ pub struct ValidateArgs {
     /// Where to leave rays that differ; each structure's id is put in before the ending
     #[arg(long, value_name = "FILE", default_value = "differs.npy")]
     save: PathBuf,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// How long brute force may take unless `--brute-rays` says how many rays it gets.
@@ -69,7 +71,7 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
     // Rays of all sets, those in turn, the answers of both oracles.
     let each = 2 * (size_of::<Ray>() + size_of::<ClosestHit>()) as u64;
     memory::require(&format!("--rays {}", args.rays), args.rays * each)?;
-    let source = input::triangles(&args.scene)?;
+    let source = input::triangles(&args.scene, args.quiet)?;
     let build = |spec: &AccelSpec| build(spec, Arc::clone(&source), args.isa);
     let say = |line: &str| Ok(table::print(&format!("{line}\n"))?);
     let agree = input::on_threads(args.threads, || validate(args, &specs, &*source, &build, &say))?;

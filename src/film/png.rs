@@ -23,6 +23,29 @@ pub fn write(
     write_pixels(path, picture.width(), picture.height(), kind, &bytes)
 }
 
+/// The bytes of the same file.
+///
+/// # Errors
+/// [`FilmError::Invalid`] if the picture, which `path` names for messages, has no colours.
+pub fn encode(path: &Path, picture: &Picture, tonemap: Tonemap) -> Result<Vec<u8>, FilmError> {
+    let (kind, bytes) = display_bytes(path, picture, tonemap, 0.0)?;
+    let mut file = Vec::new();
+    encode_pixels(&mut file, picture.width(), picture.height(), kind, &bytes)
+        .map_err(|error| FilmError::invalid(path, error.to_string()))?;
+    Ok(file)
+}
+
+/// The bytes of a file of 8-bit RGB pixels, row by row.
+///
+/// # Errors
+/// [`io::Error`] for sides beyond PNG's.
+pub fn encode_rgb8(width: usize, height: usize, pixels: &[[u8; 3]]) -> io::Result<Vec<u8>> {
+    let mut file = Vec::new();
+    let kind = ExtendedColorType::Rgb8;
+    encode_pixels(&mut file, width, height, kind, pixels.as_flattened())?;
+    Ok(file)
+}
+
 /// Writes 8-bit RGB pixels, row by row, as they are.
 ///
 /// # Errors
@@ -43,16 +66,24 @@ fn write_pixels(
     kind: ExtendedColorType,
     bytes: &[u8],
 ) -> Result<(), FilmError> {
+    files::write(path, Flush::ToDisk, |file| encode_pixels(file, width, height, kind, bytes))
+        .map_err(|source| FilmError::write(path, source))
+}
+
+fn encode_pixels(
+    file: &mut impl io::Write,
+    width: usize,
+    height: usize,
+    kind: ExtendedColorType,
+    bytes: &[u8],
+) -> io::Result<()> {
     let side = |side: usize| u32::try_from(side).map_err(io::Error::other);
-    files::write(path, Flush::ToDisk, |file| {
-        image::codecs::png::PngEncoder::new(file)
-            .write_image(bytes, side(width)?, side(height)?, kind)
-            .map_err(|error| match error {
-                ImageError::IoError(error) => error,
-                error => io::Error::other(error),
-            })
-    })
-    .map_err(|source| FilmError::write(path, source))
+    image::codecs::png::PngEncoder::new(file)
+        .write_image(bytes, side(width)?, side(height)?, kind)
+        .map_err(|error| match error {
+            ImageError::IoError(error) => error,
+            error => io::Error::other(error),
+        })
 }
 
 fn display_bytes(

@@ -96,7 +96,7 @@ impl RayBundle {
 
     /// Origins and directions by axis.
     #[inline(always)]
-    pub(super) fn rays<S: Simd>(&self, simd: S) -> [[f32x8<S>; 3]; 2] {
+    pub fn rays<S: Simd>(&self, simd: S) -> [[f32x8<S>; 3]; 2] {
         let (o, d) = (&self.origin, &self.direction);
         [
             [
@@ -114,7 +114,7 @@ impl RayBundle {
 
     /// Where the rays begin and end.
     #[inline(always)]
-    pub(super) fn spans<S: Simd>(&self, simd: S) -> [f32x8<S>; 2] {
+    pub fn spans<S: Simd>(&self, simd: S) -> [f32x8<S>; 2] {
         [f32x8::load_array_ref(simd, &self.t_min), f32x8::load_array_ref(simd, &self.t_max)]
     }
 
@@ -128,7 +128,7 @@ impl RayBundle {
 
     /// See [`SlabRay::interval`].
     #[inline(always)]
-    pub(super) fn interval<S: Simd>(
+    pub fn interval<S: Simd>(
         &self,
         simd: S,
         bounds: &Aabb,
@@ -160,7 +160,12 @@ impl Heading {
     /// That of a direction.
     #[inline(always)]
     pub fn of(direction: Vec3) -> Self {
-        let negative = [0, 1, 2].map(|axis| usize::from(direction[axis].is_sign_negative()));
+        let Vec3 { x, y, z } = direction;
+        let negative = [
+            usize::from(x.is_sign_negative()),
+            usize::from(y.is_sign_negative()),
+            usize::from(z.is_sign_negative()),
+        ];
         Self { negative, axes: axes(direction) }
     }
 

@@ -17,8 +17,8 @@
 use super::interior::Interior;
 use super::weight::{power_heuristic, survival};
 use crate::accel::ClosestHit;
-use crate::material::{Bsdf, BsdfSample, Wavelength};
 use crate::light::Vantage;
+use crate::material::{Bsdf, BsdfSample, Wavelength};
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Surface, World};

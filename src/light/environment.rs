@@ -2,6 +2,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use super::Sun;
 use crate::math::{DVec3, Vec2, Vec3};
 use crate::sampling::{Distribution2d, warp};
 
@@ -15,6 +16,8 @@ pub struct Environment {
     source: Source,
     /// Mean over the sphere.
     mean: Vec3,
+    /// In front of it, and how often it is chosen.
+    sun: Option<(Sun, f32)>,
 }
 
 /// A direction chosen by importance.
@@ -50,7 +53,7 @@ struct Image {
 impl Environment {
     /// The same radiance from everywhere.
     pub fn constant(radiance: Vec3) -> Self {
-        Self { source: Source::Constant(radiance), mean: radiance }
+        Self { source: Source::Constant(radiance), mean: radiance, sun: None }
     }
 
     /// An image of linear radiance, rows from the top, times `scale`, turned about +Y by
@@ -84,12 +87,30 @@ impl Environment {
             pixels,
             rotation: (libm::cosf(radians), libm::sinf(radians)),
         };
-        Self { source: Source::Image(image), mean }
+        Self { source: Source::Image(image), mean, sun: None }
+    }
+
+    /// The same with a sun before it, whose light is added.
+    pub fn with_sun(mut self, sun: Sun) -> Self {
+        // Chosen by what it puts onto a surface that faces it, against that of all the rest; also
+        // the dimmer of the two now and then.
+        let brightness = |c: Vec3| c.x.max(0.0) + c.y.max(0.0) + c.z.max(0.0);
+        let of_sun = brightness(sun.radiance()) * sun.solid_angle();
+        let of_rest = brightness(self.mean) * PI;
+        let share = if of_rest > 0.0 { (of_sun / (of_sun + of_rest)).clamp(0.1, 0.8) } else { 1.0 };
+        self.mean += sun.radiance() * (sun.solid_angle() / (4.0 * PI));
+        self.sun = Some((sun, share));
+        self
+    }
+
+    /// The sun before it.
+    pub fn sun(&self) -> Option<&Sun> {
+        self.sun.as_ref().map(|(sun, _)| sun)
     }
 
     /// Whether the same comes from everywhere.
     pub fn is_constant(&self) -> bool {
-        matches!(self.source, Source::Constant(_))
+        self.sun.is_none() && matches!(self.source, Source::Constant(_))
     }
 
     /// Rows of radiance from the top, the scale multiplied in; none if it is constant.
@@ -117,6 +138,16 @@ impl Environment {
 
     /// Both for the price of one.
     pub fn radiance_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
+        let behind = self.behind_sun(direction);
+        match &self.sun {
+            Some((sun, share)) if sun.covers(direction) => joined(behind, sun, *share),
+            Some((_, share)) => (behind.0, behind.1 * (1.0 - share)),
+            None => behind,
+        }
+    }
+
+    /// Both without the sun.
+    fn behind_sun(&self, direction: Vec3) -> (Vec3, f32) {
         match &self.source {
             Source::Constant(radiance) => (*radiance, 0.25 * FRAC_1_PI),
             Source::Image(image) => {
@@ -129,6 +160,24 @@ impl Environment {
     /// Chooses a direction from a uniform `u` in the unit square; `None` for the poles of an
     /// image, whose density over solid angle is not finite.
     pub fn sample(&self, u: Vec2) -> Option<EnvironmentSample> {
+        let Some((sun, share)) = &self.sun else { return self.sample_behind_sun(u) };
+        if u.x < *share {
+            let direction = sun.sample(Vec2::new(u.x / share, u.y));
+            let (radiance, pdf) = joined(self.behind_sun(direction), sun, *share);
+            return Some(EnvironmentSample { direction, radiance, pdf });
+        }
+        let rest = ((u.x - share) / (1.0 - share)).min(1.0 - 0.5 * f32::EPSILON);
+        let EnvironmentSample { direction, radiance, pdf } =
+            self.sample_behind_sun(Vec2::new(rest, u.y))?;
+        let (radiance, pdf) = if sun.covers(direction) {
+            joined((radiance, pdf), sun, *share)
+        } else {
+            (radiance, pdf * (1.0 - share))
+        };
+        (pdf > 0.0).then_some(EnvironmentSample { direction, radiance, pdf })
+    }
+
+    fn sample_behind_sun(&self, u: Vec2) -> Option<EnvironmentSample> {
         match &self.source {
             Source::Constant(radiance) => Some(EnvironmentSample {
                 direction: warp::sphere(u),
@@ -147,6 +196,11 @@ impl Environment {
             }
         }
     }
+}
+
+/// Radiance and density in the disc of a sun that is chosen with probability `share`.
+fn joined((radiance, pdf): (Vec3, f32), sun: &Sun, share: f32) -> (Vec3, f32) {
+    (radiance + sun.radiance(), pdf * (1.0 - share) + share * sun.pdf())
 }
 
 impl Image {
@@ -306,6 +360,32 @@ mod tests {
         // The integral of the radiance, by importance, against that of the texels.
         let mean = sum / count / (4.0 * PI);
         assert!(mean.distance(environment.mean()) < 0.02 * mean.length(), "{mean}");
+    }
+
+    #[test]
+    fn a_sun_adds_its_light_and_is_chosen_with_the_density_told() {
+        let sun = Sun::new(Vec3::new(0.6, 0.8, 0.0), 5.0, Vec3::splat(20.0));
+        for (environment, up) in [
+            (image(37.0).with_sun(sun), None),
+            (Environment::constant(Vec3::ZERO).with_sun(sun), Some(16.0)),
+            (Environment::constant(Vec3::splat(0.5)).with_sun(sun), Some(16.0 + 0.5 * PI)),
+        ] {
+            let (mut mean, mut irradiance) = (Vec3::ZERO, 0.0);
+            for i in 0..256 {
+                for j in 0..256 {
+                    let u = Vec2::new((i as f32 + 0.5) / 256.0, (j as f32 + 0.5) / 256.0);
+                    let sample = environment.sample(u).expect("no pole");
+                    mean += sample.radiance / (sample.pdf * 65536.0 * 4.0 * PI);
+                    irradiance +=
+                        sample.radiance.x * sample.direction.y.max(0.0) / (sample.pdf * 65536.0);
+                }
+            }
+            assert!(mean.distance(environment.mean()) < 0.02 * mean.length(), "{mean}");
+            if let Some(up) = up {
+                assert!((irradiance / up - 1.0).abs() < 2e-3, "{irradiance} {up}");
+            }
+        }
+        assert!(!Environment::constant(Vec3::ONE).with_sun(sun).is_constant());
     }
 
     #[test]

@@ -1,18 +1,22 @@
 //! Light sources: what they send where, and how a point to be lit chooses a direction to them.
 //!
-//! Three kinds: an [`Environment`] infinitely far away, [`Punctual`] lights without extent, and
-//! triangles that emit ([`sample_triangle`]). Which of them a scene has is known one floor up, in
-//! [`crate::scene`]; with what probability each is chosen where there are many tells a
-//! [`LightTree`].
+//! Three kinds: an [`Environment`] infinitely far away, perhaps with a [`Sun`], [`Punctual`] lights
+//! without extent, and triangles that emit ([`sample_triangle`]). Which of them a scene has is
+//! known one floor up, in [`crate::scene`]; with what probability each is chosen where there are
+//! many tells a [`LightTree`].
 
 mod area;
 mod cone;
 mod environment;
+mod preetham;
 mod punctual;
+mod sun;
 mod tree;
 
 pub use area::{TriangleSample, area_to_solid_angle, sample_triangle};
-pub use environment::{Environment, EnvironmentSample};
 pub use cone::Cone;
+pub use environment::{Environment, EnvironmentSample};
+pub use preetham::Preetham;
 pub use punctual::{Illumination, Punctual, PunctualKind};
+pub use sun::Sun;
 pub use tree::{LightBounds, LightTree, Sides, Vantage};

@@ -340,12 +340,16 @@ mod tests {
     fn probabilities_sum_to_one_and_are_those_of_the_samples() {
         let lights = lights(300);
         let tree = LightTree::new(&lights).expect("some shine");
+        let mut some = 0;
         for (number, vantage) in vantages().iter().enumerate() {
             let of = |light| f64::from(tree.probability(vantage, light));
             let probabilities: Vec<f64> = (0..lights.len()).map(of).collect();
             let sum: f64 = probabilities.iter().sum();
-            // A walk that comes to where nothing shines ends with nothing.
-            assert!(sum <= 1.0 + 1e-4 && sum > 0.9, "{number}: {sum}");
+            // A walk that comes to where nothing shines ends with nothing, which is rare but where
+            // all lights are below the surface.
+            assert!(sum <= 1.0 + 1e-4, "{number}: {sum}");
+            assert!(sum > 0.9 || vantage.normal != Vec3::ZERO, "{number}: {sum}");
+            some += u32::from(sum > 0.9);
             let (mut counts, draws) = (vec![0; lights.len() + 1], 30_000);
             for i in 0..draws {
                 let u = Sampler::independent(i, number as u64, 5).next_1d();
@@ -361,6 +365,7 @@ mod tests {
             expected.push((1.0 - sum).max(0.0) * draws as f64 + 1e-6);
             assert_fits(&counts, &expected, vantages().len(), &format!("vantage {number}"));
         }
+        assert!(some >= 6, "{some} of 9 see lights");
     }
 
     /// Wherever light arrives from a light, it is chosen sometimes.
@@ -393,8 +398,12 @@ mod tests {
             let corners = [Vec3::X * x, Vec3::X * x + Vec3::Z * 0.1, Vec3::X * (x + 0.1)];
             LightBounds::flat(corners, normal, Sides::Front, 1.0)
         };
-        let lights =
-            [lamp(0.0, Vec3::NEG_Y), lamp(8.0, Vec3::NEG_Y), lamp(0.5, Vec3::Y), lamp(9.0, Vec3::Y)];
+        let lights = [
+            lamp(0.0, Vec3::NEG_Y),
+            lamp(8.0, Vec3::NEG_Y),
+            lamp(0.5, Vec3::Y),
+            lamp(9.0, Vec3::Y),
+        ];
         let tree = LightTree::new(&lights).expect("all shine");
         let vantage = Vantage { position: Vec3::NEG_Y, normal: Vec3::Y };
         let all: Vec<f32> = (0..4).map(|light| tree.probability(&vantage, light)).collect();

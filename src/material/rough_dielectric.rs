@@ -13,12 +13,7 @@ use crate::math::{Vec2, Vec3};
 
 /// See [`super::Bsdf::eval`].
 #[inline]
-pub fn eval_solid(
-    glass: &Dielectric,
-    film: Option<&ThinFilm>,
-    wo: Vec3,
-    wi: Vec3,
-) -> (Vec3, f32) {
+pub fn eval_solid(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let eta = glass.eta(wo);
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
@@ -96,12 +91,7 @@ fn evaluate_solid(
 
 /// See [`super::Bsdf::eval`]. What passes is the mirror image of what is reflected.
 #[inline]
-pub fn eval_thin(
-    glass: &Dielectric,
-    film: Option<&ThinFilm>,
-    wo: Vec3,
-    wi: Vec3,
-) -> (Vec3, f32) {
+pub fn eval_thin(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
         return (Vec3::ZERO, 0.0);

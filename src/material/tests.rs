@@ -70,7 +70,11 @@ fn under_layers(form: BsdfForm) -> impl Iterator<Item = (String, Bsdf)> {
         ("film on brushed metal", metal, Layers { iridescence_ior: 1.8, anisotropy: 0.5, ..film }),
         ("lacquered film", metal, Layers { clearcoat: 0.6, ..film }),
         ("film on glass", glass, film),
-        ("film on a sheet", SurfaceParams { thin: true, ..glass }, film),
+        (
+            "lacquered film on a sheet",
+            SurfaceParams { thin: true, ..glass },
+            Layers { clearcoat: 0.6, ..film },
+        ),
         ("film on half clear", SurfaceParams { transmission: 0.5, metallic: 0.25, ..glass }, film),
         ("cloth on a sheet", SurfaceParams { thin: true, ..glass }, cloth),
     ];

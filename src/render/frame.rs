@@ -55,6 +55,8 @@ pub struct Rendered {
     pub elapsed: Duration,
     /// The fewest and the most samples a pixel has, lost ones included.
     pub samples: (u64, u64),
+    /// Pixels without any: black.
+    pub without_samples: u64,
     /// Whether it was cancelled before all samples were taken.
     pub cancelled: bool,
     /// Samples that were not finite: how many.
@@ -119,6 +121,11 @@ pub fn render(
         paths: done.into_inner(),
         elapsed,
         samples: (fewest, tiles.iter().map(|tile| tile.next).max().unwrap_or(0)),
+        without_samples: tiles
+            .iter()
+            .filter(|tile| tile.next == 0)
+            .map(|tile| tile.pixels.len() as u64)
+            .sum(),
         cancelled: fewest < settings.spp,
         lost_count: tiles.iter().map(|tile| tile.lost_count).sum(),
         lost: first_lost(tiles.iter()),

@@ -79,6 +79,9 @@ impl Scene {
         if let Some(environment) = &self.environment {
             digest.bytes(bytemuck::cast_slice(environment.pixels()));
             let _ = write!(digest, "{:?}", environment.mean());
+            if let Some(sun) = environment.sun() {
+                let _ = write!(digest, "{sun:?}");
+            }
         }
         let _ = write!(digest, "{:?} {:?}", self.materials, self.lights);
         digest.0

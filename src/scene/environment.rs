@@ -1,6 +1,5 @@
 //! Surroundings that the command line asks for: a colour, or a latitude-longitude image.
 
-use std::convert::Infallible;
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -32,17 +31,22 @@ pub enum EnvironmentSource {
 }
 
 impl FromStr for EnvironmentSource {
-    type Err = Infallible;
+    type Err = String;
 
-    /// Three numbers between commas, not negative, are a colour; all else is a file.
-    fn from_str(text: &str) -> Result<Self, Infallible> {
-        let numbers: Option<Vec<f32>> = text.split(',').map(|word| word.parse().ok()).collect();
-        Ok(match numbers.as_deref() {
+    /// Three numbers between commas, not negative, are a colour; all else is a file, unless it is
+    /// numbers and there is none of that name.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<f32>> =
+            text.split(',').map(|word| word.trim().parse().ok()).collect();
+        match numbers.as_deref() {
             Some(&[r, g, b]) if [r, g, b].iter().all(|v| v.is_finite() && *v >= 0.0) => {
-                Self::Constant(Vec3::new(r, g, b))
+                Ok(Self::Constant(Vec3::new(r, g, b)))
             }
-            _ => Self::File(text.into()),
-        })
+            Some(_) if !Path::new(text).exists() => Err("a colour is three finite numbers, red, \
+                 green and blue, none below zero, as in 0.5,0.6,1; nor is it a file"
+                .to_owned()),
+            _ => Ok(Self::File(text.into())),
+        }
     }
 }
 
@@ -286,14 +290,17 @@ mod tests {
 
     #[test]
     fn three_numbers_are_a_colour() {
-        let parsed = |text: &str| text.parse::<EnvironmentSource>().expect("anything parses");
+        let parsed = |text: &str| text.parse::<EnvironmentSource>();
         let color = EnvironmentSource::Constant(Vec3::new(0.5, 1.0, 2.0));
-        assert_eq!(parsed("0.5,1,2"), color);
-        for file in ["a.hdr", "1,2", "1,2,3,4", "-1,0,0", "nan,0,0", "1e99,0,0"] {
-            assert_eq!(parsed(file), EnvironmentSource::File(file.into()));
+        assert_eq!(parsed("0.5,1, 2"), Ok(color));
+        assert_eq!(parsed("a.hdr"), Ok(EnvironmentSource::File("a.hdr".into())));
+        for slip in ["1,2", "1,2,3,4", "-1,0,0", "nan,0,0", "1e99,0,0", "1"] {
+            let message = parsed(slip).expect_err("neither a colour nor a file");
+            assert!(message.starts_with("a colour is three"), "{message}");
         }
-        let error = parsed("1,2").load(1.0, 0.0).expect_err("there is no such file").to_string();
-        assert_eq!(error, "1,2: no such file, nor is it a colour as R,G,B");
+        let error = parsed("a,b").and_then(|it| it.load(1.0, 0.0).map_err(|e| e.to_string()));
+        let error = error.map(drop).expect_err("there is no such file");
+        assert_eq!(error, "a,b: no such file, nor is it a colour as R,G,B");
     }
 
     #[test]

@@ -72,7 +72,7 @@ pub enum LoadError {
         names: Vec<String>,
     },
     /// Neither the ending nor the first bytes tell the format.
-    #[error("{file}: not a scene that dapple reads (.gltf, .glb, .obj, .ply)")]
+    #[error("{file}: not a scene that dapple reads (.gltf, .glb, .obj, .ply, .toml)")]
     UnknownFormat {
         /// The file.
         file: String,

@@ -177,9 +177,8 @@ mod tests {
     /// Two lights somewhere and one nowhere: whichever way, probabilities are those of the samples.
     #[test]
     fn near_and_far_share() {
-        let lamp = |x: f32, power| {
-            LightBounds::point(Vec3::X * x, Vec3::Y, std::f32::consts::PI, power)
-        };
+        let lamp =
+            |x: f32, power| LightBounds::point(Vec3::X * x, Vec3::Y, std::f32::consts::PI, power);
         let bounds = || vec![lamp(1.0, 1.0), lamp(0.0, 0.0), lamp(3.0, 1.0)];
         let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::ZERO };
         for (choice, expected) in

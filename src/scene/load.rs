@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use super::{LoadError, Scene, gltf, obj, ply};
+use super::{LoadError, Scene, gltf, obj, ply, toml};
 use crate::files;
 
 /// What to do about a texture that is missing or broken.
@@ -28,6 +28,8 @@ pub struct LoadOptions {
     /// Which of the file's variants of materials (KHR_materials_variants), by its name or else its
     /// number from 0; none: the materials that it has without.
     pub variant: Option<String>,
+    /// The time at which animations are posed, seconds; none: all is in its rest pose.
+    pub time: Option<f32>,
 }
 
 impl LoadOptions {
@@ -49,8 +51,18 @@ impl LoadOptions {
 /// # Errors
 /// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+    let scene =
+        if toml::is_toml(path) { toml::load(path, options) } else { load_part(path, options) }?;
+    if options.strict && !scene.notices.is_empty() {
+        return Err(LoadError::Strict { notices: scene.notices });
+    }
+    Ok(scene)
+}
+
+/// The same of a file that may be part of a TOML scene; notices are none of its concern.
+pub(super) fn load_part(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    let scene = match ending.as_deref() {
+    match ending.as_deref() {
         Some("obj") => obj::load(path, options),
         Some("ply") => ply::load(path, options),
         Some("gltf" | "glb") => gltf::load(path, options),
@@ -64,11 +76,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
                 Err(LoadError::UnknownFormat { file: path.display().to_string() })
             }
         }
-    }?;
-    if options.strict && !scene.notices.is_empty() {
-        return Err(LoadError::Strict { notices: scene.notices });
     }
-    Ok(scene)
 }
 
 /// The largest file that is read: a limit against special and sparse files, not against scenes.

@@ -163,6 +163,11 @@ impl Material {
 
     /// All textures that it uses.
     pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+        self.texture_slots_mut().flatten()
+    }
+
+    /// All places for textures, used or not.
+    pub(super) fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
@@ -175,8 +180,7 @@ impl Material {
             &mut self.transmission_texture,
         ]
         .into_iter()
-        .flatten()
-        .chain(self.layers.iter_mut().flat_map(|layers| layers.textures_mut()))
+        .chain(self.layers.iter_mut().flat_map(|layers| layers.texture_slots_mut()))
     }
 
     /// The texture whose coordinates tell the tangents of a mesh that brings none.

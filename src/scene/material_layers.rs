@@ -78,8 +78,8 @@ impl MaterialLayers {
         strengths.iter().any(|&strength| strength > 0.0) || self.sheen_color != Vec3::ZERO
     }
 
-    /// All textures that they use.
-    pub(super) fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+    /// All places for textures, used or not.
+    pub(super) fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
         [
             &mut self.clearcoat_texture,
             &mut self.clearcoat_roughness_texture,
@@ -91,7 +91,6 @@ impl MaterialLayers {
             &mut self.iridescence_thickness_texture,
         ]
         .into_iter()
-        .flatten()
     }
 
     /// The texture whose coordinates tell the tangent, where the base has no normal map.

@@ -79,6 +79,19 @@ pub fn read(folder: &Path, uri: &str) -> Result<Vec<u8>, String> {
     })
 }
 
+/// The file that a URI names, which is there.
+///
+/// # Errors
+/// See [`resolve`], or that there is no such file.
+pub fn file(folder: &Path, uri: &str) -> Result<PathBuf, String> {
+    match resolve(folder, uri)? {
+        Resource::Bytes(_) => Err("is no file but data".to_owned()),
+        Resource::Files(files) => {
+            files.into_iter().find(|file| file.exists()).ok_or_else(|| "no such file".to_owned())
+        }
+    }
+}
+
 fn strip_prefix_ignoring_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str> {
     let head = text.get(..prefix.len())?;
     head.eq_ignore_ascii_case(prefix).then(|| &text[prefix.len()..])

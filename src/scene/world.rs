@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::defaults::bounds;
 use super::{
-    AlphaMode, Attributes, LightChoice, Lights, Material, Scene, Surface, TextureRef, Triangles, Volume,
-    layered_point,
+    AlphaMode, Attributes, LightChoice, Lights, Material, Scene, Surface, TextureRef, Triangles,
+    Volume, layered_point,
 };
 use crate::accel::ClosestHit;
 use crate::geom::Mesh;

@@ -31,7 +31,7 @@ impl Next for Ropes {
     const EVENT: Option<Event> = None;
 
     fn new(tree: &KdTree) -> Self {
-        Self { places: places(tree) }
+        Self { places: places(tree, Covering::Deepest) }
     }
 
     #[inline(always)]
@@ -70,7 +70,7 @@ impl Next for RopeTrees {
     const EVENT: Option<Event> = None;
 
     fn new(tree: &KdTree) -> Self {
-        let mut places = places(tree);
+        let mut places = places(tree, Covering::Deepest);
         let leaf = |node: &Node| match *node {
             Node::Leaf(leaf) => Some(Packed::leaf(leaf)),
             Node::Inner { .. } => None,
@@ -115,6 +115,56 @@ impl Next for RopeTrees {
     fn memory(&self) -> Vec<(&'static str, usize)> {
         vec![("links", size_of_val(&*self.places)), ("rope trees", self.trees.bytes())]
     }
+}
+
+/// Links for packets: one node a face, all that lies behind it, not pushed down at all.
+///
+/// S. Popov et al., "Stackless kd-tree traversal for high performance GPU ray tracing", 2007. Each
+/// is the sibling of an ancestor of the leaf, or of the leaf itself.
+#[derive(Debug)]
+pub struct PacketRopes {
+    places: Vec<Place>,
+    /// Depths of all nodes.
+    depths: Vec<u8>,
+}
+
+impl PacketRopes {
+    /// Derives them from a tree, of at most 255 levels.
+    pub fn new(tree: &KdTree) -> Self {
+        let mut depths = vec![0; tree.nodes.len()];
+        tree.for_each_cell(KdTree::SPACE, |at, _, depth| depths[at.index()] = depth as u8);
+        Self { places: places(tree, Covering::Highest), depths }
+    }
+
+    /// A leaf's cell; planes at the rim are infinite.
+    #[inline(always)]
+    pub fn cell(&self, leaf: LeafId) -> &Aabb {
+        &self.places[leaf.index()].cell
+    }
+
+    /// The node behind the lower (0) or upper (1) face along an axis; [`NodeId::NONE`] at the rim.
+    #[inline(always)]
+    pub fn behind(&self, leaf: LeafId, axis: usize, side: usize) -> NodeId {
+        self.places[leaf.index()].links[axis][side]
+    }
+
+    /// The depth of a node; the root's is 0.
+    #[inline(always)]
+    pub fn depth(&self, node: NodeId) -> usize {
+        usize::from(self.depths[node.index()])
+    }
+
+    /// Bytes by part.
+    pub fn memory(&self) -> [(&'static str, usize); 2] {
+        [("links", size_of_val(&*self.places)), ("depths", size_of_val(&*self.depths))]
+    }
+}
+
+/// Which of the nodes behind a face that cover all of it a link leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Covering {
+    Deepest,
+    Highest,
 }
 
 /// A side of a leaf's cell.
@@ -162,12 +212,14 @@ impl Face {
 }
 
 /// The places of all leaves, in their order.
-fn places(tree: &KdTree) -> Vec<Place> {
+fn places(tree: &KdTree, covering: Covering) -> Vec<Place> {
     let mut places = Vec::with_capacity(tree.base.leaves.count());
     let root = Place { cell: KdTree::SPACE, links: [[NodeId::NONE; 2]; 3] };
     let mut todo = vec![(NodeId(0), root)];
     while let Some((at, mut place)) = todo.pop() {
-        push_down(tree, &mut place);
+        if covering == Covering::Deepest {
+            push_down(tree, &mut place);
+        }
         let Node::Inner { axis, split, above } = tree.nodes[at.index()] else {
             // Depth-first order is the order of the leaves.
             places.push(place);

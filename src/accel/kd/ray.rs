@@ -19,15 +19,17 @@ struct Axis {
 }
 
 impl KdRay {
+    /// Keeps reciprocals finite: a component of zero becomes a huge slope of its sign. Not denormal,
+    /// since to divide by those is slow.
+    pub const SMALLEST: f32 = f32::MIN_POSITIVE;
+
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        /// Keeps reciprocals finite: a component of zero becomes a huge slope of its sign.
-        const SMALLEST: f32 = f32::MIN_POSITIVE; // to divide by denormals is slow
         let (o, d) = (ray.origin(), ray.direction());
         let axis = |i: usize| Axis {
             origin: o[i],
-            inverse: 1.0 / d[i].abs().max(SMALLEST).copysign(d[i]),
+            inverse: 1.0 / d[i].abs().max(Self::SMALLEST).copysign(d[i]),
             direction: d[i],
             negative: u32::from(d[i].is_sign_negative()),
         };

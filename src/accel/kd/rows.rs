@@ -3,8 +3,9 @@
 use fearless_simd::Level;
 
 use super::build::OPTIONS;
+use super::coherent::{Coherent, How};
 use super::layout::{Basic, Clustered, Compact, Layout, Treelet, TreeletFilled};
-use super::links::{RopeTrees, Ropes};
+use super::links::{PacketRopes, RopeTrees, Ropes};
 use super::tree::KdTree;
 use super::walk::backtrack::{Backtrack, EveryNode, EveryNth};
 use super::walk::branchless::Branchless;
@@ -15,6 +16,7 @@ use super::walk::prefetch::Prefetch;
 use super::walk::todo::{Full, Nothing, Ring, Spill, Todo};
 use super::walk::wide::WideWalk;
 use super::walk::{Walk, Walked};
+use crate::accel::coherent::{PC, SIZE};
 use crate::accel::{Accel, BuildError, BuildInput, OptionSpec, Options, Value, Values, Variant};
 
 /// A walk over a tree that is there already, so that several can share one.
@@ -51,6 +53,15 @@ const WITH_EVERY: [OptionSpec; 6] =
     with(integer("every", "levels from one box to the next", [1, 32], 4));
 const WITH_RAYS: [OptionSpec; 6] = with(integer("rays", "rays in flight", [1, 64], 16));
 
+const WITH_SIZE: [OptionSpec; 6] = with(SIZE);
+const WITH_SIZE_AND_PC: [OptionSpec; 7] =
+    [OPTIONS[0], OPTIONS[1], OPTIONS[2], OPTIONS[3], OPTIONS[4], SIZE, PC];
+const WITH_TILES: [OptionSpec; 6] = with(OptionSpec {
+    name: "tiles",
+    summary: "rays along a side of a tile, or divided until it is simple",
+    values: Values::Choice(&["adaptive", "16", "8", "4", "2"]),
+    default: Value::Choice("adaptive"),
+});
 /// Options with the defaults that suit vectors: leaves for eight triangles, and cheap tests.
 const FOR_WIDE: [OptionSpec; 5] = [
     OPTIONS[0],
@@ -95,6 +106,17 @@ fn branchless<L: Layout + 'static>(tree: &KdTree, level: Level) -> Built {
 
 fn keeping<T: Todo + 'static>(tree: &KdTree, level: Level, entries: usize) -> Built {
     Ok(walked(tree, level, FrontToBack::<Compact, ByDirection, T>::new(tree, entries)?))
+}
+
+/// Packets, of the size that was chosen.
+fn packets(tree: &KdTree, how: How, options: &Options, level: Level) -> Built {
+    Ok(Box::new(Coherent::new(tree, how, options.integer("size"), level)?))
+}
+
+fn tiles(tree: &KdTree, options: &Options, level: Level) -> Built {
+    let side = options.choice("tiles").parse();
+    let how = How::EntryPoint { adaptive: side.is_err() };
+    Ok(Box::new(Coherent::new(tree, how, side.unwrap_or(16), level)?))
 }
 
 fn entries(options: &Options) -> usize {
@@ -208,6 +230,50 @@ rows! {
         },
         "kd-tree, several rays in flight to hide memory latency",
         "Benthin et al. 2006; Bittner et al. 2009; review, 6.4";
+    /// Rays side by side walk together; a node is decided on once for all. For primary rays.
+    PACKET: "kd-packet", &WITH_SIZE,
+        |tree, options, level| packets(tree, How::Packet, options, level),
+        "kd-tree, packets of up to 16 by 16 rays side by side",
+        "Wald et al. 2001; review, 4.2 and 4.6";
+    /// The same without a stack: links to all that is behind a face, where packets regroup.
+    PACKET_ROPES: "kd-packet-ropes", &WITH_SIZE,
+        |tree, options, level| {
+            packets(tree, How::Ropes(PacketRopes::new(tree)), options, level)
+        },
+        "kd-tree, packets by links that are not pushed down; rays put to rest and woken again",
+        "Popov et al. 2007; review, 5.3";
+    /// Packets of rays that go any way; no early end.
+    OMNIDIRECTIONAL: "kd-omnidirectional", &WITH_SIZE,
+        |tree, options, level| packets(tree, How::Mixed { by_origin: false }, options, level),
+        "kd-tree, packets of rays that go any way, near and far by each ray's direction",
+        "Reshetov 2006; review, 4.7";
+    /// The same for rays that fan out from one point.
+    OMNIDIRECTIONAL_ORIGIN: "kd-omnidirectional-origin", &WITH_SIZE,
+        |tree, options, level| packets(tree, How::Mixed { by_origin: true }, options, level),
+        "kd-tree, packets of rays that go any way, near and far by each ray's origin",
+        "Tsakok et al. 2008; review, 4.7";
+    /// Four corners go through the tree for all rays of a packet that starts at one point.
+    LCTS: "kd-lcts", &WITH_SIZE,
+        |tree, options, level| packets(tree, How::Sequence { culls: false }, options, level),
+        "kd-tree, packets behind their four corners, along the longest common traversal sequence",
+        "Havran and Bittner 2000; review, 4.1";
+    /// The same, and triangles that the corners show to be missed are not tested.
+    RELEVANT_TRIANGLES: "kd-relevant-triangles", &WITH_SIZE,
+        |tree, options, level| packets(tree, How::Sequence { culls: true }, options, level),
+        "kd-tree, packets behind their four corners, which cull triangles as well",
+        "Dmitriev et al. 2004; review, 4.3";
+    /// Packets start at the deepest node that holds all leaves that matter.
+    ENTRY_POINT: "kd-entry-point", &WITH_TILES, tiles,
+        "kd-tree, packets from the deepest node that holds all leaves their shaft meets",
+        "Reshetov et al. 2005; Fowler et al. 2009; review, 4.4 and 4.5";
+    /// Packets in a tree of those nodes alone that a slice's shaft meets both sides of.
+    PATH_COMPRESSION: "kd-path-compression", &WITH_SIZE_AND_PC,
+        |tree, options, level| {
+            let recursive = options.choice("pc") == "recursive";
+            packets(tree, How::Compressed { recursive }, options, level)
+        },
+        "kd-tree, packets over a tree of those nodes alone that a slice's shaft meets both sides of",
+        "Barczak, An Improved Multi-Level Raytracing Algorithm, 3.4 and 5.1";
     /// Three levels at a step, by vector instructions: not in the review. Two to three times as fast
     /// as the plain stack, for two to three times its memory, since leaves store their triangles.
     /// Take it whenever it is speed that counts.
@@ -228,6 +294,6 @@ mod tests {
             VARIANTS.iter().map(|v| v.id).filter(|id| OVER.iter().any(|o| o.0 == *id)).collect();
         let all: Vec<_> = OVER.iter().map(|(id, _)| *id).collect();
         assert_eq!(listed, all);
-        assert_eq!(all.len(), 15);
+        assert_eq!(all.len(), 23);
     }
 }

@@ -113,6 +113,14 @@ pub type Corners = [[f32; 4]; 3];
 #[repr(transparent)]
 pub struct Slot(u32);
 
+impl Slot {
+    /// Its place in the table.
+    #[inline(always)]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 impl Leaves {
     /// Keeps lists of triangles, leaf after leaf; `ends[i]` is where the list of leaf `i` ends.
     /// `None` if there are too many to number.

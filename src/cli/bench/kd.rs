@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::super::{CliError, input, memory};
+use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use super::{memory_limit, ray_bytes};
@@ -18,8 +18,7 @@ use crate::simd::Isa;
 /// All kd-trees: bytes, rates, nodes, leaves and tests a ray; then builds by layouts; with --report
 /// also the time of builds over machines of 10^4 to 10^6 triangles.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out\n\n\
-    Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+#[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out")]
 pub struct KdArgs {
     /// A scene file, or an .npy of (N, 9) float32 triangles
     scene: PathBuf,
@@ -34,6 +33,8 @@ pub struct KdArgs {
     #[arg(long, value_name = "MB", default_value_t = 0)]
     memory: u64,
     #[command(flatten)]
+    quiet: Quiet,
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -43,7 +44,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     let needed = ray_bytes(args.rays, SETS.len() as u64 + 1);
     memory::require(&format!("{} rays of each set", args.rays), needed)?;
     args.output.probe()?;
-    let source = input::triangles(&args.scene)?;
+    let source = input::triangles(&args.scene, args.quiet)?;
     let memory = memory_limit(args.memory);
     let settings = Settings { rays: args.rays as usize, memory, isa: args.isa };
     let walks = kd::walks(&source, &settings)?;
@@ -54,7 +55,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
         format!("Kd-tree walks, {name}, {count} triangles"),
         format!("Builds and layouts, kd-stack-direction, {name}"),
     ];
-    let growth = if args.output.reports() { growth(&settings)? } else { Vec::new() };
+    let growth = if args.output.reports() { growth(&settings, args.quiet)? } else { Vec::new() };
     let object = |rows: &[Row]| rows.iter().map(Row::json).collect::<Vec<_>>();
     let mut results = Results {
         name: "kd",
@@ -80,9 +81,9 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
 }
 
 /// Builds over machines of growing size.
-fn growth(settings: &Settings) -> Result<Vec<Growth>, CliError> {
+fn growth(settings: &Settings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
     let measure = |size: u64| {
-        let source = BenchScene::Assembly(size).with_file(input::triangles)?;
+        let source = BenchScene::Assembly(size).with_file(|path| input::triangles(path, quiet))?;
         Ok(kd_growth::measure(&source, settings)?)
     };
     kd_growth::sizes(settings).map(measure).collect()

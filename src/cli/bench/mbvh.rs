@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::super::progress::say;
-use super::super::{CliError, input, memory};
+use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::scenes;
 use super::{memory_limit, ray_bytes};
@@ -27,9 +27,7 @@ use crate::simd::Isa;
 Examples:
   dapple bench mbvh --report out
   dapple bench mbvh --rays 200000 --rounds 1
-  dapple bench mbvh hall.glb bunny.obj --build sweep --json
-
-Exit: 0 done, 1 structures disagree, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+  dapple bench mbvh hall.glb bunny.obj --build sweep --json")]
 pub struct MbvhArgs {
     /// Scene files, or .npy of (N, 9) float32 triangles
     files: Vec<PathBuf>,
@@ -53,12 +51,14 @@ pub struct MbvhArgs {
     /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
     #[arg(long, value_name = "MB", default_value_t = 0)]
     memory: u64,
-    /// Don't tell what is being done
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
     #[command(flatten)]
     output: OutputArgs,
 }
+
+/// Below so many a pass takes less than some tenths of a second.
+const FEW_RAYS: u64 = 100_000;
 
 /// A value of the option `build`.
 fn builder(text: &str) -> Result<&'static str, String> {
@@ -82,14 +82,21 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
     };
     args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
     let tell = |what: &str| {
-        if !args.quiet {
+        if !args.quiet.quiet {
             say(what);
         }
     };
+    if args.rays < FEW_RAYS {
+        tell(&format!(
+            "warning: {} rays of a kind take milliseconds, and times so short say little; \
+             --rays 200000 gives a first impression",
+            args.rays
+        ));
+    }
     let mut loaded = Vec::new();
     for scene in scenes(&args.files) {
         tell(&format!("{}: loading", scene.name()));
-        let source = scene.with_file(input::triangles)?;
+        let source = scene.with_file(|path| input::triangles(path, args.quiet))?;
         loaded.push((scene.name(), source));
     }
     let largest = loaded.iter().map(|(_, source)| source.len()).max();

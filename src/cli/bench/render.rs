@@ -10,7 +10,7 @@ use super::super::prepare::{Job, prepare};
 use super::super::progress::say;
 use super::super::render::parse;
 use super::super::validate::specs;
-use super::super::{CliError, args::threads, input, memory};
+use super::super::{CliError, Quiet, args::threads, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, scenes};
 use crate::accel::{Accel, AccelSpec, build};
@@ -32,11 +32,9 @@ use crate::simd::Isa;
 #[command(after_help = "\
 Examples:
   dapple bench render --spp 4 --rounds 1 --threads 0
-  dapple bench render kitchen.glb --accel bvh2,mbvh8,mbvh8:triangles=cache --report out
-
-Exit: 0 done, 1 pictures differ, 2 usage, 3 input, 4 output not written, 5 a limit.")]
+  dapple bench render kitchen.glb --accel bvh2,mbvh8,mbvh8:triangles=cache --report out")]
 pub struct BenchRenderArgs {
-    /// Scenes: .gltf, .glb or .obj
+    /// Scenes: .gltf, .glb, .obj, .ply or .toml
     files: Vec<PathBuf>,
     /// Structures, separated by commas; speed-ups are over the first
     #[arg(long, default_value = "bvh2,mbvh4,mbvh8,mbvh16,kd-stack-direction")]
@@ -58,9 +56,8 @@ pub struct BenchRenderArgs {
     /// The instruction set
     #[arg(long, default_value_t)]
     isa: Isa,
-    /// Don't tell what is being done
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -112,7 +109,7 @@ fn measure(
     scene: &BenchScene,
 ) -> Result<Scene, CliError> {
     let tell = |what: &str| {
-        if !args.quiet {
+        if !args.quiet.quiet {
             say(&format!("{}: {what}", scene.name()));
         }
     };

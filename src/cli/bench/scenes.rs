@@ -73,6 +73,7 @@ impl Drop for Temporary {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::Quiet;
 
     #[test]
     fn a_machine_is_there_while_it_is_loaded() {
@@ -80,7 +81,7 @@ mod tests {
         let mut seen = PathBuf::new();
         let count = scene.with_file(|path| {
             seen = path.to_owned();
-            Ok(super::super::super::input::triangles(path)?.len())
+            Ok(super::super::super::input::triangles(path, Quiet::default())?.len())
         });
         assert_eq!(count.expect("loads"), 50);
         assert!(!seen.exists() && scene.name() == "assembly-50");

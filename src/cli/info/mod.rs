@@ -6,7 +6,7 @@ mod in_words;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::{CliError, table};
+use super::{CliError, Quiet, table};
 use crate::camera::Projection;
 use crate::light::{Punctual, PunctualKind};
 use crate::math::Vec3;
@@ -25,11 +25,9 @@ use crate::scene::{
 Examples:
   dapple info scenes/cornell.gltf
   dapple info model.glb --scene 1 --variant midnight
-  dapple info scan.ply --json
-
-Exit: 0 done, 2 usage, 3 input.")]
+  dapple info scan.ply --json")]
 pub struct InfoArgs {
-    /// The scene: .gltf, .glb, .obj or .ply
+    /// The scene: .gltf, .glb, .obj, .ply or .toml
     #[arg(value_name = "SCENE")]
     scene_file: PathBuf,
     /// Which of a glTF file's scenes, by name or number from 0
@@ -41,6 +39,8 @@ pub struct InfoArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Runs the command.

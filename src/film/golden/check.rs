@@ -98,20 +98,29 @@ fn chain(error: &dyn Error) -> String {
     text
 }
 
-/// Renders a scene and holds it against its golden picture.
-pub fn check(scene: &GoldenScene, render: &RenderFn<'_>) -> Outcome {
+/// A render and the golden picture that it was held against.
+#[derive(Debug)]
+pub struct Pair {
+    /// What was rendered.
+    pub picture: Picture,
+    /// What is stored.
+    pub golden: Picture,
+}
+
+/// Renders a scene and holds it against its golden picture; both come back where there are both.
+pub fn check(scene: &GoldenScene, render: &RenderFn<'_>) -> (Outcome, Option<Pair>) {
     // Looked for first: without it there is nothing to render for.
     if !scene.golden.exists() {
         let reason = format!("{} is missing", scene.golden.display());
-        return Outcome::of(scene, Verdict::New, None, reason);
+        return (Outcome::of(scene, Verdict::New, None, reason), None);
     }
     let golden = match exr::read(&scene.golden) {
         Ok(golden) => golden,
-        Err(error) => return Outcome::failed(scene, &error),
+        Err(error) => return (Outcome::failed(scene, &error), None),
     };
     match render(scene) {
-        Ok(picture) => judge(scene, &picture, &golden),
-        Err(error) => Outcome::not_rendered(scene, &error),
+        Ok(picture) => (judge(scene, &picture, &golden), Some(Pair { picture, golden })),
+        Err(error) => (Outcome::not_rendered(scene, &error), None),
     }
 }
 
@@ -217,6 +226,10 @@ mod tests {
     use super::*;
     use crate::film::Window;
     use std::fs;
+
+    fn check(scene: &GoldenScene, render: &RenderFn<'_>) -> Outcome {
+        super::check(scene, render).0
+    }
 
     fn picture(value: f32, off: usize) -> Picture {
         let mut picture = Picture::new(Window::of_size(50, 40), Window::of_size(50, 40));

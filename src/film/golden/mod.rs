@@ -17,5 +17,5 @@
 mod check;
 mod manifest;
 
-pub use check::{Figures, Outcome, RenderError, RenderFn, Verdict, check, update};
+pub use check::{Figures, Outcome, Pair, RenderError, RenderFn, Verdict, check, update};
 pub use manifest::{GoldenScene, Limits, MANIFEST, Rule, load};

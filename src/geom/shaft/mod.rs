@@ -181,6 +181,13 @@ impl Shaft {
         self.core.map_or(f32::INFINITY, |(_, _, spread)| spread)
     }
 
+    /// The point that all of its rays start at and the directions of its corners, of which theirs
+    /// are sums with positive weights; `None` if that is not known.
+    pub fn cone(&self) -> Option<(Vec3, [Vec3; 4])> {
+        let (origins, corners, _) = self.core.as_ref()?;
+        (origins.min == origins.max).then_some((origins.min, *corners))
+    }
+
     /// Whether this region is known to hold every ray of which another was made.
     ///
     /// A half-space that holds the corners of their origins, and goes on for ever along the

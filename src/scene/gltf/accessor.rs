@@ -4,6 +4,7 @@
 //! view can be past its end, and no arithmetic on them can overflow.
 
 use super::json::{Fault, Object};
+use super::meshopt::Packed;
 use super::notices::Notices;
 
 /// A range of a buffer.
@@ -17,6 +18,15 @@ pub struct View {
     pub length: u64,
     /// From one vertex's data to the next, in bytes; none: they are packed tightly.
     pub stride: Option<u64>,
+    /// Where its bytes are instead, packed.
+    pub packed: Option<Packed>,
+}
+
+impl View {
+    /// The buffer that must be there.
+    pub fn source(&self) -> usize {
+        self.packed.map_or(self.buffer, |packed| packed.buffer)
+    }
 }
 
 /// How one number is stored.
@@ -183,7 +193,8 @@ fn view(view: &Object, buffers: &[u64], notices: &mut Notices) -> Result<View, F
             notices.add(view.at("byteStride"), "only data of vertices have a stride");
         }
     }
-    Ok(View { buffer, offset, length, stride })
+    let packed = Packed::read(view, buffers, length, stride)?;
+    Ok(View { buffer, offset, length, stride, packed })
 }
 
 /// Reads the accessors.
@@ -317,7 +328,7 @@ mod tests {
     }
 
     fn view(length: u64) -> View {
-        View { buffer: 0, offset: 0, length, stride: None }
+        View { buffer: 0, offset: 0, length, stride: None, packed: None }
     }
 
     #[test]

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::accessor::{Accessor, View};
+use super::animation::Animation;
 use super::camera::CameraDeclaration;
 use super::document::Document;
 use super::instancing::Instancing;
@@ -22,11 +23,8 @@ use super::resources;
 use super::skin::{self, Skin};
 use super::texture::ImageSource;
 use crate::math::{Aabb, MaterialId, MeshId};
+use crate::scene::placement::{self, MAX_INSTANCES};
 use crate::scene::{Instance, LoadError, LoadOptions, Material, Scene, Transform};
-
-/// The most placed meshes: each takes some 150 bytes, and meshes of many parts placed by many
-/// nodes multiply.
-const MAX_INSTANCES: usize = 1 << 22;
 
 /// Builds the scene that `options` choose; `binary` is the container's second chunk.
 pub fn assemble(
@@ -41,7 +39,9 @@ pub fn assemble(
         let wanted = options.scene.as_deref().unwrap_or_default();
         return Err(LoadError::no_such(path, "scene", wanted, names));
     };
-    let placed = nodes::place(&document.nodes, roots);
+    let roots = roots.to_vec();
+    let mut placed = nodes::place(&document.nodes, &roots);
+    let animation = animation(&document, options.time, notices);
     let mut drawn: Vec<usize> =
         placed.iter().filter_map(|at| document.nodes[at.node].mesh).collect();
     drawn.sort_unstable();
@@ -64,13 +64,22 @@ pub fn assemble(
         let matrices = skin.and_then(|skin| document.skins[skin].accessor());
         copies.chain(matrices).flat_map(|index| views_of(&document.accessors[index]))
     }));
-    let needed = needed_buffers(&document.views, document.buffers.len(), views);
+    let animated = animation.iter().flat_map(Animation::accessors);
+    let views = views.chain(animated.flat_map(|index| views_of(&document.accessors[index])));
+    let mut views: Vec<usize> = views.collect();
+    views.sort_unstable();
+    views.dedup();
+    let needed = needed_buffers(&document.views, document.buffers.len(), &views);
 
     // All that is missing is found before any of it is reported.
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut broken = Vec::new();
     let buffers = resources::load_buffers(&document.buffers, &needed, binary, folder, &mut broken);
-    let storage = Storage::new(buffers, document.views, document.accessors);
+    let mut storage = Storage::new(buffers, document.views, document.accessors);
+    let in_file = |fault: Fault| LoadError::invalid(path, fault.place, fault.message);
+    if broken.is_empty() {
+        storage.unpack(&views).map_err(in_file)?;
+    }
     let textures = resources::load_textures(
         &slots,
         &document.textures,
@@ -85,7 +94,12 @@ pub fn assemble(
         return Err(LoadError::References { file: path.display().to_string(), broken });
     }
 
-    let mut worlds = vec![None; document.nodes.len()];
+    let mut nodes = document.nodes;
+    if let (Some(animation), Some(time)) = (animation, options.time) {
+        animation.pose(&mut nodes, f64::from(time), &storage).map_err(in_file)?;
+        placed = nodes::place(&nodes, &roots);
+    }
+    let mut worlds = vec![None; nodes.len()];
     for at in &placed {
         worlds[at.node] = Some(at.to_world);
     }
@@ -99,15 +113,13 @@ pub fn assemble(
         scene: Scene::default(),
     };
     for at in &placed {
-        let node = &document.nodes[at.node];
+        let node = &nodes[at.node];
         let Some(mesh) = node.mesh else { continue };
-        builder
-            .place_node(&document.meshes[mesh], node, at, notices)
-            .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
+        builder.place_node(&document.meshes[mesh], node, at, notices).map_err(in_file)?;
     }
     let mut scene = builder.scene;
     let (cameras, lights) = (&document.cameras, &document.lights);
-    place_cameras_and_lights(&document.nodes, cameras, lights, &placed, &mut scene, notices);
+    place_cameras_and_lights(&nodes, cameras, lights, &placed, &mut scene, notices);
     scene.materials = builder.palette.materials;
     scene.textures = textures;
     Ok(scene)
@@ -143,16 +155,33 @@ fn place_cameras_and_lights(
     scene.cameras = found.into_iter().map(|(_, camera)| camera).collect();
 }
 
+/// The animation to pose, and what there is to say of those that are not.
+fn animation(document: &Document, time: Option<f32>, notices: &mut Notices) -> Option<Animation> {
+    let count = document.animations.len();
+    match (time, count) {
+        (None, 0) => {}
+        (None, _) => {
+            notices.add("/animations", "all is in its rest pose: --time poses animations");
+        }
+        (Some(_), 0) => notices.add("", "there is no animation: --time changes nothing"),
+        (Some(_), 1) => {}
+        (Some(_), _) => {
+            notices.add("/animations", format!("the first of {count} animations is posed"));
+        }
+    }
+    time.and(document.animations.first().cloned())
+}
+
 /// The buffer views that an accessor reads.
 fn views_of(accessor: &Accessor) -> impl Iterator<Item = usize> {
     let sparse = accessor.sparse.iter().flat_map(|sparse| [sparse.indices.0, sparse.values.0]);
     accessor.base.map(|(view, _)| view).into_iter().chain(sparse)
 }
 
-fn needed_buffers(views: &[View], buffers: usize, used: impl Iterator<Item = usize>) -> Vec<bool> {
+fn needed_buffers(views: &[View], buffers: usize, used: &[usize]) -> Vec<bool> {
     let mut needed = vec![false; buffers];
-    for view in used {
-        needed[views[view].buffer] = true;
+    for &view in used {
+        needed[views[view].source()] = true;
     }
     needed
 }
@@ -302,12 +331,12 @@ impl Builder<'_> {
             if bounds.is_empty() {
                 continue; // has no triangles
             }
-            if !stays_finite(&at.to_world, bounds) {
+            if !placement::stays_finite(&at.to_world, bounds) {
                 let message = "places its mesh beyond the range of 32-bit floats";
                 return Err(Fault::new(node(), message));
             }
             self.note_missing_sets(primitive, id, material, notices);
-            let transform = Transform::new(nodes::narrowed(&at.to_world));
+            let transform = Transform::new(placement::narrowed(&at.to_world));
             self.scene.instances.push(Instance { mesh: id, material, transform });
         }
         Ok(())
@@ -357,34 +386,5 @@ impl Builder<'_> {
             let message = "has no such texture coordinates as its material's textures need";
             notices.add(primitive.place.clone(), message);
         }
-    }
-}
-
-/// Whether all of a box can be placed without overflow, with room for what follows.
-fn stays_finite(to_world: &DAffine3, bounds: Aabb) -> bool {
-    let reach = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
-    let DAffine3 { matrix3, translation } = *to_world;
-    let farthest = matrix3.x_axis.abs() * reach.x
-        + matrix3.y_axis.abs() * reach.y
-        + matrix3.z_axis.abs() * reach.z
-        + translation.abs();
-    let entries = matrix3.x_axis.abs().max(matrix3.y_axis.abs()).max(matrix3.z_axis.abs());
-    let limit = DVec3::splat(f64::from(f32::MAX) / 4.0);
-    farthest.cmple(limit).all() && entries.cmple(limit).all()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::Vec3;
-
-    #[test]
-    fn what_would_overflow_is_found_before_it_does() {
-        let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(2.0) };
-        let scaled = |scale| stays_finite(&DAffine3::from_scale(DVec3::splat(scale)), bounds);
-        assert!(scaled(1e37));
-        assert!(!scaled(1e38));
-        assert!(!scaled(f64::INFINITY));
-        assert!(!scaled(f64::NAN));
     }
 }

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::accessor::{self, Accessor, View};
+use super::animation::{self, Animation};
 use super::camera::{self, CameraDeclaration};
 use super::extensions;
 use super::json::{Fault, Object};
@@ -51,6 +52,8 @@ pub struct Document {
     pub skins: Vec<Skin>,
     /// Nodes without parents.
     pub roots: Vec<usize>,
+    /// Animations.
+    pub animations: Vec<Animation>,
     /// Cameras.
     pub cameras: Vec<CameraDeclaration>,
     /// Lights.
@@ -97,11 +100,6 @@ impl Document {
             return Err(Refusal::Extensions(unsupported));
         }
         let extensions = extensions::note(value, &root, notices)?;
-        if !root.array("animations")?.is_empty() {
-            notices
-                .add(root.at("animations"), "animations are not played: all is in its rest pose");
-        }
-
         let buffers = resources::buffers(&root)?;
         let lengths: Vec<u64> = buffers.iter().map(|buffer| buffer.length).collect();
         let views = accessor::views(&root, &lengths, notices)?;
@@ -123,8 +121,10 @@ impl Document {
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
         let skins = skin::read(&root, root.array("nodes")?.len(), accessors.len())?;
+        let nodes_count = root.array("nodes")?.len();
+        let animations = animation::read(&root, nodes_count, accessors.len(), notices)?;
         let counts = Counts {
-            nodes: root.array("nodes")?.len(),
+            nodes: nodes_count,
             meshes: meshes.len(),
             accessors: accessors.len(),
             cameras: cameras.len(),
@@ -148,6 +148,7 @@ impl Document {
             nodes,
             skins,
             roots,
+            animations,
             cameras,
             lights,
             scenes,

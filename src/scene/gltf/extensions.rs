@@ -9,8 +9,9 @@ use super::notices::Notices;
 use crate::scene::UsedExtension;
 
 /// What this loader does all of.
-const HONOURED: [&str; 17] = [
+const HONOURED: [&str; 18] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",

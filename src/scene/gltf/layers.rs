@@ -59,8 +59,7 @@ impl Reader<'_, '_> {
 
     fn iridescence(&mut self, film: &Object, layers: &mut MaterialLayers) -> Result<(), Fault> {
         layers.iridescence = self.share(film, "iridescenceFactor", 0.0)?;
-        layers.iridescence_texture =
-            self.member(film, "iridescenceTexture", ColorSpace::Linear)?;
+        layers.iridescence_texture = self.member(film, "iridescenceTexture", ColorSpace::Linear)?;
         layers.iridescence_ior = film.number("iridescenceIor")?.unwrap_or(1.3);
         if layers.iridescence_ior < 1.0 {
             self.notices.add(film.at("iridescenceIor"), "is below 1; 1 is used");

@@ -3,10 +3,10 @@
 use glam::DAffine3;
 
 use super::json::{Fault, Object};
-use super::nodes;
 use super::notices::Notices;
 use crate::light::{Punctual, PunctualKind};
 use crate::math::Vec3;
+use crate::scene::placement;
 
 /// A light without its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ impl LightDeclaration {
     /// no directions.
     pub fn place(&self, to_world: &DAffine3) -> Option<Punctual> {
         let Self { kind, intensity, range } = *self;
-        let to_world = nodes::rigid(to_world)?;
+        let to_world = placement::rigid(to_world)?;
         let position = to_world.translation.as_vec3();
         let direction = -to_world.matrix3.z_axis.as_vec3();
         Some(Punctual { kind, position, direction, intensity, range })

@@ -9,6 +9,7 @@
 //! What the file asks for and does not get becomes a notice of the scene.
 
 mod accessor;
+mod animation;
 mod assemble;
 mod camera;
 mod document;
@@ -20,6 +21,7 @@ mod layers;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod notices;
 mod primitive;

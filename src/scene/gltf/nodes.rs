@@ -3,13 +3,12 @@
 //! Every walk is a loop, so that a file of a million nested nodes is only a long one, and matrices
 //! are multiplied in f64, so that thirty nested joints still meet where they should.
 
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::instancing::Instancing;
 use super::json::{Fault, Object};
 use super::mesh;
 use super::notices::Notices;
-use crate::math::Affine3A;
 
 /// How many of everything there are that a node may refer to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,6 +48,26 @@ pub struct Node {
     pub light: Option<usize>,
     /// To its parent's space.
     pub local: DAffine3,
+    /// What that is made of, as far as it can be told of a matrix.
+    pub parts: Parts,
+}
+
+/// What a node's transform is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parts {
+    /// Done last.
+    pub translation: DVec3,
+    /// Of unit length.
+    pub rotation: DQuat,
+    /// Done first.
+    pub scale: DVec3,
+}
+
+impl Parts {
+    /// To the parent's space.
+    pub fn local(&self) -> DAffine3 {
+        DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
 }
 
 /// A node that is drawn, and where.
@@ -70,6 +89,7 @@ fn node(object: &Object, counts: Counts, notices: &mut Notices) -> Result<Node, 
         Some(extension) => Some(extension.required_reference("light", "light", counts.lights)?),
         None => None,
     };
+    let (local, parts) = local(object, notices)?;
     Ok(Node {
         name: object.name()?,
         children: object.references("children", "node", counts.nodes)?,
@@ -79,12 +99,13 @@ fn node(object: &Object, counts: Counts, notices: &mut Notices) -> Result<Node, 
         copies: Instancing::read(object, counts.accessors, notices)?,
         camera: object.reference("camera", "camera", counts.cameras)?,
         light,
-        local: local(object, notices)?,
+        local,
+        parts,
     })
 }
 
 /// The matrix, or else translation, rotation and scale.
-fn local(object: &Object, notices: &mut Notices) -> Result<DAffine3, Fault> {
+fn local(object: &Object, notices: &mut Notices) -> Result<(DAffine3, Parts), Fault> {
     let translation = object.numbers::<3>("translation")?.unwrap_or_default();
     let rotation = object.numbers::<4>("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
     let scale = object.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
@@ -96,7 +117,9 @@ fn local(object: &Object, notices: &mut Notices) -> Result<DAffine3, Fault> {
         if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
             return Err(object.fault_at("matrix", "its last row must be 0 0 0 1"));
         }
-        return Ok(DAffine3::from_mat4(matrix));
+        let local = DAffine3::from_mat4(matrix);
+        let (scale, rotation, translation) = local.to_scale_rotation_translation();
+        return Ok((local, Parts { translation, rotation, scale }));
     }
     let rotation = DQuat::from_array(rotation);
     let length = rotation.length();
@@ -106,11 +129,12 @@ fn local(object: &Object, notices: &mut Notices) -> Result<DAffine3, Fault> {
     if (length - 1.0).abs() > 1e-3 {
         notices.add(object.at("rotation"), "is not of unit length, and was normalised");
     }
-    Ok(DAffine3::from_scale_rotation_translation(
-        DVec3::from_array(scale),
-        rotation * (1.0 / length),
-        DVec3::from_array(translation),
-    ))
+    let parts = Parts {
+        translation: DVec3::from_array(translation),
+        rotation: rotation * (1.0 / length),
+        scale: DVec3::from_array(scale),
+    };
+    Ok((parts.local(), parts))
 }
 
 /// Of each node its parent; refuses nodes with two parents and nodes below themselves.
@@ -155,21 +179,6 @@ pub fn place(nodes: &[Node], roots: &[usize]) -> Vec<Placed> {
         );
     }
     placed
-}
-
-/// Where something stands that has no size, such as a camera: without scale, mirroring and shear,
-/// looking along the node's -Z with its +Y up. None if the node has no such directions.
-pub fn rigid(to_world: &DAffine3) -> Option<DAffine3> {
-    let z = to_world.matrix3.z_axis.try_normalize()?;
-    let x = to_world.matrix3.y_axis.cross(z).try_normalize()?;
-    let matrix3 = DMat3::from_cols(x, z.cross(x), z);
-    let translation = to_world.translation;
-    (matrix3.is_finite() && translation.is_finite()).then_some(DAffine3 { matrix3, translation })
-}
-
-/// The same in f32.
-pub fn narrowed(to_world: &DAffine3) -> Affine3A {
-    Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
 }
 
 #[cfg(test)]
@@ -226,12 +235,5 @@ mod tests {
         parents(&nodes).expect("a tree");
         let last = place(&nodes, &[0]).last().copied().expect("placed");
         assert_eq!(last.to_world.translation.x, 99_999.0);
-    }
-
-    #[test]
-    fn what_has_no_size_loses_scale_and_mirroring() {
-        let mirrored = DAffine3::from_scale(DVec3::new(-2.0, 3.0, 4.0));
-        assert_eq!(rigid(&mirrored), Some(DAffine3::IDENTITY));
-        assert_eq!(rigid(&DAffine3::from_scale(DVec3::ZERO)), None);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::cell::Cell;
+use std::collections::BTreeMap;
 
 use super::accessor::{Accessor, Component, Shape, View};
 use super::json::Fault;
@@ -22,6 +23,8 @@ pub struct Storage<'a> {
     buffers: Vec<Option<Cow<'a, [u8]>>>,
     views: Vec<View>,
     accessors: Vec<Accessor>,
+    /// Of packed views their bytes.
+    unpacked: BTreeMap<usize, Vec<u8>>,
     /// Bytes that may still be decoded.
     budget: Cell<u64>,
 }
@@ -35,7 +38,7 @@ impl<'a> Storage<'a> {
     ) -> Self {
         let total: u64 = buffers.iter().flatten().map(|bytes| bytes.len() as u64).sum();
         let budget = Cell::new(FREE_BYTES + total.saturating_mul(EXPANSION));
-        Self { buffers, views, accessors, budget }
+        Self { buffers, views, accessors, unpacked: BTreeMap::new(), budget }
     }
 
     /// An accessor that the document has.
@@ -43,9 +46,32 @@ impl<'a> Storage<'a> {
         &self.accessors[index]
     }
 
-    /// The bytes of a buffer view.
+    /// Unpacks those of some views that are packed.
+    ///
+    /// # Errors
+    /// What is wrong with the packed bytes, or that there is far too much to unpack.
+    pub fn unpack(&mut self, views: &[usize]) -> Result<(), Fault> {
+        for &index in views {
+            let View { packed: Some(packed), length, .. } = self.views[index] else { continue };
+            let place = format!("/bufferViews/{index}");
+            self.reserve(&place, length)?;
+            let bytes = self.range(index, packed.buffer, packed.offset, packed.length)?;
+            let bytes = packed.unpack(bytes).map_err(|message| Fault::new(place, message))?;
+            self.unpacked.insert(index, bytes);
+        }
+        Ok(())
+    }
+
+    /// The bytes of a buffer view; of a packed one only once it is unpacked.
     pub fn view(&self, index: usize) -> Result<&[u8], Fault> {
+        if let Some(bytes) = self.unpacked.get(&index) {
+            return Ok(bytes);
+        }
         let View { buffer, offset, length, .. } = self.views[index];
+        self.range(index, buffer, offset, length)
+    }
+
+    fn range(&self, index: usize, buffer: usize, offset: u64, length: u64) -> Result<&[u8], Fault> {
         let bytes = self.buffers[buffer].as_deref().ok_or_else(|| {
             Fault::new(format!("/buffers/{buffer}"), "has no data that dapple can read")
         })?;
@@ -203,7 +229,8 @@ mod tests {
     use super::*;
 
     fn storage(bytes: &[u8], stride: Option<u64>, accessor: Accessor) -> Storage<'_> {
-        let view = |offset, length, stride| View { buffer: 0, offset, length, stride };
+        let view =
+            |offset, length, stride| View { buffer: 0, offset, length, stride, packed: None };
         let all = bytes.len() as u64;
         // View 0 is everything, view 1 the last six bytes.
         let views = vec![view(0, all, stride), view(all - 6, 6, None)];

@@ -12,12 +12,14 @@
 //! | `illum` 4, 6, 7 or 9 with d < 1 or `Tf` | smooth solid glass of index `Ni` (1.5 if absent) |
 //! | `Tf` and `Ni` without `illum` | the same |
 //! | `Pr`, `Pm` | roughness, metalness, instead of the above |
+//! | `Pc`, `Ps`, `aniso`, … | what lies on it: `layers.rs` |
 //!
 //! Glass is tinted once per crossing, by `Tf`, or where that is absent by the share `d` of `Kd`.
 //! `Ns` broadens highlights only and so leaves glass smooth; `Pr` makes it rough.
 
 use std::path::Path;
 
+use super::layers::layers;
 use super::maps::{Maps, Use};
 use super::mtl::MtlMaterial;
 use super::remarks::Remarks;
@@ -55,6 +57,7 @@ pub(super) fn convert(
         (ke, _) => ke.unwrap_or_default(),
     };
     textures(&mut material, mtl, file, maps, remarks);
+    material.layers = layers(mtl, file, maps, remarks);
     material
 }
 
@@ -256,6 +259,17 @@ mod tests {
     fn pbr_statements_win() {
         let m = quietly("Kd 1 0.5 0\nNs 10\nPr 0.2\nPm 0.7\nillum 3");
         assert_eq!((m.roughness, m.metallic, m.specular), (0.2, 0.7, 1.0));
+    }
+
+    #[test]
+    fn coats_sheen_and_stretch_lie_on_it() {
+        let coated = quietly("Kd 1 0 0\nPr 0.5\nPc 0.75\nPcr 0.1\nPs 0.25\naniso 0.5\nanisor 0.25");
+        let layers = coated.layers.expect("layers");
+        assert_eq!((layers.clearcoat, layers.clearcoat_roughness), (0.75, 0.1));
+        assert_eq!((layers.sheen_color.x, layers.anisotropy), (0.25, 0.5));
+        assert!((layers.anisotropy_rotation - crate::math::Vec2::Y).length() < 1e-6);
+        assert!(quietly("Pc 0\nPcr 0.5\nPs 0\naniso 0").layers.is_none());
+        assert_eq!(converted("Pc 3").1, ["a Pc outside of 0 to 1 is clamped"]);
     }
 
     #[test]

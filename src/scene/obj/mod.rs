@@ -17,6 +17,7 @@
 //!   format. References may not leave the scene's folder.
 
 mod geometry;
+mod layers;
 mod lines;
 mod maps;
 mod material;

@@ -36,12 +36,25 @@ pub(super) struct MtlMaterial {
     pub pr: Option<f32>,
     /// Metalness.
     pub pm: Option<f32>,
+    /// Sheen.
+    pub ps: Option<f32>,
+    /// Strength of a clear coat.
+    pub pc: Option<f32>,
+    /// Its roughness.
+    pub pcr: Option<f32>,
+    /// Anisotropy.
+    pub aniso: Option<f32>,
+    /// Its angle, turns.
+    pub anisor: Option<f32>,
     pub map_kd: Option<Map>,
     pub map_ks: Option<Map>,
     pub map_ke: Option<Map>,
     pub map_d: Option<Map>,
     pub map_pr: Option<Map>,
     pub map_pm: Option<Map>,
+    pub map_ps: Option<Map>,
+    pub map_pc: Option<Map>,
+    pub map_pcr: Option<Map>,
     /// Heights.
     pub bump: Option<Map>,
     /// Normals.
@@ -99,6 +112,11 @@ fn statement(
         "tr" => number(&mut material.tr, s.rest),
         "pr" => number(&mut material.pr, s.rest),
         "pm" => number(&mut material.pm, s.rest),
+        "ps" => number(&mut material.ps, s.rest),
+        "pc" => number(&mut material.pc, s.rest),
+        "pcr" => number(&mut material.pcr, s.rest),
+        "aniso" => number(&mut material.aniso, s.rest),
+        "anisor" => number(&mut material.anisor, s.rest),
         "illum" => {
             let (numbers, _) = lines::numbers(s.rest, 1)?;
             if (0.0..=10.0).contains(&numbers[0]) {
@@ -114,6 +132,9 @@ fn statement(
         "map_d" => map(&mut material.map_d, s, remarks),
         "map_pr" => map(&mut material.map_pr, s, remarks),
         "map_pm" => map(&mut material.map_pm, s, remarks),
+        "map_ps" => map(&mut material.map_ps, s, remarks),
+        "map_pc" => map(&mut material.map_pc, s, remarks),
+        "map_pcr" => map(&mut material.map_pcr, s, remarks),
         "map_bump" | "bump" => map(&mut material.bump, s, remarks),
         "norm" | "map_norm" => map(&mut material.norm, s, remarks),
         // Ambient light is what path tracing computes; anti-aliasing of textures what it does.
@@ -176,7 +197,7 @@ mod tests {
     #[test]
     fn what_is_not_honoured_is_said() {
         let (_, remarks) = parsed(
-            "Kd 1 1 1\nnewmtl a\nKa 1 1 1\nPc 0\nPs 0.5\nrefl -type sphere a.png\n\
+            "Kd 1 1 1\nnewmtl a\nKa 1 1 1\nPx 0\nPz 0.5\nrefl -type sphere a.png\n\
              Kd spectral a.rfl\nillum 99\nd -halo 0.5\n",
         )
         .unwrap();
@@ -184,7 +205,7 @@ mod tests {
             remarks,
             [
                 "Kd before any newmtl is skipped",
-                "Ps is not honoured",
+                "Pz is not honoured",
                 "refl is not honoured",
                 "Kd other than by RGB is not honoured",
                 "there is no illum 99",

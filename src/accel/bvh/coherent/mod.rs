@@ -1,8 +1,8 @@
 //! `bvh-packet`, `bvh-partition`, `bvh-entry-point`, `bvh-path-compression`: the binary hierarchy,
 //! many rays at a time.
 //!
-//! A slice is cut into packets of up to 256 rays (`cut`): blocks of its raster where it is one, runs
-//! of rays where it is not. A packet walks the tree of `bvh2` together (`packet`), so that a node is
+//! A slice is cut into packets of up to 256 rays: blocks of its raster where it is one, runs of rays
+//! where it is not (`accel::coherent`, which packets through kd-trees share). A packet walks the tree of `bvh2` together (`packet`), so that a node is
 //! fetched once for all of its rays and most decisions are made once.
 //!
 //! `bvh-packet`: I. Wald, S. Boulos and P. Shirley, "Ray tracing deformable scenes using dynamic
@@ -39,9 +39,6 @@
 //! by the verdict; and a box is passed by only if the slab test of each ray says so, or the shaft,
 //! which never says so of a box that one would enter ([`crate::geom::shaft`]).
 
-mod compress;
-mod cut;
-mod entry;
 mod packet;
 mod place;
 mod slice;
@@ -52,17 +49,15 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
 
-use self::compress::{Branch, Compression, Step};
-use self::cut::RAYS;
-use self::entry::entry_point;
 use self::packet::Packet;
-use self::place::Places;
+use self::place::{Place, Places};
 use super::binary::{self, Bvh2};
 use super::leaves::{CACHE, TRIANGLES};
 use super::{BUILD, REFINE};
+use crate::accel::coherent::{Branch, Narrowing, PC, Pool, SIZE, Start, View};
 use crate::accel::{
-    Accel, Batch, BuildError, BuildInput, BuildReport, Counters, MemoryReport, NotCounted,
-    OptionSpec, Query, Shot, Traverse, Value, Values, Variant,
+    Accel, Batch, BuildError, BuildInput, BuildReport, Counters, MemoryReport, OptionSpec, Query,
+    Shot, Traverse, Value, Values, Variant,
 };
 use crate::geom::Shaft;
 
@@ -112,28 +107,12 @@ pub const PATH_COMPRESSION: Variant = Variant {
     },
 };
 
-/// The side of a packet.
-const SIZE: OptionSpec = OptionSpec {
-    name: "size",
-    summary: "rays along a side of a packet, where the slice is a raster",
-    values: Values::Integer(2, 16),
-    default: Value::Integer(16),
-};
-
 /// What walks below the entry point or the compressed tree.
 const WITH: OptionSpec = OptionSpec {
     name: "with",
     summary: "whether packets go down early, as bvh-packet's, or are partitioned, as bvh-partition's",
     values: Values::Choice(&["packet", "partition"]),
     default: Value::Choice("packet"),
-};
-
-/// How paths are compressed.
-const PC: OptionSpec = OptionSpec {
-    name: "pc",
-    summary: "how paths are compressed; both make the same tree",
-    values: Values::Choice(&["iterative", "recursive"]),
-    default: Value::Choice("iterative"),
 };
 
 /// Whether packets have trees of their own.
@@ -153,41 +132,16 @@ pub struct Coherent {
     partitions: bool,
     start: Start,
     /// What it was narrowed to.
-    view: Option<View>,
-}
-
-/// Where packets start from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Start {
-    Root,
-    /// The entry point of the slice.
-    EntryPoint,
-    /// The slice's tree of branches.
-    Compressed {
-        recursive: bool,
-        /// One more for each packet.
-        per_packet: bool,
-    },
-}
-
-/// The part of the hierarchy that a region meets.
-struct View {
-    shaft: Shaft,
-    branches: Vec<Branch>,
-    /// `None` if it meets no leaf.
-    step: Option<Step>,
+    view: Option<View<Place>>,
 }
 
 /// A thread's own.
 pub struct Scratch {
     single: binary::Scratch,
     packet: Packet,
-    /// Rays of the packet at hand, those that head the same way, and those to be walked one by one.
-    members: Vec<u32>,
-    group: Vec<u32>,
-    singles: Vec<u32>,
+    pool: Pool,
     /// Trees of the slice and of the packet at hand.
-    branches: Vec<Branch>,
+    branches: Vec<Branch<Place>>,
 }
 
 impl Coherent {
@@ -197,26 +151,9 @@ impl Coherent {
         Ok(Self { bvh, size: side * side, partitions, start, view: None })
     }
 
-    fn places(&self) -> Option<Places<'_>> {
-        self.bvh.root.map(|root| Places { bvh: &self.bvh, root })
-    }
-
-    /// Where rays of a shaft start below a step. Branches are put behind those of the thread.
-    /// `None` if they meet no leaf.
-    fn narrow<C: Counters>(
-        &self,
-        (places, from): (Places<'_>, Step),
-        (view, own): (&[Branch], &mut Vec<Branch>),
-        shaft: &Shaft,
-        counters: &mut C,
-    ) -> Option<Step> {
-        let mut compression = Compression { places, view, own, shaft };
-        match self.start {
-            Start::Root => Some(from),
-            Start::EntryPoint => entry_point(places, from.place, shaft, counters).map(Step::to),
-            Start::Compressed { recursive: true, .. } => compression.recursive(from, counters),
-            Start::Compressed { .. } => compression.iterative(from, counters),
-        }
+    fn narrowing(&self) -> Option<Narrowing<'_, Places<'_>>> {
+        let tree = self.bvh.root.map(|root| Places { bvh: &self.bvh, root })?;
+        Some(Narrowing { tree, root: Place::ROOT, start: self.start, view: self.view.as_ref() })
     }
 }
 
@@ -227,9 +164,7 @@ impl Traverse for Coherent {
         Scratch {
             single: self.bvh.scratch(),
             packet: Packet::new(),
-            members: Vec::with_capacity(RAYS),
-            group: Vec::with_capacity(RAYS),
-            singles: Vec::new(),
+            pool: Pool::default(),
             branches: Vec::new(),
         }
     }
@@ -259,18 +194,9 @@ impl Traverse for Coherent {
     }
 
     fn view(&self, shaft: &Shaft) -> Option<Box<dyn Accel + '_>> {
-        let places = self.places().filter(|_| self.start != Start::Root)?;
-        let wider = self.view.as_ref().filter(|view| view.shaft.contains(shaft));
-        let from = wider.map_or(Some(Step::ROOT), |view| view.step);
-        let wider = wider.map_or(&[][..], |view| &view.branches);
-        let mut branches = Vec::new();
-        let step = from.and_then(|from| {
-            self.narrow((places, from), (wider, &mut branches), shaft, &mut NotCounted)
-        });
-        branches.shrink_to_fit();
-        let step = step.map(|step| step.without(wider.len()));
-        let (bvh, view) = (Arc::clone(&self.bvh), View { shaft: shaft.clone(), branches, step });
-        Some(Box::new(Self { bvh, view: Some(view), ..*self }))
+        let narrowing = self.narrowing().filter(|_| self.start != Start::Root)?;
+        let (bvh, view) = (Arc::clone(&self.bvh), Some(narrowing.to(shaft)));
+        Some(Box::new(Self { bvh, view, ..*self }))
     }
 
     fn level(&self) -> Level {
@@ -280,7 +206,7 @@ impl Traverse for Coherent {
     fn memory(&self) -> MemoryReport {
         let mut memory = Traverse::memory(&*self.bvh);
         if let Some(view) = &self.view {
-            memory.parts.push(("branches", size_of_val(&*view.branches)));
+            memory.parts.push(("branches", view.bytes()));
         }
         memory
     }

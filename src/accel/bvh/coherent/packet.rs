@@ -1,22 +1,17 @@
 //! A packet: rays side by side, and the walk of all of them through the hierarchy.
 
-use fearless_simd::{Simd, SimdBase};
+use fearless_simd::Simd;
 
 use super::super::binary::WIDTH;
 use super::super::leaves::Fetched;
 use super::super::link::Link;
 use super::super::sah;
-use super::compress::{Branches, Step};
-use super::cut::RAYS;
-use super::place::Places;
-use crate::accel::{Batch, ClosestHit, Counters, Event, Query, Terms};
-use crate::geom::{FilterTriangle, Heading, RayBundle, Shaft, Triangle, TriangleBlock};
-use crate::math::{Aabb, TriangleId, Vec3};
+use super::place::{Place, Places};
+use crate::accel::coherent::{Ask, BUNDLES, Branches, Hierarchy, Order, Rays, Step};
+use crate::accel::{Batch, Counters, Event, Query};
+use crate::geom::{Shaft, TriangleBlock};
+use crate::math::{Aabb, TriangleId};
 
-/// Rays of a bundle.
-const LANES: usize = RayBundle::LANES;
-/// Bundles of a packet.
-pub const BUNDLES: usize = RAYS / LANES;
 /// What is put aside: two children at most for each node on the way, of which one is taken up.
 const STACK: usize = sah::MAX_DEPTH + 2;
 
@@ -27,29 +22,24 @@ struct Active {
     end: u8,
 }
 
-/// A packet under way; all of its rays go the same way along each axis.
+/// A packet under way; all of its rays head the same way.
 pub struct Packet {
-    bundles: Box<[RayBundle]>,
-    /// How many bundles there are.
-    count: usize,
-    /// Numbers of the rays in the slice.
-    members: Vec<u32>,
-    heading: Heading,
     /// Bundles in the order in which they are asked; only partitions change it.
     order: [u8; BUNDLES],
     /// Of each bundle the rays that enter the leaf at hand.
     entered: [u8; BUNDLES],
-    stack: Box<[(Step, Active); STACK]>,
+    stack: Box<[(Step<Place>, Active); STACK]>,
 }
 
 /// What a walk is in.
 pub struct Walk<'a, S, Q> {
     pub simd: S,
     pub places: Places<'a>,
-    pub branches: Branches<'a>,
+    pub branches: Branches<'a, Place>,
     pub batch: &'a Batch<'a>,
+    pub rays: &'a mut Rays,
     /// Of the packet's rays, in its order.
-    pub queries: &'a mut Vec<Q>,
+    pub queries: &'a mut [Q],
     pub fetched: &'a mut Fetched<WIDTH>,
     /// Whether the rays are partitioned at each node.
     pub partitions: bool,
@@ -60,43 +50,10 @@ pub struct Walk<'a, S, Q> {
 impl Packet {
     pub fn new() -> Self {
         Self {
-            bundles: vec![RayBundle::EMPTY; BUNDLES].into_boxed_slice(),
-            count: 0,
-            members: Vec::with_capacity(RAYS),
-            heading: Heading::default(),
             order: [0; BUNDLES],
             entered: [0; BUNDLES],
-            stack: Box::new([(Step::ROOT, Active { first: 0, end: 0 }); STACK]),
+            stack: Box::new([(Step::to(Place::ROOT), Active { first: 0, end: 0 }); STACK]),
         }
-    }
-
-    /// Takes up rays of a slice.
-    #[inline(always)]
-    pub fn fill(&mut self, batch: &Batch<'_>, members: &[u32]) {
-        self.members.clear();
-        self.members.extend_from_slice(members);
-        self.count = members.len().div_ceil(LANES);
-        let Some(&first) = members.first() else { return };
-        self.heading = Heading::of(batch.rays()[first as usize].direction());
-        self.bundles[self.count - 1] = RayBundle::EMPTY;
-        for (i, &member) in members.iter().enumerate() {
-            self.bundles[i / LANES].put(i % LANES, &batch.rays()[member as usize]);
-        }
-        self.order = std::array::from_fn(|i| i as u8);
-    }
-
-    /// Prepares its rays, which must all head the same way.
-    #[inline(always)]
-    fn prepare<S: Simd>(&mut self, simd: S) {
-        for bundle in &mut self.bundles[..self.count] {
-            bundle.prepare(simd, self.heading);
-        }
-    }
-
-    /// The region of its rays; see [`Shaft::of_rays`].
-    #[inline(always)]
-    pub fn shaft<S: Simd>(&self, simd: S, corners: [Vec3; 4]) -> Option<Shaft> {
-        Shaft::of_bundles(simd, &self.bundles[..self.count], corners)
     }
 
     /// Walks from a place down. The answers are left in the queries.
@@ -104,33 +61,30 @@ impl Packet {
     pub fn walk<S: Simd, Q: Query, C: Counters>(
         &mut self,
         walk: &mut Walk<'_, S, Q>,
-        start: Option<Step>,
+        start: Option<Step<Place>>,
         shaft: &mut Shaft,
         counters: &mut C,
     ) {
-        self.prepare(walk.simd);
-        walk.queries.clear();
-        let rays = walk.batch.rays();
-        walk.queries.extend(self.members.iter().map(|&i| Q::new(&rays[i as usize])));
         // Nothing to meet: nothing is hit.
         let Some(start) = start else { return };
-        let mut waiting = self.members.len();
+        self.order = std::array::from_fn(|i| i as u8);
+        let mut waiting = walk.rays.lanes();
         let mut nearer = false;
-        self.stack[0] = (start, Active { first: 0, end: self.count as u8 });
+        self.stack[0] = (start, Active { first: 0, end: walk.rays.count() as u8 });
         let mut top = 1;
         while top > 0 {
             top -= 1;
             let (step, active) = self.stack[top];
             let bounds = walk.places.bounds(step.place);
             if nearer && active.end > active.first + 1 {
-                self.end_shaft(walk.simd, shaft);
+                walk.rays.end_shaft(walk.simd, shaft);
                 nearer = false;
             }
             let Some(active) = self.enter(walk, &bounds, active, shaft, counters) else {
                 continue;
             };
             let Some([first, second]) = walk.branches.below(walk.places, step) else {
-                self.mark(walk.simd, &bounds, active, counters);
+                self.mark(walk, &bounds, active, counters);
                 let found = self.test_leaf(walk, walk.places.link(step.place), active, counters);
                 nearer |= found > 0;
                 if Q::ANY {
@@ -170,12 +124,12 @@ impl Packet {
     ) -> Option<Active> {
         let Active { first, end } = active;
         let mut kept = first;
+        let negative = walk.rays.heading(0).negative;
         for at in first..end {
             let bundle = self.order[usize::from(at)];
             counters.count(Event::BoxTest);
-            let enters =
-                self.bundles[usize::from(bundle)].enter(walk.simd, bounds, self.heading.negative)
-                    != 0;
+            let bundle = walk.rays.bundle(usize::from(bundle));
+            let enters = bundle.enter(walk.simd, bounds, negative) != 0;
             if enters {
                 if !walk.partitions {
                     return Some(Active { first: at, end });
@@ -191,18 +145,19 @@ impl Packet {
 
     /// Finds the rays that enter a leaf's box.
     #[inline(always)]
-    fn mark<S: Simd, C: Counters>(
+    fn mark<S: Simd, Q: Query, C: Counters>(
         &mut self,
-        simd: S,
+        walk: &Walk<'_, S, Q>,
         bounds: &Aabb,
         Active { first, end }: Active,
         counters: &mut C,
     ) {
         counters.add(Event::BoxTest, u64::from(end - first));
+        let negative = walk.rays.heading(0).negative;
         for &bundle in &self.order[usize::from(first)..usize::from(end)] {
             let bundle = usize::from(bundle);
-            self.entered[bundle] =
-                self.bundles[bundle].enter(simd, bounds, self.heading.negative) as u8;
+            let enters = walk.rays.bundle(bundle).enter(walk.simd, bounds, negative);
+            self.entered[bundle] = enters as u8;
         }
     }
 
@@ -217,88 +172,18 @@ impl Packet {
     ) -> usize {
         let mut found = 0;
         let block = walk.places.bvh.block(link.place(), walk.fetched, counters);
-        let (block, order) =
-            (TriangleBlock { vertices: *block.vertices, ids: *block.ids }, self.order);
+        let block = TriangleBlock { vertices: *block.vertices, ids: *block.ids };
         let block = block.parts();
+        let mut ask = Ask { simd: walk.simd, batch: walk.batch, queries: walk.queries };
+        let bundles = &self.order[usize::from(first)..usize::from(end)];
+        let mut order = Order { bundles, entered: &mut self.entered };
         for (lane, &id) in block.ids.iter().enumerate() {
             if id == TriangleId::NONE {
                 break;
             }
             let triangle = block.triangle(lane);
-            let filter = FilterTriangle::new(walk.simd, &triangle);
-            for &bundle in &order[usize::from(first)..usize::from(end)] {
-                let bundle = usize::from(bundle);
-                let entered = u32::from(self.entered[bundle]);
-                if entered == 0 {
-                    continue;
-                }
-                counters.count(Event::TriangleTest);
-                if C::COUNTS {
-                    counters.add(Event::TriangleLane, u64::from(entered.count_ones()));
-                }
-                let lanes = self.bundles[bundle].candidates(walk.simd, &filter) & entered;
-                if lanes != 0 {
-                    counters.add(Event::Verdict, u64::from(lanes.count_ones()));
-                    found += self.judge(walk, bundle, lanes, id, &triangle);
-                }
-            }
+            found += walk.rays.test(&mut ask, (id, &triangle), &mut order, counters);
         }
         found
-    }
-
-    /// Lets the verdict speak over a triangle and those rays of a bundle that may hit it, and offers
-    /// what it finds; how many rays ended, or came nearer.
-    #[inline(always)]
-    fn judge<S: Simd, Q: Query>(
-        &mut self,
-        walk: &mut Walk<'_, S, Q>,
-        number: usize,
-        lanes: u32,
-        triangle: TriangleId,
-        corners: &Triangle,
-    ) -> usize {
-        let mut found = 0;
-        let bundle = &mut self.bundles[number];
-        let verdicts = bundle.verdicts(walk.simd, self.heading, corners, lanes);
-        let mut hits = verdicts.hits;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
-            hits &= hits - 1;
-            let at = number * LANES + lane;
-            let index = self.members[at] as usize;
-            let t_min = walk.batch.rays()[index].t_min();
-            let terms = Terms { t_min, index, filter: walk.batch.filter() };
-            let (t, u, v) = (verdicts.t[lane], verdicts.u[lane], verdicts.v[lane]);
-            let query = &mut walk.queries[at];
-            let before = query.t_max();
-            if query.offer(&terms, ClosestHit { t, u, v, triangle }).is_break() {
-                bundle.end_at(lane, f32::NEG_INFINITY);
-                self.entered[number] &= !(1 << lane);
-                found += 1;
-            } else if query.t_max() < before {
-                bundle.end_at(lane, query.t_max());
-                found += 1;
-            }
-        }
-        found
-    }
-
-    /// Ends the shaft where the last of the rays does.
-    #[inline(always)]
-    fn end_shaft<S: Simd>(&self, simd: S, shaft: &mut Shaft) {
-        let mut end = self.bundles[0].end_along(simd, shaft.axis());
-        for bundle in &self.bundles[1..self.count] {
-            end = end.max(bundle.end_along(simd, shaft.axis()));
-        }
-        let end = end.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);
-        shaft.end_at(end);
-    }
-
-    /// The answers of its rays, by their numbers in the slice.
-    #[inline(always)]
-    pub fn answer<Q: Query>(&self, queries: &[Q], answers: &mut [Q::Answer]) {
-        for (&member, query) in self.members.iter().zip(queries) {
-            answers[member as usize] = query.answer();
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::super::binary::Bvh2;
 use super::super::link::Link;
+use crate::accel::coherent::Hierarchy;
 use crate::math::{Aabb, Vec3};
 
 /// A child of a node: the node's place and the child's side. The root is nobody's child.
@@ -44,9 +45,20 @@ impl Places<'_> {
         self.bvh.nodes[node].children[side]
     }
 
-    /// Its box; all of space for the root.
+    /// Twice the middle of its box.
     #[inline(always)]
-    pub fn bounds(&self, place: Place) -> Aabb {
+    pub fn middle(&self, place: Place) -> Vec3 {
+        let bounds = self.bounds(place);
+        bounds.min + bounds.max
+    }
+}
+
+impl Hierarchy for Places<'_> {
+    type Place = Place;
+
+    /// All of space for the root.
+    #[inline(always)]
+    fn bounds(&self, place: Place) -> Aabb {
         if place == Place::ROOT {
             return Aabb { min: Vec3::MIN, max: Vec3::MAX };
         }
@@ -54,10 +66,14 @@ impl Places<'_> {
         self.bvh.nodes[node].bounds(side)
     }
 
-    /// Twice the middle of its box.
     #[inline(always)]
-    pub fn middle(&self, place: Place) -> Vec3 {
-        let bounds = self.bounds(place);
-        bounds.min + bounds.max
+    fn below(&self, place: Place) -> Option<[Place; 2]> {
+        let link = self.link(place);
+        (!link.is_leaf()).then(|| Place::below(link.place()))
+    }
+
+    #[inline(always)]
+    fn is_empty(&self, _: Place) -> bool {
+        false
     }
 }

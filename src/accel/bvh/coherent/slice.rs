@@ -2,19 +2,75 @@
 
 use fearless_simd::Simd;
 
-use super::compress::{Branches, Step};
-use super::cut::{Cut, RAYS};
-use super::packet::Walk;
-use super::place::Places;
-use super::{Coherent, Scratch, Start, View};
-use crate::accel::{Batch, Counters, Query, Shot, Traverse};
-use crate::geom::{Heading, Shaft};
-use crate::math::{Ray, Vec3};
+use super::packet::{Packet, Walk};
+use super::place::Place;
+use super::{Coherent, Scratch};
+use crate::accel::bvh::binary;
+use crate::accel::coherent::{
+    Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Start, Started, Step, Trees,
+    shoot_packets, shoot_singles,
+};
+use crate::accel::{Batch, Counters, Query};
+use crate::geom::Shaft;
+use crate::math::Ray;
 
-/// Packets whose slopes differ by more are walked ray by ray.
-const MOST_SPREAD: f32 = 0.5;
-/// And groups of fewer rays.
-const FEW: usize = 4;
+/// Packets of a slice in the hierarchy.
+struct InSlice<'a, S> {
+    simd: S,
+    structure: &'a Coherent,
+    narrowing: Narrowing<'a, super::Places<'a>>,
+    /// Where the slice starts, and where the packet at hand does.
+    from: Step<Place>,
+    start: Option<Step<Place>>,
+    view: &'a [Branch<Place>],
+    branches: &'a mut Vec<Branch<Place>>,
+    /// Branches of the slice.
+    of_slice: usize,
+    packet: &'a mut Packet,
+    single: &'a mut binary::Scratch,
+}
+
+impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, S> {
+    #[inline(always)]
+    fn knows(&self, ray: &Ray) -> bool {
+        self.structure.knows(ray)
+    }
+
+    #[inline(always)]
+    fn begin(&mut self, shaft: &Shaft, _: usize, counters: &mut C) -> Plan {
+        if self.structure.per_packet() {
+            // One more tree, upon that of the slice.
+            self.branches.truncate(self.of_slice);
+            let pool = Trees { view: self.view, own: self.branches };
+            self.start = self.narrowing.narrow(self.from, pool, shaft, counters);
+        }
+        Plan::Walk
+    }
+
+    #[inline(always)]
+    fn walk(
+        &mut self,
+        rays: &mut Rays,
+        shaft: &Shaft,
+        batch: &Batch<'_>,
+        queries: &mut [Q],
+        counters: &mut C,
+    ) {
+        rays.prepare(self.simd);
+        let mut walk = Walk {
+            simd: self.simd,
+            places: self.narrowing.tree,
+            branches: Branches { view: self.view, own: self.branches },
+            batch,
+            rays,
+            queries,
+            fetched: &mut self.single.fetched,
+            partitions: self.structure.partitions,
+            culls: !self.structure.per_packet(),
+        };
+        self.packet.walk(&mut walk, self.start, &mut shaft.clone(), counters);
+    }
+}
 
 impl Coherent {
     /// Answers a slice.
@@ -24,64 +80,48 @@ impl Coherent {
         simd: S,
         batch: &Batch<'_>,
         answers: &mut [Q::Answer],
-        scratch: &mut Scratch,
+        Scratch { single, packet, pool, branches }: &mut Scratch,
         counters: &mut C,
     ) {
-        let rays = batch.rays();
-        scratch.singles.clear();
-        scratch.branches.clear();
-        match self.places().filter(|_| rays.len() >= FEW) {
-            None => scratch.singles.extend(0..rays.len() as u32),
-            Some(places) => {
-                let shaft = self.shaft_of(simd, batch);
-                let view = self.view_of(batch, shaft.as_ref());
-                let branches = view.map_or(&[][..], |view| &view.branches);
-                let mut from = view.map_or(Some(Step::ROOT), |view| view.step);
-                if let (Some(step), Some(shaft)) = (from, &shaft) {
-                    let pool = (branches, &mut scratch.branches);
-                    from = self.narrow((places, step), pool, shaft, counters);
-                }
+        pool.clear();
+        branches.clear();
+        match self.narrowing().filter(|_| batch.rays().len() >= FEW) {
+            None => pool.leave_all(batch.rays().len()),
+            Some(narrowing) => {
+                let knows = |ray: &Ray| self.knows(ray);
+                let Started { from, view } =
+                    narrowing.of_slice(simd, batch, knows, branches, counters);
                 if let Some(from) = from {
-                    let start = (places, branches, from);
-                    self.shoot_packets::<S, Q, C>(simd, start, batch, answers, scratch, counters);
+                    let (of_slice, start) = (branches.len(), Some(from));
+                    let structure = self;
+                    let mut packets = InSlice {
+                        simd,
+                        structure,
+                        narrowing,
+                        from,
+                        start,
+                        view,
+                        branches,
+                        of_slice,
+                        packet,
+                        single,
+                    };
+                    let cut = (batch, self.size);
+                    shoot_packets::<S, Q, C, _>(simd, cut, answers, pool, &mut packets, counters);
                 } else {
                     // The slice's region has no leaf.
-                    for (answer, ray) in answers.iter_mut().zip(rays) {
+                    for (answer, ray) in answers.iter_mut().zip(batch.rays()) {
                         *answer = Q::new(ray).answer();
                     }
                 }
             }
         }
-        for &index in &scratch.singles {
-            let index = index as usize;
-            let mut query = Q::new(&rays[index]);
-            let shot = Shot::new(&rays[index], index, batch.filter());
-            self.bvh.walk(simd, &shot, &mut query, &mut scratch.single, counters);
-            answers[index] = query.answer();
-        }
+        shoot_singles::<S, _, Q, C>(simd, (&*self.bvh, single), batch, answers, pool, counters);
     }
 
-    /// A region that holds the whole slice, if it is to be narrowed to one.
-    #[inline(always)]
-    fn shaft_of<S: Simd>(&self, simd: S, batch: &Batch<'_>) -> Option<Shaft> {
-        let rays = batch.rays();
-        if self.start == Start::Root || !rays.iter().all(|ray| self.knows(ray)) {
-            return None;
-        }
-        let row = batch.grid().map_or(rays.len(), |(width, _, each)| width * each);
-        let given = || {
-            let given = batch.shaft().filter(|shaft| rays.iter().all(|ray| shaft.holds(ray)));
-            given.cloned()
-        };
-        Shaft::of_rays(simd, rays, row).or_else(given)
-    }
-
-    /// The view, if it holds the whole slice.
-    fn view_of(&self, batch: &Batch<'_>, shaft: Option<&Shaft>) -> Option<&View> {
-        let view = self.view.as_ref()?;
-        let contained = shaft.is_some_and(|shaft| view.shaft.contains(shaft));
-        let held = || batch.rays().iter().all(|ray| self.knows(ray) && view.shaft.holds(ray));
-        (contained || held()).then_some(view)
+    /// Whether packets have trees of their own.
+    fn per_packet(&self) -> bool {
+        matches!(self.start, Start::Compressed { per_packet: true, .. })
     }
 
     /// Whether the boxes are good for a ray.
@@ -89,85 +129,4 @@ impl Coherent {
     fn knows(&self, ray: &Ray) -> bool {
         self.bvh.parts.is_none_or(|parts| parts.covers(ray))
     }
-
-    /// Walks the packets of a slice; leaves a list of the rays that none took up.
-    #[inline(always)]
-    fn shoot_packets<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        (places, view, from): (Places<'_>, &[super::Branch], Step),
-        batch: &Batch<'_>,
-        answers: &mut [Q::Answer],
-        Scratch { single, packet, members, group, singles, branches }: &mut Scratch,
-        counters: &mut C,
-    ) {
-        let (rays, cut) = (batch.rays(), Cut::new(batch, self.size));
-        let mut queries: Vec<Q> = Vec::with_capacity(RAYS);
-        for number in 0..cut.packets() {
-            let corners = cut.list(number, members);
-            if members.len() < FEW || !run_alike(corners) {
-                singles.extend_from_slice(members);
-                continue;
-            }
-            members.retain(|&index| {
-                let ray = &rays[index as usize];
-                let kept = ray.t_max() > ray.t_min() && self.knows(ray);
-                if !kept {
-                    singles.push(index);
-                }
-                kept
-            });
-            packet.fill(batch, members);
-            let shaft = packet.shaft(simd, corners);
-            let Some(shaft) = shaft.filter(|shaft| shaft.spread() <= MOST_SPREAD) else {
-                singles.extend_from_slice(members);
-                continue;
-            };
-            // One more tree, upon that of the slice.
-            let of_slice = branches.len();
-            let (mut start, mut culls) = (Some(from), true);
-            if matches!(self.start, Start::Compressed { per_packet: true, .. }) {
-                start = self.narrow((places, from), (view, branches), &shaft, counters);
-                culls = false;
-            }
-            let heading = |index: u32| Heading::of(rays[index as usize].direction()).number();
-            let mut counts = [0_usize; Heading::COUNT];
-            for &index in &*members {
-                counts[heading(index)] += 1;
-            }
-            for (number, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-                if count < members.len() {
-                    group.clear();
-                    group.extend(members.iter().filter(|&&index| heading(index) == number));
-                    if count < FEW {
-                        singles.extend_from_slice(group);
-                        continue;
-                    }
-                    packet.fill(batch, group);
-                }
-                let mut walk = Walk {
-                    simd,
-                    places,
-                    branches: Branches { view, own: branches },
-                    batch,
-                    queries: &mut queries,
-                    fetched: &mut single.fetched,
-                    partitions: self.partitions,
-                    culls,
-                };
-                packet.walk(&mut walk, start, &mut shaft.clone(), counters);
-                packet.answer(&queries, answers);
-            }
-            branches.truncate(of_slice);
-        }
-    }
-}
-
-/// Whether the rays at a packet's corners run within some 25 degrees of one another.
-#[inline(always)]
-fn run_alike([a, b, c, d]: [Vec3; 4]) -> bool {
-    [b, c, d].iter().all(|other| {
-        let dot = a.dot(*other);
-        dot > 0.0 && dot * dot > 0.8 * a.length_squared() * other.length_squared()
-    })
 }

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use super::compress::Branches;
-use super::place::Place;
 use super::*;
+use crate::accel::coherent::{Branches, Compression, Hierarchy, Step, entry_point};
 use crate::accel::{Counts, Event, Options};
 use crate::geom::{Triangle, TriangleList};
 use crate::math::{Aabb, Vec3};
@@ -45,7 +44,12 @@ fn shafts() -> [Shaft; 3] {
 
 /// Leaves and enclosed nodes that the walk of a tree comes to, and those that the shaft meets in the
 /// hierarchy itself.
-fn ends(places: Places<'_>, branches: Branches<'_>, from: Step, shaft: &Shaft) -> [Vec<Place>; 2] {
+fn ends(
+    places: Places<'_>,
+    branches: Branches<'_, Place>,
+    from: Step<Place>,
+    shaft: &Shaft,
+) -> [Vec<Place>; 2] {
     let (mut of_tree, mut all) = (Vec::new(), Vec::new());
     let mut waiting = vec![from];
     while let Some(step) = waiting.pop() {
@@ -76,15 +80,15 @@ fn ends(places: Places<'_>, branches: Branches<'_>, from: Step, shaft: &Shaft) -
 #[test]
 fn recursion_and_iteration_leave_the_same_branches() {
     let structure = structure(9);
-    let places = structure.places().expect("it has a root");
+    let places = structure.narrowing().expect("it has a root").tree;
     for shaft in &shafts() {
         let compress = |recursive: bool| {
             let (mut own, mut counts) = (Vec::new(), Counts::default());
-            let mut compression = Compression { places, view: &[], own: &mut own, shaft };
+            let mut compression = Compression { tree: places, view: &[], own: &mut own, shaft };
             let step = if recursive {
-                compression.recursive(Step::ROOT, &mut counts)
+                compression.recursive(Step::to(Place::ROOT), &mut counts)
             } else {
-                compression.iterative(Step::ROOT, &mut counts)
+                compression.iterative(Step::to(Place::ROOT), &mut counts)
             };
             (own, step, counts)
         };
@@ -101,14 +105,15 @@ fn recursion_and_iteration_leave_the_same_branches() {
 #[test]
 fn a_tree_narrowed_twice_is_that_of_the_narrow_shaft() {
     let structure = structure(9);
-    let places = structure.places().expect("it has a root");
+    let places = structure.narrowing().expect("it has a root").tree;
     let [wide, narrow, _] = &shafts();
     let (mut twice, mut counts) = (Vec::new(), Counts::default());
-    let mut compression = Compression { places, view: &[], own: &mut twice, shaft: wide };
-    let first = compression.iterative(Step::ROOT, &mut counts).expect("there is something");
+    let mut compression = Compression { tree: places, view: &[], own: &mut twice, shaft: wide };
+    let first =
+        compression.iterative(Step::to(Place::ROOT), &mut counts).expect("there is something");
     let below = twice.len();
     let searched = counts[Event::Search];
-    let mut compression = Compression { places, view: &[], own: &mut twice, shaft: narrow };
+    let mut compression = Compression { tree: places, view: &[], own: &mut twice, shaft: narrow };
     let second = compression.iterative(first, &mut counts).expect("there is something");
     let again = counts[Event::Search] - searched;
     let branches = Branches { view: &[], own: &twice };
@@ -116,24 +121,24 @@ fn a_tree_narrowed_twice_is_that_of_the_narrow_shaft() {
     assert_eq!(of_tree, all);
     // As well with the first tree in a view: branches point at one another by distances.
     let (view, mut own) = (twice[..below].to_vec(), Vec::new());
-    let mut compression = Compression { places, view: &view, own: &mut own, shaft: narrow };
+    let mut compression = Compression { tree: places, view: &view, own: &mut own, shaft: narrow };
     assert_eq!(compression.iterative(first, &mut counts), Some(second));
     assert_eq!(own, twice[below..]);
     let (mut alone, mut counts) = (Vec::new(), Counts::default());
-    let mut compression = Compression { places, view: &[], own: &mut alone, shaft: narrow };
-    assert!(compression.iterative(Step::ROOT, &mut counts).is_some());
+    let mut compression = Compression { tree: places, view: &[], own: &mut alone, shaft: narrow };
+    assert!(compression.iterative(Step::to(Place::ROOT), &mut counts).is_some());
     assert!(again <= counts[Event::Search], "a compressed tree has no more nodes to look at");
 }
 
 #[test]
 fn an_entry_point_is_the_lowest_node_with_all_that_is_met() {
     let structure = structure(9);
-    let places = structure.places().expect("it has a root");
+    let places = structure.narrowing().expect("it has a root").tree;
     for shaft in &shafts() {
         let (mut own, mut counts) = (Vec::new(), Counts::default());
-        let entry = entry_point(places, Place::ROOT, shaft, &mut counts);
-        let mut compression = Compression { places, view: &[], own: &mut own, shaft };
-        let root = compression.recursive(Step::ROOT, &mut counts);
+        let entry = entry_point(places, Place::ROOT, shaft, &mut counts).map(|(place, _)| place);
+        let mut compression = Compression { tree: places, view: &[], own: &mut own, shaft };
+        let root = compression.recursive(Step::to(Place::ROOT), &mut counts);
         assert_eq!(entry, root.map(|step| step.place), "the root of the compressed tree");
     }
     let aside = Vec3::splat(-50.0);

@@ -73,6 +73,11 @@ impl<L: Layout, K: Classify, T: Todo> FrontToBack<L, K, T> {
         }
         Ok(Self { layout: L::new(tree), entries, policies: PhantomData })
     }
+
+    /// The nodes.
+    pub fn layout(&self) -> &L {
+        &self.layout
+    }
 }
 
 impl<L: Layout, K: Classify, T: Todo> Walk for FrontToBack<L, K, T> {

@@ -64,6 +64,16 @@ impl<W: Walk> Walked<W> {
     pub fn new(tree: &KdTree, walk: W, level: Level) -> Self {
         Self { base: Arc::clone(&tree.base), walk, level, report: tree.report.clone() }
     }
+
+    /// The way.
+    pub fn way(&self) -> &W {
+        &self.walk
+    }
+
+    /// What all walks through the tree share.
+    pub fn base(&self) -> &Base {
+        &self.base
+    }
 }
 
 impl<W: Walk> Traverse for Walked<W> {

@@ -7,25 +7,25 @@
 //! 2009, look at them from the top down, so that the first with a leaf ends the search. J. Barczak
 //! stops at nodes whose boxes the shaft encloses: all below them is met sooner or later.
 
-use super::place::{Place, Places};
-use crate::accel::bvh::sah;
+use super::hierarchy::Hierarchy;
 use crate::accel::{Counters, Event};
 use crate::geom::Shaft;
 use crate::simd::baseline;
 
-/// Where the rays of a shaft may enter what is below a place; `None` if they meet no leaf there.
-pub fn entry_point<C: Counters>(
-    places: Places<'_>,
-    from: Place,
+/// Where the rays of a shaft may enter what is below a place, and at how many nodes below that on
+/// the way to the first leaf both children are met; `None` if they meet no leaf there.
+pub fn entry_point<H: Hierarchy, C: Counters>(
+    tree: H,
+    from: H::Place,
     shaft: &Shaft,
     counters: &mut C,
-) -> Option<Place> {
-    let mut search = Search { places, shaft, counters };
+) -> Option<(H::Place, usize)> {
+    let mut search = Search { tree, shaft, counters };
     if !search.is_met(from) {
         return None;
     }
     // Nodes of which both children are met, from the top down, each with the child not gone to.
-    let mut forks: Vec<(Place, Place)> = Vec::with_capacity(sah::MAX_DEPTH);
+    let mut forks: Vec<(H::Place, H::Place)> = Vec::with_capacity(LEVELS);
     let mut at = from;
     while !search.is_end(at) {
         match search.met_below(at) {
@@ -38,35 +38,38 @@ pub fn entry_point<C: Counters>(
             [None, None] => at = forks.pop()?.1,
         }
     }
-    let fork = forks.into_iter().find(|&(_, other)| search.has_leaf(other));
-    Some(fork.map_or(at, |(node, _)| node))
+    let highest = forks.iter().position(|&(_, other)| search.has_leaf(other));
+    Some(highest.map_or((at, 0), |highest| (forks[highest].0, forks.len() - highest)))
 }
 
-struct Search<'a, C> {
-    places: Places<'a>,
+/// Levels that are expected; deeper trees only cost another allocation.
+const LEVELS: usize = 64;
+
+struct Search<'a, H, C> {
+    tree: H,
     shaft: &'a Shaft,
     counters: &'a mut C,
 }
 
-impl<C: Counters> Search<'_, C> {
-    fn is_met(&mut self, place: Place) -> bool {
+impl<H: Hierarchy, C: Counters> Search<'_, H, C> {
+    fn is_met(&mut self, place: H::Place) -> bool {
         self.counters.count(Event::Search);
-        !self.shaft.misses(baseline(), &self.places.bounds(place))
+        !self.tree.is_empty(place) && !self.shaft.misses(baseline(), &self.tree.bounds(place))
     }
 
     /// Whether a place that is met is as good as a leaf that is.
-    fn is_end(&self, place: Place) -> bool {
-        self.places.link(place).is_leaf()
-            || self.shaft.encloses(baseline(), &self.places.bounds(place))
+    fn is_end(&self, place: H::Place) -> bool {
+        self.tree.below(place).is_none()
+            || self.shaft.encloses(baseline(), &self.tree.bounds(place))
     }
 
-    fn met_below(&mut self, node: Place) -> [Option<Place>; 2] {
-        let children = Place::below(self.places.link(node).place());
+    fn met_below(&mut self, node: H::Place) -> [Option<H::Place>; 2] {
+        let Some(children) = self.tree.below(node) else { return [None; 2] };
         children.map(|child| self.is_met(child).then_some(child))
     }
 
     /// Whether a leaf is met below a place that is.
-    fn has_leaf(&mut self, place: Place) -> bool {
+    fn has_leaf(&mut self, place: H::Place) -> bool {
         let mut waiting = vec![place];
         while let Some(at) = waiting.pop() {
             if self.is_end(at) {

@@ -10,125 +10,82 @@
 //! a tile, a packet. Its inner nodes were not enclosed by the shaft before, so they are not by a part
 //! of it and are not asked; at its leaves the hierarchy goes on in full.
 //!
-//! Where we differ: a branch names its children by their places in the hierarchy, whose boxes stand
-//! in their parents, and a leaf of the tree takes no room of its own. And where the left of a
+//! Where we differ: a branch names its children by their places in the hierarchy, and a leaf of the
+//! tree takes no room of its own. In a bounding volume hierarchy the boxes of places stand in their
+//! parents; in a kd-tree a place carries its box (section 5.1 of the paper). Empty leaves of a
+//! kd-tree are as good as missed. And where the left of a
 //! branch proves empty, appendix A drops the branch at once, which would lose its right; ours goes
 //! there first. Both ways of building leave the same bytes.
 
-use super::place::{Place, Places};
-use crate::accel::bvh::sah;
+use super::hierarchy::{Branch, Branches, Hierarchy, Step};
 use crate::accel::{Counters, Event};
 use crate::geom::Shaft;
 use crate::simd::baseline;
 
-/// A node with something on either side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Branch {
-    sides: [Place; 2],
-    /// So many branches before this one lies that of each side; 0 if there is none, and the
-    /// hierarchy goes on.
-    back: [u32; 2],
-}
-
-/// A place to walk from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Step {
-    pub place: Place,
-    /// The number of its branch, from 1 on; 0 in the hierarchy itself.
-    branch: u32,
-}
-
-impl Step {
-    /// The root of the hierarchy.
-    pub const ROOT: Self = Self::to(Place::ROOT);
-
-    /// A place in the hierarchy itself.
-    #[inline(always)]
-    pub const fn to(place: Place) -> Self {
-        Self { place, branch: 0 }
-    }
-
-    /// The same where so many branches before its own are no more.
-    pub fn without(self, branches: usize) -> Self {
-        Self { branch: self.branch.saturating_sub(branches as u32), ..self }
-    }
-}
-
-/// Branches: those of a view, which all threads share, and after them the thread's own. Trees are
-/// built at the end, one upon the other, and released in the reverse order; branches point at one
-/// another by distances, so that it does not matter where they come to lie.
-#[derive(Clone, Copy)]
-pub struct Branches<'a> {
-    pub view: &'a [Branch],
-    pub own: &'a [Branch],
-}
-
-impl Branches<'_> {
-    /// The children of a step: `None` in a leaf.
-    #[inline(always)]
-    pub fn below(&self, places: Places<'_>, step: Step) -> Option<[Step; 2]> {
-        if step.branch == 0 {
-            let link = places.link(step.place);
-            return (!link.is_leaf()).then(|| Place::below(link.place()).map(Step::to));
-        }
-        let at = step.branch as usize - 1;
-        let Branch { sides, back } =
-            if at < self.view.len() { self.view[at] } else { self.own[at - self.view.len()] };
-        let side = |side: usize| Step {
-            place: sides[side],
-            branch: if back[side] == 0 { 0 } else { step.branch - back[side] },
-        };
-        Some([side(0), side(1)])
-    }
-}
+/// Levels that are expected; deeper trees only cost another allocation.
+const LEVELS: usize = 64;
 
 /// What a tree is built from and in.
-pub struct Compression<'a> {
-    pub places: Places<'a>,
-    pub view: &'a [Branch],
-    pub own: &'a mut Vec<Branch>,
+pub struct Compression<'a, H: Hierarchy> {
+    /// The tree.
+    pub tree: H,
+    /// Branches of a view.
+    pub view: &'a [Branch<H::Place>],
+    /// Branches of the thread; new ones are put behind them.
+    pub own: &'a mut Vec<Branch<H::Place>>,
+    /// What the tree is for.
     pub shaft: &'a Shaft,
 }
 
 /// A branch whose sides are not all known yet.
 #[derive(Clone, Copy)]
-struct Fork {
-    place: Place,
+struct Fork<P> {
+    place: P,
     /// Its right as long as only its left was gone to.
-    right: Option<Step>,
+    right: Option<Step<P>>,
     /// What its left came to.
-    left: Option<Step>,
+    left: Option<Step<P>>,
 }
 
-impl Compression<'_> {
+impl<H: Hierarchy> Compression<'_, H> {
     /// What a step leads to.
-    fn below(&self, step: Step) -> Option<[Step; 2]> {
-        Branches { view: self.view, own: self.own }.below(self.places, step)
+    fn below(&self, step: Step<H::Place>) -> Option<[Step<H::Place>; 2]> {
+        Branches { view: self.view, own: self.own }.below(self.tree, step)
     }
 
-    fn is_met<C: Counters>(&self, step: Step, counters: &mut C) -> bool {
+    fn is_met<C: Counters>(&self, step: Step<H::Place>, counters: &mut C) -> bool {
         counters.count(Event::Search);
-        !self.shaft.misses(baseline(), &self.places.bounds(step.place))
+        !self.tree.is_empty(step.place)
+            && !self.shaft.misses(baseline(), &self.tree.bounds(step.place))
     }
 
     /// Whether the tree ends here. Branches of the tree that is narrowed are not asked.
-    fn is_end(&self, step: Step) -> bool {
+    fn is_end(&self, step: Step<H::Place>) -> bool {
         step.branch == 0
-            && (self.places.link(step.place).is_leaf()
-                || self.shaft.encloses(baseline(), &self.places.bounds(step.place)))
+            && (self.tree.below(step.place).is_none()
+                || self.shaft.encloses(baseline(), &self.tree.bounds(step.place)))
     }
 
     /// What both sides of a node come to.
-    fn join(&mut self, place: Place, left: Option<Step>, right: Option<Step>) -> Option<Step> {
+    fn join(
+        &mut self,
+        place: H::Place,
+        left: Option<Step<H::Place>>,
+        right: Option<Step<H::Place>>,
+    ) -> Option<Step<H::Place>> {
         let (Some(left), Some(right)) = (left, right) else { return left.or(right) };
         let branch = (self.view.len() + self.own.len()) as u32 + 1;
-        let back = |step: Step| if step.branch == 0 { 0 } else { branch - step.branch };
+        let back = |step: Step<H::Place>| if step.branch == 0 { 0 } else { branch - step.branch };
         self.own.push(Branch { sides: [left.place, right.place], back: [back(left), back(right)] });
         Some(Step { place, branch })
     }
 
     /// Compresses what is below a step: the paper's figure 5. `None` if the shaft meets no leaf.
-    pub fn recursive<C: Counters>(&mut self, step: Step, counters: &mut C) -> Option<Step> {
+    pub fn recursive<C: Counters>(
+        &mut self,
+        step: Step<H::Place>,
+        counters: &mut C,
+    ) -> Option<Step<H::Place>> {
         if !self.is_met(step, counters) {
             return None;
         }
@@ -142,11 +99,15 @@ impl Compression<'_> {
     }
 
     /// The same without recursion: appendix A.
-    pub fn iterative<C: Counters>(&mut self, step: Step, counters: &mut C) -> Option<Step> {
+    pub fn iterative<C: Counters>(
+        &mut self,
+        step: Step<H::Place>,
+        counters: &mut C,
+    ) -> Option<Step<H::Place>> {
         if !self.is_met(step, counters) {
             return None;
         }
-        let mut forks: Vec<Fork> = Vec::with_capacity(sah::MAX_DEPTH);
+        let mut forks: Vec<Fork<H::Place>> = Vec::with_capacity(LEVELS);
         let mut at = step;
         loop {
             // Down, until there is something to link, or nothing.

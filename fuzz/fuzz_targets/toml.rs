@@ -1,0 +1,8 @@
+//! TOML scenes, without the files that they place: `cargo fuzz run toml`.
+#![no_main]
+
+use dapple::scene::toml;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let _ = toml::check(bytes);
+});

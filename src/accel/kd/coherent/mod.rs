@@ -1,0 +1,241 @@
+//! Kd-trees for many rays at a time: section 4 of the review, and 5.3.
+//!
+//! A slice is cut into packets (`accel::coherent`), blocks of its raster or runs of rays; packets of
+//! rays that go the same way share a shaft. The tree and its leaves are those of the walks for single
+//! rays. What the rows trade, and where ours differ from their papers:
+//!
+//! `kd-packet` (`front`; 4.2, 4.6): a node is fetched and decided on once for up to 256 rays, eight
+//! at a time, as long as one of them crosses it. Packets whose rays head different ways are split by
+//! heading. Ours keeps where rays leave the cell of each level, not where they enter it, and no masks:
+//! a ray crosses a cell if it enters before it leaves (`spans`). Take it for primary rays, with
+//! `size=4` or 8 where triangles are small.
+//!
+//! `kd-packet-ropes` (`ropes`; 5.3): no stack of spans, but links from each face of each leaf: the
+//! fewest nodes, more memory, and a look for the rays that wait after every leaf. Meant for
+//! processors without memory to spare for stacks; on others, for comparison.
+//!
+//! `kd-omnidirectional` and `kd-omnidirectional-origin` (`mixed`; 4.7): packets of rays that head any
+//! way, both ends of each span carried along, and no early end. The first tells near children by
+//! direction, the second by origin, which suits rays that fan out from one point. Ours puts rays of
+//! one heading into the same bundles of eight, since the triangles' test wants that. All slices are
+//! walked like that: take them where rays begin close together and go apart.
+//!
+//! `kd-lcts` (`sequence`, `cone`; 4.1): corners of a packet that starts at one point go through the
+//! tree in place of its rays, as far as all go the same way; from there on the packet itself.
+//! `kd-relevant-triangles` (4.3): the same, and triangles that the corners show to be missed are not
+//! tested. What they save are steps in empty space of packets that are narrow beside the cells; for
+//! all other packets they are `kd-packet` and four distances a node.
+//!
+//! `kd-entry-point` (4.4, 4.5): packets start at the deepest node that holds all leaves with
+//! triangles that their shaft meets. Tiles are packets: `tiles=N` by N, or divided until they are
+//! simple. Reshetov et al. cut off empty space with more zeal than otherwise when they build; that is
+//! `empty=` of all kd-trees. Ours stays at their default: on the Stanford bunny 0.5 spends the tree's
+//! levels on slivers and leaves 17 times the triangles to test, on a kitchen 0.3 changes nothing.
+//!
+//! `kd-path-compression` (section 3.4 and 5.1 of Barczak's paper): packets in a tree of only those
+//! nodes of which a slice's shaft meets leaves on both sides. In a kd-tree a node has no box, so each
+//! branch holds those of its sides, and spans are narrowed by six planes where a node has one. The
+//! paper asks what that is worth: the counters tell nodes and searched nodes apart.
+//!
+//! # Why no ray misses its hit
+//! A packet's walk tests, for each ray, all leaves that the ray's own walk would come to (or more),
+//! and a ray ends only when it was hit strictly before the cell that is next. Distances are those of
+//! [`super::ray::KdRay`], ties go where [`super::ray::Crossing`] sends them. *Starting below the
+//! root*: along a ray that comes to a leaf by itself, the point at some `t` of its span there is
+//! within 2^-20 of the distance of each plane of the cell, which is what a shaft allows for
+//! ([`crate::geom::shaft`]): so no shaft misses the cell of a leaf where a ray of it could be hit,
+//! nor a cell around that, and such leaves are below the entry point or the branch. And spans there
+//! are narrowed by planes that the way from the root would have used.
+//!
+//! A triangle is in some four leaves. Which rays of a packet have met it is remembered for a while
+//! (`leaf`), and it is not tested for them again.
+//!
+//! Rays that are not tame (see [`super`]), packets whose slopes differ by more than a half, and
+//! groups of fewer than four take the walk of `kd-stack-direction`.
+
+mod cells;
+mod cone;
+mod front;
+mod leaf;
+mod mixed;
+mod ropes;
+mod sequence;
+mod slice;
+mod spans;
+
+use std::sync::Arc;
+
+use fearless_simd::{Level, Simd};
+
+use self::cells::{Cell, Cells};
+use super::layout::{Compact, Nodes};
+use super::links::PacketRopes;
+use super::tree::KdTree;
+use super::walk::front_to_back::{ByDirection, FrontToBack};
+use super::walk::todo::Full;
+use super::walk::{Walked, With};
+use crate::accel::coherent::{Branch, Narrowing, Pool, Start, View};
+use crate::accel::{
+    Accel, Batch, BuildError, BuildReport, Counters, MemoryReport, Query, Shot, Traverse,
+};
+use crate::geom::Shaft;
+
+/// The walk of a single ray.
+type Single = Walked<FrontToBack<Compact, ByDirection, Full>>;
+
+/// How packets walk.
+pub enum How {
+    /// Together from the root.
+    Packet,
+    /// By links.
+    Ropes(PacketRopes),
+    /// Whichever way their rays go.
+    Mixed {
+        /// Whether near children are told by the origin.
+        by_origin: bool,
+    },
+    /// Behind their corners.
+    Sequence {
+        /// Whether triangles are culled by them.
+        culls: bool,
+    },
+    /// From entry points of tiles.
+    EntryPoint {
+        /// Whether tiles are divided.
+        adaptive: bool,
+    },
+    /// In a compressed tree.
+    Compressed {
+        /// Built by recursion.
+        recursive: bool,
+    },
+}
+
+/// A kd-tree for many rays.
+pub struct Coherent {
+    single: Arc<Single>,
+    how: Arc<How>,
+    /// Rays of a packet at most.
+    size: usize,
+    /// What it was narrowed to.
+    view: Option<View<Cell>>,
+}
+
+/// A thread's own.
+pub struct Scratch {
+    single: <Single as Traverse>::Scratch,
+    pool: Pool,
+    walks: Walks,
+    /// The tree of the slice at hand.
+    branches: Vec<Branch<Cell>>,
+}
+
+/// What walks need.
+#[derive(Default)]
+struct Walks {
+    spans: spans::Spans,
+    todo: front::Todo,
+    mixed: mixed::Todo,
+    waiting: ropes::Waiting,
+    tested: leaf::Tested,
+}
+
+impl Coherent {
+    /// Packets of so many rays along a side through a tree.
+    ///
+    /// # Errors
+    /// If the tree is too deep.
+    pub fn new(tree: &KdTree, how: How, side: u64, level: Level) -> Result<Self, BuildError> {
+        let single = Arc::new(Walked::new(tree, FrontToBack::new(tree, 0)?, level));
+        Ok(Self { single, how: Arc::new(how), size: (side * side) as usize, view: None })
+    }
+
+    fn nodes(&self) -> &Compact {
+        self.single.way().layout()
+    }
+
+    fn narrowing(&self) -> Narrowing<'_, Cells<'_>> {
+        let start = match *self.how {
+            How::EntryPoint { .. } => Start::EntryPoint,
+            How::Compressed { recursive } => Start::Compressed { recursive, per_packet: false },
+            _ => Start::Root,
+        };
+        let nodes = self.nodes();
+        let root = Cell { node: nodes.root(), bounds: self.single.base().bounds };
+        Narrowing { tree: Cells(nodes), root, start, view: self.view.as_ref() }
+    }
+}
+
+impl Traverse for Coherent {
+    type Scratch = Scratch;
+
+    fn scratch(&self) -> Scratch {
+        Scratch {
+            single: self.single.scratch(),
+            pool: Pool::default(),
+            walks: Walks::default(),
+            branches: Vec::new(),
+        }
+    }
+
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        shot: &Shot<'_>,
+        query: &mut Q,
+        scratch: &mut Scratch,
+        counters: &mut C,
+    ) {
+        self.single.walk(simd, shot, query, &mut scratch.single, counters);
+    }
+
+    #[inline(always)]
+    fn shoot<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        scratch: &mut Scratch,
+        counters: &mut C,
+    ) {
+        self.shoot_slice::<Q, C>(&With(simd), batch, answers, scratch, counters);
+        let single = (&*self.single, &mut scratch.single);
+        crate::accel::coherent::shoot_singles::<S, _, Q, C>(
+            simd,
+            single,
+            batch,
+            answers,
+            &scratch.pool,
+            counters,
+        );
+    }
+
+    fn view(&self, shaft: &Shaft) -> Option<Box<dyn Accel + '_>> {
+        let narrowing = self.narrowing();
+        if narrowing.start == Start::Root {
+            return None;
+        }
+        let (single, how) = (Arc::clone(&self.single), Arc::clone(&self.how));
+        Some(Box::new(Self { single, how, size: self.size, view: Some(narrowing.to(shaft)) }))
+    }
+
+    fn level(&self) -> Level {
+        Traverse::level(&*self.single)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut memory = Traverse::memory(&*self.single);
+        if let How::Ropes(ropes) = &*self.how {
+            memory.parts.extend(ropes.memory());
+        }
+        if let Some(view) = &self.view {
+            memory.parts.push(("branches", view.bytes()));
+        }
+        memory
+    }
+
+    fn report(&self) -> &BuildReport {
+        Traverse::report(&*self.single)
+    }
+}

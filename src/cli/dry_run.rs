@@ -1,0 +1,132 @@
+//! `dapple render --dry-run`: what a render would take.
+
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use serde_json::json;
+
+use super::args::RenderArgs;
+use super::prepare::Job;
+use super::{CliError, input, memory, table};
+use crate::accel;
+use crate::film::Window;
+use crate::render::{Control, Settings, film_bytes, render};
+use crate::scene::Survey;
+
+/// Paths that are followed to tell what one takes: some tenths of a second.
+const PATHS: u64 = 1 << 15;
+
+/// Builds the structure, follows a few paths, and tells.
+pub fn run(args: &RenderArgs, job: &Job) -> Result<ExitCode, CliError> {
+    input::on_threads(args.threads, || {
+        let start = Instant::now();
+        let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
+        let build_s = start.elapsed().as_secs_f64();
+        let settings = sparse(&job.settings);
+        let cancel = AtomicBool::new(false);
+        let control = Control { cancel: &cancel, progress: &|_| {} };
+        let tried = render(&job.world, &job.camera, &*accel, &settings, &control);
+        let path_s = tried.elapsed.as_secs_f64() / tried.paths.max(1) as f64;
+        let paths = job.settings.crop.area() as u64 * job.settings.spp;
+
+        let survey = Survey::of(&job.world.scene);
+        let bytes = [
+            ("meshes", survey.mesh_bytes),
+            ("textures", survey.texture_bytes),
+            ("structure", accel.memory().total() as u64),
+            ("picture", film_bytes(&job.settings)),
+        ];
+        let estimate =
+            Estimate { args, job, bytes: &bytes, build_s, render_s: path_s * paths as f64, paths };
+        table::print(&if args.json { estimate.as_json() } else { estimate.in_words() })?;
+        Ok(ExitCode::SUCCESS)
+    })?
+}
+
+/// The same frame with few and far pixels, a sample each.
+fn sparse(settings: &Settings) -> Settings {
+    let (width, height) = settings.resolution;
+    let pixels = f64::from(width) * f64::from(height);
+    let shrink = (PATHS as f64 / pixels).sqrt().min(1.0);
+    let side = |side: u32| ((f64::from(side) * shrink) as u32).max(1);
+    let resolution = (side(width), side(height));
+    let crop = Window::of_size(resolution.0 as usize, resolution.1 as usize);
+    Settings { resolution, crop, spp: 1, aovs: Vec::new(), ..settings.clone() }
+}
+
+struct Estimate<'a> {
+    args: &'a RenderArgs,
+    job: &'a Job,
+    bytes: &'a [(&'static str, u64)],
+    build_s: f64,
+    render_s: f64,
+    paths: u64,
+}
+
+impl Estimate<'_> {
+    fn total(&self) -> u64 {
+        self.bytes.iter().map(|(_, bytes)| bytes).sum()
+    }
+
+    fn in_words(&self) -> String {
+        let mega = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
+        let parts: Vec<String> =
+            self.bytes.iter().map(|&(name, bytes)| format!("{name} {}", mega(bytes))).collect();
+        let (width, height) = self.job.settings.resolution;
+        format!(
+            "{}: {width}x{height}, {} samples a pixel, {:.1} M paths\n\
+             memory  about {} of {:.0} ({})\n\
+             time    load {:.2} s, build {:.2} s, render about {} on {} threads\n",
+            self.args.scene_file().display(),
+            self.job.settings.spp,
+            self.paths as f64 * 1e-6,
+            mega(self.total()),
+            memory::limit() as f64 * 1e-6,
+            parts.join(", "),
+            self.job.elapsed.as_secs_f64(),
+            self.build_s,
+            duration(self.render_s),
+            rayon::current_num_threads(),
+        )
+    }
+
+    fn as_json(&self) -> String {
+        let bytes: serde_json::Map<String, serde_json::Value> =
+            self.bytes.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect();
+        let json = json!({
+            "scene": self.args.scene_file(),
+            "resolution": [self.job.settings.resolution.0, self.job.settings.resolution.1],
+            "spp": self.job.settings.spp,
+            "paths": self.paths,
+            "bytes": bytes,
+            "bytes_total": self.total(),
+            "bytes_limit": memory::limit(),
+            "load_s": self.job.elapsed.as_secs_f64(),
+            "build_s": self.build_s,
+            "render_s": self.render_s,
+            "threads": rayon::current_num_threads(),
+        });
+        format!("{json}\n")
+    }
+}
+
+/// With two digits, in the unit that one would say.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.1} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_said_in_their_unit() {
+        let said = [2.34, 120.0, 7200.0].map(duration);
+        assert_eq!(said, ["2.3 s", "2 min", "2.0 h"]);
+    }
+}

@@ -1,0 +1,60 @@
+//! Where things are placed, in f64 until it is settled, and what may not be.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::math::{Aabb, Affine3A};
+
+/// The most placed meshes: each takes some 150 bytes, and meshes of many parts placed by many
+/// nodes multiply.
+pub const MAX_INSTANCES: usize = 1 << 22;
+
+/// Where something stands that has no size, such as a camera: without scale, mirroring and shear,
+/// looking along the node's -Z with its +Y up. None if the node has no such directions.
+pub fn rigid(to_world: &DAffine3) -> Option<DAffine3> {
+    let z = to_world.matrix3.z_axis.try_normalize()?;
+    let x = to_world.matrix3.y_axis.cross(z).try_normalize()?;
+    let matrix3 = DMat3::from_cols(x, z.cross(x), z);
+    let translation = to_world.translation;
+    (matrix3.is_finite() && translation.is_finite()).then_some(DAffine3 { matrix3, translation })
+}
+
+/// The same in f32.
+pub fn narrowed(to_world: &DAffine3) -> Affine3A {
+    Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
+}
+
+/// Whether all of a box can be placed without overflow, with room for what follows.
+pub fn stays_finite(to_world: &DAffine3, bounds: Aabb) -> bool {
+    let reach = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+    let DAffine3 { matrix3, translation } = *to_world;
+    let farthest = matrix3.x_axis.abs() * reach.x
+        + matrix3.y_axis.abs() * reach.y
+        + matrix3.z_axis.abs() * reach.z
+        + translation.abs();
+    let entries = matrix3.x_axis.abs().max(matrix3.y_axis.abs()).max(matrix3.z_axis.abs());
+    let limit = DVec3::splat(f64::from(f32::MAX) / 4.0);
+    farthest.cmple(limit).all() && entries.cmple(limit).all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    #[test]
+    fn what_has_no_size_loses_scale_and_mirroring() {
+        let mirrored = DAffine3::from_scale(DVec3::new(-2.0, 3.0, 4.0));
+        assert_eq!(rigid(&mirrored), Some(DAffine3::IDENTITY));
+        assert_eq!(rigid(&DAffine3::from_scale(DVec3::ZERO)), None);
+    }
+
+    #[test]
+    fn what_would_overflow_is_found_before_it_does() {
+        let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(2.0) };
+        let scaled = |scale| stays_finite(&DAffine3::from_scale(DVec3::splat(scale)), bounds);
+        assert!(scaled(1e37));
+        assert!(!scaled(1e38));
+        assert!(!scaled(f64::INFINITY));
+        assert!(!scaled(f64::NAN));
+    }
+}
