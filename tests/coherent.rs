@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use dapple::accel::{Accel, AnyHit, Batch, ClosestHit, Event, HitFilter, build};
+use dapple::accel::{Accel, AnyHit, Batch, ClosestHit, Counts, Event, HitFilter, build};
 use dapple::bench::ray_sets::Random;
 use dapple::geom::{Shaft, Triangle, TriangleList, TriangleSource};
 use dapple::math::{Aabb, Ray, Vec3};
@@ -191,24 +191,26 @@ fn a_view_answers_rays_inside_and_outside_of_it() {
     }
 }
 
+/// What a raster counts in one slice.
+fn counts(source: &Arc<dyn TriangleSource>, rays: &[Ray], spec: &str) -> Counts {
+    let accel = build(&spec.parse().expect("known"), Arc::clone(source), Isa::Auto);
+    let accel = accel.expect("it builds");
+    let mut tracer = accel.counting_tracer();
+    let batch = Batch::new(rays).with_grid(WIDTH as u32, HEIGHT as u32);
+    tracer.closest_hits(&batch, &mut vec![ClosestHit::MISS; rays.len()]);
+    tracer.counts()
+}
+
 #[test]
 fn rays_that_run_side_by_side_share_their_nodes() {
     let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(soup(3000, 0.2, 1.0)));
     let eye = Vec3::new(0.5, 0.5, -1.5);
     let rays = raster(eye, Vec3::Z, 0.6, 0.0, 16, 1.0);
-    let nodes = |spec: &str| {
-        let accel = build(&spec.parse().expect("known"), Arc::clone(&source), Isa::Auto);
-        let accel = accel.expect("it builds");
-        let mut tracer = accel.counting_tracer();
-        let batch = Batch::new(&rays).with_grid(WIDTH as u32, HEIGHT as u32);
-        tracer.closest_hits(&batch, &mut vec![ClosestHit::MISS; rays.len()]);
-        tracer.counts()[Event::InnerNode]
-    };
+    let nodes = |spec: &str| counts(&source, &rays, spec)[Event::InnerNode];
     for single in ["bvh2", "kd-stack-direction"] {
         let of_single = nodes(single);
-        let alike =
-            |spec: &&&str| spec[..3] == single[..3] || single == "bvh2" && !spec.contains("kd");
-        for spec in SPECS.iter().filter(|spec| !spec.contains("build")).filter(alike) {
+        let alike = SPECS.iter().filter(|spec| spec[..3] == single[..3]);
+        for spec in alike.filter(|spec| !spec.contains("build")) {
             let share =
                 match spec.split_once("size=").map_or(16, |(_, side)| side.parse().unwrap_or(8)) {
                     2 | 3 => 2,
@@ -219,4 +221,22 @@ fn rays_that_run_side_by_side_share_their_nodes() {
             assert!(nodes * share < of_single, "{spec}: {nodes} nodes, {single} {of_single}");
         }
     }
+}
+
+#[test]
+fn what_shafts_spare_shows_in_the_counters() {
+    // A wall of squares that are larger than a packet.
+    let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(room()));
+    let rays = raster(Vec3::new(0.2, 0.3, 0.1), Vec3::new(0.3, 0.2, 1.0), 0.2, 0.0, 1, 1.0);
+    let count = |spec: &str, event: Event| counts(&source, &rays, spec)[event];
+    let lanes = |spec: &str| count(spec, Event::TriangleLane);
+    assert!(lanes("kd-relevant-triangles:size=8") < lanes("kd-lcts:size=8"));
+    assert_eq!(lanes("kd-lcts:size=8"), lanes("kd-packet:size=8"), "the same leaves");
+    let nodes = |spec: &str| count(spec, Event::InnerNode);
+    assert!(nodes("kd-entry-point:tiles=16") < nodes("kd-packet"));
+    // Small triangles everywhere.
+    let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(soup(3000, 0.2, 1.0)));
+    let rays = raster(Vec3::new(0.5, 0.5, -1.5), Vec3::Z, 0.6, 0.0, 1, 1.0);
+    let nodes = |spec: &str| counts(&source, &rays, spec)[Event::InnerNode];
+    assert!(nodes("kd-path-compression") < nodes("kd-entry-point:tiles=16"));
 }

@@ -15,9 +15,9 @@ use crate::sampling::{AliasTable, ONE_MINUS_EPSILON};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightChoice {
     /// By power, wherever the light goes: an alias table.
+    #[default]
     Power,
     /// By where a light is and where it shines: a [`LightTree`].
-    #[default]
     Tree,
 }
 

@@ -15,6 +15,7 @@
 use rayon::prelude::*;
 
 use super::tree::{KdTree, LeafId, Leaves, Node};
+use crate::accel::BuildError;
 use crate::geom::{Triangle, TriangleBlock};
 use crate::math::{NodeId, Vec3};
 
@@ -92,19 +93,25 @@ impl Child {
 }
 
 impl Lines {
-    /// Lays a tree out; `None` if there are too many lines or blocks to number.
-    pub fn new(tree: &KdTree) -> Option<Self> {
+    /// Lays a tree out.
+    ///
+    /// # Errors
+    /// If there are more blocks than can be numbered.
+    pub fn new(tree: &KdTree) -> Result<Self, BuildError> {
+        const LIMIT: usize = Child::PLACE as usize;
         let leaves = &tree.base.leaves;
-        let (firsts, ids) = places(leaves);
-        let blocks = ids.par_iter().map(|&(leaf, part)| block(leaves, leaf, part)).collect();
+        let (firsts, parts) = places(leaves);
+        if parts.len() > LIMIT {
+            let bytes = |blocks: usize| (blocks * size_of::<Block>()) as u64;
+            return Err(BuildError::TooLarge { needed: bytes(parts.len()), limit: bytes(LIMIT) });
+        }
+        let blocks = parts.par_iter().map(|&(leaf, part)| block(leaves, leaf, part)).collect();
         let mut lines = Self { lines: vec![Line::EMPTY], blocks, long: Vec::new() };
         let mut roots = vec![(NodeId(0), 0)];
         while let Some((root, line)) = roots.pop() {
             lines.fill(tree, &firsts, root, line, &mut roots);
         }
-        let fits = lines.lines.len() < Child::IS_LEAF as usize
-            && lines.blocks.len() <= Child::PLACE as usize;
-        fits.then_some(lines)
+        Ok(lines)
     }
 
     /// What a child leads to.
@@ -193,4 +200,66 @@ fn block(leaves: &Leaves, leaf: LeafId, part: usize) -> Block {
         let [a, b, c] = corners.map(|[x, y, z, _]| Vec3::new(x, y, z));
         (leaves.id(slots[lane]), Triangle { a, b, c })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::accel::Options;
+    use crate::accel::kd::build::OPTIONS;
+    use crate::geom::{TriangleList, TriangleSource};
+    use crate::math::TriangleId;
+
+    fn lines(count: usize, options: &str) -> (KdTree, Lines) {
+        let corner = |i: usize| Vec3::new((i * i % 37) as f32, (i * 7 % 31) as f32, i as f32);
+        let triangle = |i| {
+            let a = corner(i);
+            Triangle { a, b: a + Vec3::X, c: a + Vec3::ONE }
+        };
+        let list = TriangleList((0..count).map(triangle).collect());
+        let source: Arc<dyn TriangleSource> = Arc::new(list);
+        let options = Options::parse("kd", &OPTIONS, options).expect("they are known");
+        let tree = KdTree::build(&source, &options).expect("it is small");
+        let lines = Lines::new(&tree).expect("it is small");
+        (tree, lines)
+    }
+
+    /// The triangles of all leaves below a child, in the order of the tree.
+    fn ids(lines: &Lines, child: Child, found: &mut Vec<TriangleId>) {
+        match lines.below(child) {
+            Below::Line(line) => {
+                for place in (0..8).filter(|place| line.occupied() >> place & 1 == 1) {
+                    ids(lines, line.children[place], found);
+                }
+            }
+            Below::Leaf(blocks) => {
+                let all = blocks.iter().flat_map(|block| block.ids);
+                found.extend(all.filter(|&id| id != TriangleId::NONE));
+            }
+        }
+    }
+
+    #[test]
+    fn lines_hold_the_leaves_of_the_tree_in_order() {
+        // The last has leaves of more blocks than a child can count.
+        for (count, options) in
+            [(0, ""), (1, ""), (7, "cost=9,leaf=1"), (900, ""), (900, "depth=1")]
+        {
+            let (tree, lines) = lines(count, options);
+            let mut found = Vec::new();
+            ids(&lines, Child::ROOT, &mut found);
+            let leaves = &tree.base.leaves;
+            let slots = (0..leaves.count() as u32).flat_map(|leaf| leaves.triangles(LeafId(leaf)));
+            let expected: Vec<_> = slots.map(|&slot| leaves.id(slot)).collect();
+            assert_eq!(found, expected, "{count}, {options}");
+            assert_eq!(lines.long.is_empty(), options != "depth=1");
+        }
+    }
+
+    #[test]
+    fn a_line_is_a_cache_line() {
+        assert_eq!((size_of::<Line>(), align_of::<Line>()), (64, 64));
+    }
 }

@@ -5,7 +5,8 @@
 //!
 //! A builder ([`build`]) makes a [`tree::KdTree`], plain data in depth-first order. A layout
 //! ([`layout`]) puts its nodes into memory; links and boxes are derived from it for those walks
-//! that need them; a walk ([`walk`]) visits leaves along a ray, or (`coherent`) along many.
+//! that need them; a walk ([`walk`]) visits leaves along a ray, or (`coherent`) along many. [`lines`]
+//! are a form of the tree for one walk alone, that by vector instructions.
 //!
 //! # Why all walks find what brute force finds
 //! Let u be 2^-24, half an ulp of one, and the unit of length the longest edge of the box of all

@@ -95,8 +95,8 @@ pub type Block = TriangleBlock<LANES>;
 /// The table is in the order in which leaves first name the triangles, so that those of a leaf, and
 /// of its neighbours, lie close together.
 ///
-/// Blocks stored in the leaves would spare their assembly, but a triangle is in some four leaves,
-/// and a leaf holds one or two: they take ten times the memory, and then the caches don't hold it.
+/// Blocks stored in the leaves spare their assembly and two cache misses, for several times the
+/// memory, as a triangle is in two to four leaves: [`super::lines`] has them.
 #[derive(Clone, Debug)]
 pub struct Leaves {
     /// Leaf `i` has the slots `starts[i]..starts[i + 1]`.

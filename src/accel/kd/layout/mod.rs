@@ -66,7 +66,9 @@ mod tests {
         };
         let list = TriangleList((0..count).map(triangle).collect());
         let source: Arc<dyn TriangleSource> = Arc::new(list);
-        KdTree::build(&source, &Options::defaults(&OPTIONS)).expect("it is small")
+        // Dear triangles, for a tree of many levels.
+        let options = Options::parse("kd", &OPTIONS, "cost=0.4").expect("it is known");
+        KdTree::build(&source, &options).expect("it is small")
     }
 
     /// Walks both side by side.

@@ -9,6 +9,9 @@
 //! levels, and once for a leaf (see [`super::super::lines`]). The tree is made for it: a step of a
 //! vector is cheap and a miss of the cache is not, so leaves are large.
 //!
+//! By the tie rule of all walks, a child is crossed if what is left of the span has a length. A span
+//! that is a point has none; such rays are rare and take the walk of those that are not tame.
+//!
 //! The idea is that of multi bounding volume hierarchies (M. Ernst, G. Greiner, 2008), done to the
 //! subtrees of three levels that V. Havran put on a cache line (1999).
 
@@ -49,13 +52,9 @@ impl WideWalk {
         if tree.depth() > LIMIT {
             return Err(BuildError::TooDeep { depth: tree.depth(), limit: LIMIT });
         }
-        let lines = Lines::new(tree).ok_or(BuildError::TooLarge {
-            needed: tree.base.source.len() as u64 * 1200,
-            limit: u64::from(u32::MAX),
-        })?;
         Ok(Self {
             base: Arc::clone(&tree.base),
-            lines,
+            lines: Lines::new(tree)?,
             nodes: Compact::new(tree),
             level,
             report: tree.report.clone(),
