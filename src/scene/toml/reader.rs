@@ -190,13 +190,15 @@ impl<'d> Table<'d> {
     /// The tables in an array of tables, or one alone.
     pub fn tables(&self, key: &'d str) -> Result<Vec<Table<'d>>, LoadError> {
         let Some(value) = self.value(key) else { return Ok(Vec::new()) };
-        let one = |value: &'d Spanned<DeValue<'d>>| {
+        let named = |value: &'d Spanned<DeValue<'d>>, name: String| {
             let entries = as_table(value.get_ref())?;
-            Some(Self::new(self.source, entries, format!("[[{key}]]"), value.span().start))
+            Some(Self::new(self.source, entries, name, value.span().start))
         };
         let all = match value.get_ref() {
-            DeValue::Array(array) => array.iter().map(one).collect(),
-            _ => one(value).map(|table| vec![table]),
+            DeValue::Array(array) => {
+                array.iter().map(|one| named(one, format!("[[{key}]]"))).collect()
+            }
+            _ => named(value, format!("[{key}]")).map(|table| vec![table]),
         };
         all.ok_or_else(|| self.fault_at(key, "must be a table, or several as [[…]]"))
     }
