@@ -158,7 +158,8 @@ pub fn markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
     );
     for row in rows {
         let Variant { id, summary, paper, .. } = row.variant;
-        text += &format!("| `{id}` | {summary} | {paper} | {} |\n", cells(row).join(" | "));
+        let line = format!("| `{id}` | {summary} | {paper} | {} |\n", cells(row).join(" | "));
+        text.push_str(&line);
     }
     text + "\n" + &note(scene, triangles) + "\n"
 }

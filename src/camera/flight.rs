@@ -130,6 +130,9 @@ pub fn through(keys: &[Pose], count: usize) -> Vec<Pose> {
 
 /// Catmull and Rom's curve from the second of four points to the third.
 fn curve([a, b, c, d]: [Vec3; 4], t: f32) -> Vec3 {
+    if t == 1.0 {
+        return c; // not all but
+    }
     let (square, cube) = (t * t, t * t * t);
     let linear = (c - a) * t;
     let second = (a * 2.0 - b * 5.0 + c * 4.0 - d) * square;

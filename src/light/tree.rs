@@ -363,7 +363,12 @@ mod tests {
             }
             let mut expected: Vec<f64> = probabilities.iter().map(|p| p * draws as f64).collect();
             expected.push((1.0 - sum).max(0.0) * draws as f64 + 1e-6);
-            assert_fits(&counts, &expected, vantages().len(), &format!("vantage {number}"));
+            if sum > 0.01 {
+                assert_fits(&counts, &expected, vantages().len(), &format!("vantage {number}"));
+            } else {
+                let chosen = draws - counts[lights.len()];
+                assert!(chosen as f64 <= 0.02 * draws as f64, "{number}: {chosen} of {draws}");
+            }
         }
         assert!(some >= 6, "{some} of 9 see lights");
     }
@@ -416,7 +421,7 @@ mod tests {
     #[test]
     fn equal_lights_are_halved() {
         let lamp = LightBounds::point(Vec3::ONE, Vec3::Y, PI, 1.0);
-        let tree = LightTree::new(&[lamp; 1000]).expect("all shine");
+        let tree = LightTree::new(&vec![lamp; 1000]).expect("all shine");
         let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::ZERO };
         for light in [0, 1, 500, 999] {
             let probability = tree.probability(&vantage, light);

@@ -58,7 +58,7 @@ pub fn model(triangles: u64, seed: u64) -> Model {
     let side = ((triangles as f64 / 250.0).sqrt() as usize).clamp(2, 40);
     let mut city = Scenery::new(seed, materials());
     let half = side as f64 * PITCH * 0.5;
-    city.unit = "town".to_owned();
+    "town".clone_into(&mut city.unit);
     let ground = Quad { half: DVec2::splat(half + 30.0) };
     city.put("ground", Stuff::Asphalt as usize, at(0.0, 0.0, 0.0), ground);
     for i in 0..side {
@@ -118,7 +118,7 @@ fn tower(city: &mut Scenery, foot: DVec3, central: f64) {
     let wall = city.random.one_of(&WALLS) as usize;
     let (mut x, mut z) = (city.random.between(5.5, 7.4), city.random.between(5.5, 7.4));
     let mut y = 0.0;
-    for _ in 0..1 + city.random.below(3) {
+    for _ in 0..=city.random.below(3) {
         let height = city.random.between(6.0, 14.0 + 22.0 * central);
         city.slab("body", wall, [0.0, y + 0.5 * height, 0.0], [x, 0.5 * height, z]);
         y += height;
@@ -222,7 +222,8 @@ fn light_and_cameras(city: &mut Scenery, half: f64) {
     city.sun(Vec3::new(0.55, 0.75, 0.35), 3.0);
     city.sun(Vec3::new(-0.5, 0.6, -0.6), 0.8);
     // The middle of a street: between two blocks.
-    let street = PITCH as f32 * if (half * 2.0 / PITCH) as u64 % 2 == 0 { 0.0 } else { 0.5 };
+    let street =
+        PITCH as f32 * if ((half * 2.0 / PITCH) as u64).is_multiple_of(2) { 0.0 } else { 0.5 };
     let edge = half as f32;
     let key = |eye: [f32; 3], target: [f32; 3]| Pose::new(eye.into(), target.into(), 60.0);
     city.model.flight = vec![

@@ -49,7 +49,7 @@ impl Ground {
     pub fn height(&self, x: f64, z: f64) -> f64 {
         let out = ((x * x + z * z).sqrt() / self.half).min(1.4);
         let hills = octaves(self.seed, x / 130.0 + 0.37, z / 130.0 + 0.61, 6);
-        let ridges = 1.0 - octaves(self.seed ^ 99, x / 210.0, z / 210.0, 5).abs();
+        let ridges = 1.0 - octaves(self.seed ^ 0x63, x / 210.0, z / 210.0, 5).abs();
         -3.0 + 9.0 * out + hills * (2.5 + 26.0 * out * out) + ridges * 55.0 * out * out * out
     }
 

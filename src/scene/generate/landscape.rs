@@ -47,7 +47,7 @@ fn materials() -> Vec<serde_json::Value> {
 pub fn model(triangles: u64, seed: u64) -> Model {
     let mut land = Scenery::new(seed, materials());
     let ground = Ground { seed, half: HALF };
-    land.unit = "land".to_owned();
+    "land".clone_into(&mut land.unit);
     land.put("ground", Stuff::Meadow as usize, at(0.0, 0.0, 0.0), Terrain(ground));
     let lake = Quad { half: DVec2::splat(HALF * 0.6) };
     land.put("lake", Stuff::Water as usize, at(0.0, 0.0, 0.0), lake);

@@ -159,12 +159,11 @@ fn place_cameras_and_lights(
 fn animation(document: &Document, time: Option<f32>, notices: &mut Notices) -> Option<Animation> {
     let count = document.animations.len();
     match (time, count) {
-        (None, 0) => {}
+        (None, 0) | (Some(_), 1) => {}
         (None, _) => {
             notices.add("/animations", "all is in its rest pose: --time poses animations");
         }
         (Some(_), 0) => notices.add("", "there is no animation: --time changes nothing"),
-        (Some(_), 1) => {}
         (Some(_), _) => {
             notices.add("/animations", format!("the first of {count} animations is posed"));
         }

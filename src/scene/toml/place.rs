@@ -208,7 +208,6 @@ impl<'a> Stage<'a> {
                 mesh: MeshId::from_index(meshes + instance.mesh.index()),
                 material: MaterialId::from_index(materials + instance.material.index()),
                 transform: Transform::new(narrowed(&to_world)),
-                ..instance.clone()
             });
         }
         place_lights_and_cameras(source, at, scene)

@@ -10,6 +10,9 @@ use toml::de::{DeTable, DeValue};
 use crate::scene::LoadError;
 use crate::scene::choice::near;
 
+/// So many numbers, or else so many others.
+type OneOf<const N: usize, const M: usize> = Result<[f64; N], [f64; M]>;
+
 /// The text of a file, and where its lines begin.
 pub struct Source<'d> {
     path: &'d Path,
@@ -147,7 +150,7 @@ impl<'d> Table<'d> {
     pub fn one_of_numbers<const N: usize, const M: usize>(
         &self,
         key: &'d str,
-    ) -> Result<Option<Result<[f64; N], [f64; M]>>, LoadError> {
+    ) -> Result<Option<OneOf<N, M>>, LoadError> {
         self.read(key, &format!("[…] of {N} or {M} finite numbers"), |value| {
             numbers(value).map(Ok).or_else(|| numbers(value).map(Err))
         })
