@@ -63,7 +63,7 @@ pub struct Light {
     pub kind: Kind,
     /// Rays that were shot, over all pictures.
     pub rays: usize,
-    /// By [`TRACERS`].
+    /// By tracer, in the order of the table.
     pub columns: Vec<Column>,
 }
 

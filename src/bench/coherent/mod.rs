@@ -66,7 +66,7 @@ pub enum Name {
     Wide,
 }
 
-/// Tiles along a side that entry points are tried with, but for [`ACROSS`].
+/// Tiles along a side that entry points are tried with, but for those of the tables.
 pub const FINER: [u32; 3] = [16, 32, 64];
 
 /// How tiles are chosen.
