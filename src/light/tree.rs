@@ -370,7 +370,7 @@ mod tests {
                 assert!(chosen as f64 <= 0.02 * draws as f64, "{number}: {chosen} of {draws}");
             }
         }
-        assert!(some >= 6, "{some} of 9 see lights");
+        assert!(some >= 5, "{some} of 9 see lights");
     }
 
     /// Wherever light arrives from a light, it is chosen sometimes.

@@ -29,6 +29,22 @@ impl Tessellation {
         self.vertices.len() as u32 - 1
     }
 
+    /// Turns all corners to face as the triangles around them do, by their areas.
+    pub fn face_as_triangles(&mut self) {
+        let mut sums = vec![DVec3::ZERO; self.vertices.len()];
+        for triangle in &self.indices {
+            let corner =
+                |i: usize| DVec3::from(self.vertices[triangle[i] as usize].position.map(f64::from));
+            let face = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+            for &i in triangle {
+                sums[i as usize] += face;
+            }
+        }
+        for (vertex, sum) in self.vertices.iter_mut().zip(sums) {
+            vertex.normal = sum.normalize_or(DVec3::Y).as_vec3().to_array();
+        }
+    }
+
     /// Adds a triangle, unless two of its corners are one.
     pub fn triangle(&mut self, corners: [u32; 3]) {
         let [a, b, c] = corners;

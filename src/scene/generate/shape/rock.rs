@@ -26,18 +26,6 @@ impl Rock {
         let dents = octaves(self.seed, out.x * 1.3 + 2.0 * out.y, out.z * 1.3 - out.y, 4);
         out * self.half * (1.0 + 0.16 * dents)
     }
-
-    /// Across the surface where it is seen in a direction from within, by how it runs nearby.
-    fn normal(&self, out: DVec3) -> DVec3 {
-        const NEARBY: f64 = 0.01;
-        let along = out.any_orthonormal_vector();
-        let across = out.cross(along);
-        let run = |side: DVec3| {
-            let there = |by: f64| self.point((out + side * by).normalize());
-            there(NEARBY) - there(-NEARBY)
-        };
-        run(along).cross(run(across))
-    }
 }
 
 impl Shape for Rock {
@@ -49,7 +37,7 @@ impl Shape for Rock {
     fn build(&self, level: u32) -> Tessellation {
         let ([rows, columns], mut made) = (grid(level), Tessellation::default());
         let around = circle(columns);
-        let mut corner = |out: DVec3| made.vertex(self.point(out), self.normal(out));
+        let mut corner = |out: DVec3| made.vertex(self.point(out), out);
         let [south, north] = [DVec3::NEG_Y, DVec3::Y].map(&mut corner);
         let ring = |row: usize| -> Vec<u32> {
             let (sin, cos) = libm::sincos(std::f64::consts::PI * row as f64 / rows as f64);
@@ -62,6 +50,7 @@ impl Shape for Rock {
             made.band(&pair[0], &pair[1], true);
         }
         made.fan(north, &rings[rings.len() - 1], true);
+        made.face_as_triangles();
         made
     }
 
