@@ -22,12 +22,13 @@ fn each_row_tells_paper_memory_and_rates() {
     for variant in VARIANTS {
         let start = format!("| `{}` | ", variant.id);
         let row = readme.lines().find(|line| line.starts_with(&start));
-        // Several that were not measured yet share a row.
-        let Some(row) = row.filter(|row| !row.ends_with("| | | |")) else { continue };
+        let row = row.expect("a row of its own");
         let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
         assert_eq!(cells[1..3], [variant.summary, variant.paper], "`bench accels --markdown`");
         let figures = cells[3..].iter().map(|cell| cell.parse::<f64>());
         let figures: Vec<f64> = figures.map(|figure| figure.expect("a figure")).collect();
-        assert!(figures.len() == 4 && figures.iter().all(|x| *x > 0.0), "{row}");
+        let &[bytes, seconds, random, primary] = &figures[..] else { panic!("{row}") };
+        // Brute force takes no time to build.
+        assert!(bytes > 0.0 && seconds >= 0.0 && random > 0.0 && primary > 0.0, "{row}");
     }
 }
