@@ -252,10 +252,9 @@ pub fn to_rows(rays: &[Ray]) -> Vec<f32> {
 }
 
 /// The rays of such rows.
-pub fn from_rows(rows: &[f32]) -> Vec<Ray> {
+pub fn from_rows(rows: &[f32]) -> impl Iterator<Item = Ray> {
     rows.chunks_exact(8)
         .map(|r| Ray::new(Vec3::new(r[0], r[1], r[2]), Vec3::new(r[4], r[5], r[6]), r[3], r[7]))
-        .collect()
 }
 
 #[cfg(test)]

@@ -221,9 +221,11 @@ fn shoot_all<A: Send>(
     let tasks = rows.par_chunks(task * 8).zip(answers.par_chunks_mut(task));
     let counts: Vec<Counts> = tasks
         .map(|(rows, answers)| {
-            let mut tracer = tracer();
+            // One buffer for all slices: one a slice would be mapped, and its pages fetched, anew.
+            let (mut tracer, mut rays) = (tracer(), Vec::with_capacity(read));
             for (rows, answers) in rows.chunks(read * 8).zip(answers.chunks_mut(read)) {
-                let rays = from_rows(rows);
+                rays.clear();
+                rays.extend(from_rows(rows));
                 for (rays, answers) in rays.chunks(slice).zip(answers.chunks_mut(slice)) {
                     ask(&mut *tracer, &slices.batch(rays), answers);
                 }
