@@ -128,30 +128,29 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
     let hits = args.hits.as_deref();
     let hits = hits.map(|path| Output { flag: "--hits", path, ending: "npy" });
     outputs::check(hits.as_slice(), &[&args.scene, &args.rays])?;
-    // A hit is half as long as a ray; the rows are in memory besides.
+    // A hit is half as long as a ray; the file's rows are in memory besides, until rays are made.
     let length = fs::metadata(&args.rays).map_or(0, |found| found.len());
-    memory::require(&args.rays.display().to_string(), length / 2 * 3)?;
+    memory::require(&args.rays.display().to_string(), length / 2 * 5)?;
     let source = input::triangles(&args.scene, args.quiet)?;
-    let rows = npy::read_f32(&args.rays, 8)?;
-    let rays = rows.len() / 8;
+    let rays: Vec<Ray> = from_rows(&npy::read_f32(&args.rays, 8)?).collect();
     let (triangles, slices) = (source.len(), Slices::new(args));
     input::on_threads(args.threads, || {
         let accel = build(&args.accel, source, args.isa)?;
         let mut answers = if args.any {
-            Answers::Any(vec![AnyHit(false); rays])
+            Answers::Any(vec![AnyHit(false); rays.len()])
         } else {
-            Answers::Closest(vec![ClosestHit::MISS; rays])
+            Answers::Closest(vec![ClosestHit::MISS; rays.len()])
         };
-        shoot(&*accel, &rows, &mut answers, slices, false);
+        shoot(&*accel, &rays, &mut answers, slices, false);
         let mut seconds: Vec<f64> = (0..args.repeat)
             .map(|_| {
                 let start = Instant::now();
-                shoot(&*accel, &rows, &mut answers, slices, false);
+                shoot(&*accel, &rays, &mut answers, slices, false);
                 start.elapsed().as_secs_f64()
             })
             .collect();
         seconds.sort_by(f64::total_cmp);
-        let counts = args.counters.then(|| shoot(&*accel, &rows, &mut answers, slices, true));
+        let counts = args.counters.then(|| shoot(&*accel, &rays, &mut answers, slices, true));
         if let Some(path) = &args.hits {
             match &answers {
                 Answers::Closest(hits) => npy::write_f32(path, 4, bytemuck::cast_slice(hits))?,
@@ -165,7 +164,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
         }
         let summary = Summary {
             triangles,
-            rays,
+            rays: rays.len(),
             hits: answers.hits(),
             seconds: seconds[seconds.len() / 2],
             counts,
@@ -187,19 +186,19 @@ impl Answers {
 /// Answers all rows on the threads of the pool.
 fn shoot(
     accel: &dyn Accel,
-    rows: &[f32],
+    rays: &[Ray],
     answers: &mut Answers,
     slices: Slices,
     counting: bool,
 ) -> Counts {
     match answers {
         Answers::Closest(hits) => {
-            shoot_all(accel, rows, hits, slices, counting, |tracer, batch, hits| {
+            shoot_all(accel, rays, hits, slices, counting, |tracer, batch, hits| {
                 tracer.closest_hits(batch, hits);
             })
         }
         Answers::Any(hits) => {
-            shoot_all(accel, rows, hits, slices, counting, |tracer, batch, hits| {
+            shoot_all(accel, rays, hits, slices, counting, |tracer, batch, hits| {
                 tracer.any_hits(batch, hits);
             })
         }
@@ -208,7 +207,7 @@ fn shoot(
 
 fn shoot_all<A: Send>(
     accel: &dyn Accel,
-    rows: &[f32],
+    rays: &[Ray],
     answers: &mut [A],
     slices: Slices,
     counting: bool,
@@ -218,14 +217,11 @@ fn shoot_all<A: Send>(
     let (read, slice) = slices.lengths();
     // A task of many slices, so that a tracer is not made anew for each.
     let task = (answers.len() / rayon::current_num_threads() / 4).max(1).next_multiple_of(read);
-    let tasks = rows.par_chunks(task * 8).zip(answers.par_chunks_mut(task));
+    let tasks = rays.par_chunks(task).zip(answers.par_chunks_mut(task));
     let counts: Vec<Counts> = tasks
-        .map(|(rows, answers)| {
-            // One buffer for all slices: one a slice would be mapped, and its pages fetched, anew.
-            let (mut tracer, mut rays) = (tracer(), Vec::with_capacity(read));
-            for (rows, answers) in rows.chunks(read * 8).zip(answers.chunks_mut(read)) {
-                rays.clear();
-                rays.extend(from_rows(rows));
+        .map(|(rays, answers)| {
+            let mut tracer = tracer();
+            for (rays, answers) in rays.chunks(read).zip(answers.chunks_mut(read)) {
                 for (rays, answers) in rays.chunks(slice).zip(answers.chunks_mut(slice)) {
                     ask(&mut *tracer, &slices.batch(rays), answers);
                 }
