@@ -74,7 +74,10 @@ impl<const W: usize> Shape<W> {
         triangles: usize,
     ) -> Self {
         let report = BuildReport { triangles, ..BuildReport::default() };
-        let mut shape = Self { nodes: Vec::new(), leaves: Vec::new(), order, parts, report };
+        // About as many as there are, so that growing copies little.
+        let nodes = Vec::with_capacity(order.len() / (2 * W) + 1);
+        let leaves = Vec::with_capacity(order.len() / W + 1);
+        let mut shape = Self { nodes, leaves, order, parts, report };
         let Some(root) = source.root() else { return shape };
         let (mut area, mut depths) = (0.0, 0);
         let place = shape.add(&root);
