@@ -69,5 +69,11 @@ fn the_number_of_threads_does_not_show() {
             let picture = render(folder.path(), name, &["--threads", threads]);
             assert_same(&picture, &expected, &format!("{name} on {threads} threads"));
         }
+        // Each thread with a cache of one line, in which every leaf takes another's place.
+        for id in ["bvh2", "mbvh4", "mbvh8", "mbvh16"] {
+            let accel = format!("{id}:triangles=cache,cache=1");
+            let picture = render(folder.path(), name, &["--threads", "7", "--accel", &accel]);
+            assert_same(&picture, &expected, &format!("{name} with {accel}"));
+        }
     }
 }
