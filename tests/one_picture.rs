@@ -104,7 +104,8 @@ fn scenes() -> Vec<String> {
         file.expect("a file").file_name().into_string().expect("a name in UTF-8")
     };
     let mut names: Vec<_> = files.map(name).collect();
-    names.retain(|name| name.ends_with(".gltf") || name.ends_with(".obj"));
+    let ending = |name: &str| Path::new(name).extension().map(|ending| ending.to_owned());
+    names.retain(|name| ending(name).is_some_and(|ending| ending == "gltf" || ending == "obj"));
     names.sort();
     names
 }

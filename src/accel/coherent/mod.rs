@@ -15,7 +15,7 @@ mod rays;
 pub use compress::Compression;
 pub use entry::entry_point;
 pub use hierarchy::{Branch, Branches, Hierarchy, Step};
-pub use narrow::{Narrowing, Regions, Start, Started, Trees, View};
+pub use narrow::{Narrowing, Regions, Start, Started, Trees, View, Within};
 pub use packets::{FEW, Packets, Plan, Pool, shoot_mixed, shoot_packets, shoot_singles};
 pub use rays::{Ask, BUNDLES, Order, Rays};
 

@@ -5,9 +5,10 @@ use fearless_simd::Simd;
 use super::compress::Compression;
 use super::entry::entry_point;
 use super::hierarchy::{Branch, Hierarchy, Step};
+use super::rays::Rays;
 use crate::accel::{Batch, Counters, NotCounted, PoolUse};
 use crate::geom::Shaft;
-use crate::math::Ray;
+use crate::math::{Aabb, Ray};
 
 /// Where packets start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,12 +95,31 @@ pub struct Trees<'a, P> {
     pub own: &'a mut Vec<Branch<P>>,
 }
 
-/// Where the packets of a slice start.
+/// Where the rays of a slice start.
 pub struct Started<'a, P> {
     /// `None` if they meet no leaf.
     pub from: Option<Step<P>>,
     /// The branches of the view, if that holds the slice.
     pub view: &'a [Branch<P>],
+    /// For which rays: for those that lie in all of these regions.
+    pub within: Within,
+}
+
+/// Regions, up to two.
+#[derive(Default)]
+pub struct Within([Option<Shaft>; 2]);
+
+impl Within {
+    /// Whether no ray is to be asked about.
+    pub fn is_all(&self) -> bool {
+        self.0.iter().all(Option::is_none)
+    }
+
+    /// Whether they are seen to hold rays.
+    #[inline(always)]
+    pub fn holds<S: Simd>(&self, simd: S, rays: &Rays) -> bool {
+        self.0.iter().flatten().all(|shaft| rays.held_by(simd, shaft))
+    }
 }
 
 impl<P> View<P> {
@@ -144,19 +164,29 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         View { shaft: shaft.clone(), branches, step }
     }
 
-    /// The branches of the view, and where rays start that lie in the innermost of the regions
-    /// around: those that a thread has entered, or the view's.
-    fn around(
+    /// The innermost of the regions around: those that a thread has entered, or the view's; with
+    /// where rays start that lie in it. `None` if those start at the root.
+    fn around<'b>(
         &self,
-        regions: &[Region<H::Place>],
+        regions: &'b [Region<H::Place>],
         holds: impl Fn(&Shaft) -> bool,
-    ) -> Started<'a, H::Place> {
-        let branches = self.view.map_or(&[][..], |view| &view.branches);
-        if let Some(region) = regions.iter().rev().find(|region| holds(&region.shaft)) {
-            return Started { from: region.step, view: branches };
-        }
-        let view = self.view.filter(|view| holds(&view.shaft));
-        Started { from: view.map_or(Some(Step::to(self.root)), |view| view.step), view: branches }
+    ) -> Option<(&'b Shaft, Option<Step<H::Place>>)>
+    where
+        'a: 'b,
+    {
+        let view = self.view.map(|view| (&view.shaft, view.step));
+        let entered = regions.iter().rev().map(|region| (&region.shaft, region.step));
+        entered.chain(view).find(|(shaft, _)| holds(shaft))
+    }
+
+    /// The branches of the view.
+    fn branches(&self) -> &'a [Branch<H::Place>] {
+        self.view.map_or(&[][..], |view| &view.branches)
+    }
+
+    /// Where all rays start.
+    pub fn from_root(&self) -> Option<Step<H::Place>> {
+        Some(Step::to(self.root))
     }
 
     /// Enters a region: what it meets is put behind the branches of the thread.
@@ -168,8 +198,9 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         counters: &mut C,
     ) {
         let before = own.len();
-        let Started { from, view } = self.around(&regions.list, |wider| wider.contains(shaft));
-        let pool = Trees { view, own };
+        let around = self.around(&regions.list, |wider| wider.contains(shaft));
+        let from = around.map_or(self.from_root(), |(_, step)| step);
+        let pool = Trees { view: self.branches(), own };
         let step = from.and_then(|from| self.narrow(from, pool, shaft, counters));
         regions.note(own);
         regions.list.push(Region { shaft: shaft.clone(), step, before });
@@ -177,6 +208,32 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
 
     /// Where the packets of a slice start, within the regions that were entered. Its branches are
     /// put behind those of the thread.
+    ///
+    /// What a camera sees through a tile is told by the rays at its corners; packets are then asked
+    /// whether they lie there, which they can be bundle by bundle. (To ask each ray of a slice first
+    /// takes about as long as to trace it.) The region of other slices is found by all their rays.
+    pub fn of_packets<S: Simd, C: Counters>(
+        &self,
+        simd: S,
+        (batch, regions): (&Batch<'_>, &Regions<H::Place>),
+        knows: impl Fn(&Ray) -> bool,
+        own: &mut Vec<Branch<H::Place>>,
+        counters: &mut C,
+    ) -> Started<'a, H::Place> {
+        let Some((corners, tile)) = corners(batch).filter(|_| self.start != Start::Root) else {
+            return self.of_slice(simd, (batch, regions), knows, own, counters);
+        };
+        let holds = |region: &Shaft| corners.iter().all(|corner| region.holds(corner));
+        let around = self.around(&regions.list, holds);
+        let from = around.map_or(self.from_root(), |(_, step)| step);
+        let view = self.branches();
+        let from = from.and_then(|from| self.narrow(from, Trees { view, own }, &tile, counters));
+        let within = Within([around.map(|(region, _)| region.clone()), Some(tile)]);
+        Started { from, view, within }
+    }
+
+    /// Where all rays of a slice start, within the regions that were entered. Its branches are put
+    /// behind those of the thread.
     pub fn of_slice<S: Simd, C: Counters>(
         &self,
         simd: S,
@@ -185,20 +242,47 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         own: &mut Vec<Branch<H::Place>>,
         counters: &mut C,
     ) -> Started<'a, H::Place> {
+        let within = Within::default();
         if self.start == Start::Root {
-            return Started { from: Some(Step::to(self.root)), view: &[] };
+            return Started { from: self.from_root(), view: &[], within };
         }
         let shaft = of_slice(simd, batch, &knows);
         let holds = |region: &Shaft| {
             let contained = shaft.as_ref().is_some_and(|shaft| region.contains(shaft));
             contained || batch.rays().iter().all(|ray| knows(ray) && region.holds(ray))
         };
-        let Started { mut from, view } = self.around(&regions.list, holds);
+        let around = self.around(&regions.list, holds);
+        let (mut from, view) = (around.map_or(self.from_root(), |(_, step)| step), self.branches());
         if let (Some(step), Some(shaft)) = (from, &shaft) {
             from = self.narrow(step, Trees { view, own }, shaft, counters);
         }
-        Started { from, view }
+        Started { from, view, within }
     }
+}
+
+/// The rays at the corners of a slice that is a raster of rays from one point, in order around it,
+/// and the pyramid through them, a cell wider on each side.
+fn corners(batch: &Batch<'_>) -> Option<([Ray; 4], Shaft)> {
+    let (width, height, each) = batch.grid()?;
+    if width < 2 || height < 2 || each == 0 {
+        return None;
+    }
+    let cell = |x: usize, y: usize| batch.rays()[(y * width + x) * each];
+    let corners = [(0, 0), (width - 1, 0), (width - 1, height - 1), (0, height - 1)];
+    let corners = corners.map(|(x, y)| cell(x, y));
+    if corners.iter().any(|corner| corner.origin() != corners[0].origin()) {
+        return None;
+    }
+    // Of equal lengths, or a cell's width could not be told from the corners.
+    let directions = corners.map(|corner| corner.direction().normalize_or_zero());
+    let cells = [width - 1, height - 1].map(|cells| 1.0 / cells as f32);
+    let wider = std::array::from_fn(|corner| {
+        let here = directions[corner];
+        let [beside, beyond] = [directions[corner ^ 1], directions[3 - corner]];
+        here + (here - beside) * cells[0] + (here - beyond) * cells[1]
+    });
+    let tile = Shaft::pyramid(Aabb::of_points([corners[0].origin()]), wider)?;
+    Some((corners, tile))
 }
 
 /// A region that holds a whole slice.

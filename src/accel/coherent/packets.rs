@@ -20,10 +20,10 @@ pub trait Packets<Q: Query, C: Counters> {
     /// Whether a ray may be walked with others.
     fn knows(&self, ray: &Ray) -> bool;
 
-    /// Begins with the rays of a shaft, or wants them in four parts.
-    fn begin(&mut self, shaft: &Shaft, rays: usize, counters: &mut C) -> Plan;
+    /// Begins with the rays of a shaft, or wants them in four parts; they are still to be prepared.
+    fn begin(&mut self, rays: &Rays, shaft: &Shaft, counters: &mut C) -> Plan;
 
-    /// Walks rays of that shaft that all head the same way; they are still to be prepared. The
+    /// Walks rays of that shaft that all head the same way, still to be prepared. The
     /// answers are left in the queries, which are new.
     fn walk(
         &mut self,
@@ -106,7 +106,7 @@ pub fn shoot_packets<S: Simd, Q: Query, C: Counters, P: Packets<Q, C>>(
                 singles.extend_from_slice(&members[part]);
                 continue;
             };
-            if packets.begin(&shaft, length, counters) == Plan::Split {
+            if packets.begin(rays, &shaft, counters) == Plan::Split {
                 let quarter = length.div_ceil(4).max(1);
                 parts
                     .extend(part.clone().step_by(quarter).map(|at| at..part.end.min(at + quarter)));

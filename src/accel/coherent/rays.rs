@@ -151,6 +151,12 @@ impl Rays {
         Shaft::of_bundles(simd, &self.bundles[..self.count], corners)
     }
 
+    /// Whether a region is seen to hold them all; see [`Shaft::holds_bundle`].
+    #[inline(always)]
+    pub fn held_by<S: Simd>(&self, simd: S, shaft: &Shaft) -> bool {
+        self.bundles[..self.count].iter().all(|bundle| shaft.holds_bundle(simd, bundle))
+    }
+
     /// Ends the shaft where the last of the rays does.
     #[inline(always)]
     pub fn end_shaft<S: Simd>(&self, simd: S, shaft: &mut Shaft) {

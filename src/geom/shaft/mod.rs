@@ -33,13 +33,14 @@
 //! Directions whose largest component is not within 2^-20 to 2^20, and origins beyond 2^100, are
 //! held by no shaft, and boxes that reach beyond 2^100 are never missed: so nothing overflows.
 
+mod holds;
 mod of_rays;
 #[cfg(test)]
 mod tests;
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 
-use crate::math::{Aabb, DVec3, Ray, Vec3};
+use crate::math::{Aabb, DVec3, Vec3};
 
 /// A convex region that holds rays.
 #[derive(Clone, Debug)]
@@ -163,21 +164,6 @@ impl Shaft {
         self.put(END, self.axis, distance);
     }
 
-    /// Whether all points of the ray lie in the region.
-    pub fn holds(&self, ray: &Ray) -> bool {
-        if ray.t_max() <= ray.t_min() {
-            return true;
-        }
-        let (o, d) = (ray.origin().as_dvec3(), ray.direction().as_dvec3());
-        let end = o + d * f64::from(ray.t_max());
-        let held = |lane: usize| {
-            let (normal, offset) = (self.normal(lane), f64::from(self.offset[lane]));
-            o.dot(normal) <= offset && (d.dot(normal) <= 0.0 || end.dot(normal) <= offset)
-        };
-        let near = ray.origin().abs().cmple(self.reach).all();
-        is_tame(ray.direction()) && near && (0..PLANES).all(held)
-    }
-
     /// The greater difference of slopes across its axis; infinite where that is not known.
     pub fn spread(&self) -> f32 {
         self.core.map_or(f32::INFINITY, |(_, _, spread)| spread)
@@ -290,12 +276,13 @@ fn coordinates(bounds: &Aabb) -> Option<Vec3> {
     (largest <= LARGE).then(|| coordinates + Vec3::splat(largest * ACROSS))
 }
 
-/// The largest `normal · x` of a box.
+/// The largest `normal · x` of a box, rounded up by so much that points of it are below also as
+/// [`Shaft::holds_bundle`] computes them.
 #[inline(always)]
 fn farthest(bounds: &Aabb, normal: Vec3) -> f32 {
     let corner = Vec3::select(normal.cmpgt(Vec3::ZERO), bounds.max, bounds.min);
     let size = normal.abs().dot(corner.abs());
-    corner.dot(normal) + size * (4.0 * f32::EPSILON)
+    corner.dot(normal) + size * (8.0 * f32::EPSILON)
 }
 
 /// Whether a direction is neither too long nor too short.

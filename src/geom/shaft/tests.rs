@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::geom::SlabRay;
+use crate::geom::{RayBundle, SlabRay};
+use crate::math::Ray;
 use crate::simd::baseline;
 
 fn unit() -> impl Strategy<Value = Vec3> {
@@ -86,6 +87,9 @@ proptest! {
                     && shaft.misses(baseline(), &bounds)
                     && enters(&ray, &bounds);
                 prop_assert!(!lost);
+                let mut bundle = RayBundle::EMPTY;
+                bundle.put(0, &ray);
+                prop_assert!(!shaft.holds_bundle(baseline(), &bundle) || shaft.holds(&ray));
             }
         }
     }
@@ -132,6 +136,20 @@ fn a_region_ends_where_its_segments_do() {
     let shaft = Shaft::of_rays(baseline(), &segments, 16).expect("they go the same way");
     assert!(!shaft.misses(baseline(), &cube([0.0, 0.0, 1.9], 0.01)));
     assert!(shaft.misses(baseline(), &cube([0.0, 0.0, 2.1], 0.01)));
+}
+
+#[test]
+fn the_pyramid_of_a_tile_is_seen_to_hold_its_rays() {
+    let rays = tile(0.3);
+    let corners = [0, 15, 255, 240].map(|i: usize| rays[i].direction());
+    let pyramid = Shaft::pyramid(Aabb::of_points([Vec3::ZERO]), corners).expect("a pyramid");
+    let mut bundle = RayBundle::EMPTY;
+    for rays in rays.chunks(RayBundle::LANES) {
+        (0..).zip(rays).for_each(|(lane, ray)| bundle.put(lane, ray));
+        assert!(pyramid.holds_bundle(baseline(), &bundle));
+    }
+    bundle.put(3, &Ray::new(Vec3::ZERO, Vec3::X, 0.0, 1.0));
+    assert!(!pyramid.holds_bundle(baseline(), &bundle));
 }
 
 #[test]

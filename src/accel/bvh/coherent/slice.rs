@@ -8,7 +8,7 @@ use super::{Coherent, Scratch, With};
 use crate::accel::bvh::binary;
 use crate::accel::coherent::{
     Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Regions, Start, Started, Step, Trees,
-    shoot_packets, shoot_singles,
+    Within, shoot_packets, shoot_singles,
 };
 use crate::accel::{Batch, Counters, Query};
 use crate::geom::Shaft;
@@ -19,8 +19,10 @@ struct InSlice<'a, S> {
     simd: S,
     structure: &'a Coherent,
     narrowing: Narrowing<'a, super::Places<'a>>,
-    /// Where the slice starts, and where the packet at hand does.
-    from: Step<Place>,
+    /// Where the slice starts, for rays within, and where the packet at hand does; `None` if it
+    /// meets no leaf.
+    from: Option<Step<Place>>,
+    within: Within,
     start: Option<Step<Place>>,
     view: &'a [Branch<Place>],
     branches: &'a mut Vec<Branch<Place>>,
@@ -38,12 +40,14 @@ impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, S> {
     }
 
     #[inline(always)]
-    fn begin(&mut self, shaft: &Shaft, _: usize, counters: &mut C) -> Plan {
-        if self.structure.per_packet() {
+    fn begin(&mut self, rays: &Rays, shaft: &Shaft, counters: &mut C) -> Plan {
+        let held = self.within.holds(self.simd, rays);
+        self.start = if held { self.from } else { self.narrowing.from_root() };
+        if let Some(from) = self.start.filter(|_| self.structure.per_packet()) {
             // One more tree, upon that of the slice.
             self.branches.truncate(self.of_slice);
             let pool = Trees { view: self.view, own: self.branches };
-            self.start = self.narrowing.narrow(self.from, pool, shaft, counters);
+            self.start = self.narrowing.narrow(from, pool, shaft, counters);
             self.regions.note(self.branches);
         }
         Plan::Walk
@@ -91,22 +95,26 @@ impl Coherent {
             None => pool.leave_all(batch.rays().len()),
             Some(narrowing) => {
                 let knows = |ray: &Ray| self.knows(ray);
-                let Started { from, view } =
-                    narrowing.of_slice(simd, (batch, regions), knows, branches, counters);
+                let slice = (batch, &*regions);
+                let Started { from, view, within } = if self.with == With::Single {
+                    narrowing.of_slice(simd, slice, knows, branches, counters)
+                } else {
+                    narrowing.of_packets(simd, slice, knows, branches, counters)
+                };
                 regions.note(branches);
                 if let Some(from) = from.filter(|_| self.with == With::Single) {
                     let start = (narrowing.tree, Branches { view, own: branches }, from);
                     let scratch = (&mut *single, steps, &mut *pool);
                     self.shoot_each::<S, Q, C>(simd, start, batch, answers, scratch, counters);
-                } else if let Some(from) = from {
-                    let (of_slice, start) = (branches.len(), Some(from));
-                    let structure = self;
+                } else if from.is_some() || !within.is_all() {
+                    let of_slice = branches.len();
                     let mut packets = InSlice {
                         simd,
-                        structure,
+                        structure: self,
                         narrowing,
                         from,
-                        start,
+                        within,
+                        start: from,
                         view,
                         branches: &mut *branches,
                         regions,

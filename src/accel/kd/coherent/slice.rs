@@ -8,8 +8,8 @@ use super::leaf::{Packet, PacketTest};
 use super::mixed::{self, ByDirection, ByOrigin};
 use super::{Coherent, How, Scratch, Walks, ropes, sequence};
 use crate::accel::coherent::{
-    Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Regions, Started, Step, entry_point,
-    shoot_mixed, shoot_packets,
+    Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Regions, Started, Step, Within,
+    entry_point, shoot_mixed, shoot_packets,
 };
 use crate::accel::{Batch, Counters, Query};
 use crate::geom::Shaft;
@@ -26,8 +26,10 @@ struct InSlice<'a, Q, C> {
     structure: &'a Coherent,
     narrowing: Narrowing<'a, Cells<'a>>,
     test: &'a dyn PacketTest<Q, C>,
-    /// Where the slice starts, and where the packet at hand does; `None` if it meets no leaf.
-    from: Step<Cell>,
+    /// Where the slice starts, for rays within, and where the packet at hand does; `None` if it
+    /// meets no leaf.
+    from: Option<Step<Cell>>,
+    within: Within,
     start: Option<Step<Cell>>,
     branches: Branches<'a, Cell>,
     walks: &'a mut Walks,
@@ -39,12 +41,14 @@ impl<Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, Q, C> {
         self.structure.knows(ray)
     }
 
-    fn begin(&mut self, shaft: &Shaft, rays: usize, counters: &mut C) -> Plan {
-        if let How::EntryPoint { adaptive } = *self.structure.how {
-            let entry = entry_point(self.narrowing.tree, self.from.place, shaft, counters);
+    fn begin(&mut self, rays: &Rays, shaft: &Shaft, counters: &mut C) -> Plan {
+        let held = self.within.holds(baseline(), rays);
+        self.start = if held { self.from } else { self.narrowing.from_root() };
+        if let (&How::EntryPoint { adaptive }, Some(from)) = (&*self.structure.how, self.start) {
+            let entry = entry_point(self.narrowing.tree, from.place, shaft, counters);
             self.start = entry.map(|(place, _)| Step::to(place));
             let complex = entry.is_some_and(|(_, forks)| forks >= MANY_FORKS);
-            if adaptive && complex && rays > LEAST_TILE {
+            if adaptive && complex && rays.lanes() > LEAST_TILE {
                 return Plan::Split;
             }
         }
@@ -120,19 +124,19 @@ impl Coherent {
             return;
         }
         let narrowing = self.narrowing();
-        let Started { from, view } =
-            narrowing.of_slice(simd, (batch, &Regions::new()), knows, branches, counters);
+        let Started { from, view, within } =
+            narrowing.of_packets(simd, (batch, &Regions::new()), knows, branches, counters);
         let own: &[Branch<Cell>] = branches;
-        let Some(from) = from else {
+        if from.is_none() && within.is_all() {
             // The slice's region has no leaf.
             for (answer, ray) in answers.iter_mut().zip(batch.rays()) {
                 *answer = Q::new(ray).answer();
             }
             return;
-        };
-        let (branches, start) = (Branches { view, own }, Some(from));
-        let structure = self;
-        let mut packets = InSlice { structure, narrowing, test, from, start, branches, walks };
+        }
+        let (branches, start, structure) = (Branches { view, own }, from, self);
+        let mut packets =
+            InSlice { structure, narrowing, test, from, within, start, branches, walks };
         shoot_packets::<_, Q, C, _>(simd, slice, answers, pool, &mut packets, counters);
     }
 
