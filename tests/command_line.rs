@@ -196,7 +196,6 @@ fn pictures_that_claim_more_memory_than_is_left_are_refused() {
     fs::write(place("a.obj"), text).expect("written");
     for words in [
         format!("render a.obj -o a.exr {SMALL}"),
-        "info a.obj --strict".to_owned(),
         format!("render {} -o a.exr --spp 1 --env large.hdr", scene("furnace.gltf")),
         "diff large.png large.png".to_owned(),
     ] {
