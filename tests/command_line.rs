@@ -164,6 +164,52 @@ fn what_needs_more_memory_than_there_is_is_refused_with_the_figure() {
     }
 }
 
+/// The start of a PNG of so many grey pixels, which nothing follows.
+#[cfg(target_os = "linux")]
+fn png_header(width: u32, height: u32) -> Vec<u8> {
+    let image = image::GrayImage::new(1, 1);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Png).expect("encodes");
+    let mut bytes = bytes.into_inner();
+    bytes[16..20].copy_from_slice(&width.to_be_bytes());
+    bytes[20..24].copy_from_slice(&height.to_be_bytes());
+    let crc = (12..29).fold(!0_u32, |crc, at| {
+        (0..8).fold(crc ^ u32::from(bytes[at]), |crc, _| {
+            if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 }
+        })
+    });
+    bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
+    bytes
+}
+
+/// A few bytes can claim a gigabyte; an allocation that fails would end the process.
+#[cfg(target_os = "linux")]
+#[test]
+fn pictures_that_claim_more_memory_than_is_left_are_refused() {
+    let folder = folder();
+    let place = |name: &str| folder.path().join(name);
+    fs::write(place("large.png"), png_header(16384, 16384)).expect("written");
+    let radiance = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8000 +X 16000\n";
+    fs::write(place("large.hdr"), radiance).expect("written");
+    fs::write(place("a.mtl"), "newmtl m\nmap_Kd large.png\n").expect("written");
+    let text = "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    fs::write(place("a.obj"), text).expect("written");
+    for words in [
+        format!("render a.obj -o a.exr {SMALL}"),
+        format!("render {} -o a.exr --spp 1 --env large.hdr", scene("furnace.gltf")),
+        "diff large.png large.png".to_owned(),
+    ] {
+        let output = Command::new("sh")
+            .args(["-c", &format!("ulimit -v 1000000; exec {DAPPLE} {words}")])
+            .current_dir(folder.path())
+            .output()
+            .expect("a shell");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{words}: {said}");
+        assert!(said.contains("GB of memory, 0.") && said.contains("are left"), "{words}: {said}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn pipes_are_refused_where_files_are_read() {

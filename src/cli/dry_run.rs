@@ -8,8 +8,9 @@ use serde_json::json;
 
 use super::args::RenderArgs;
 use super::prepare::Job;
-use super::{CliError, input, memory, table};
+use super::{CliError, input, table};
 use crate::accel;
+use crate::files::memory;
 use crate::film::Window;
 use crate::render::{Control, Settings, film_bytes, render};
 use crate::scene::Survey;

@@ -26,6 +26,7 @@ mod shell;
 mod table;
 mod trace;
 mod validate;
+mod values;
 
 use std::process::ExitCode;
 

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::CliError;
-use super::args::{CameraModel, MissingTextureArg, RenderArgs};
+use super::args::RenderArgs;
+use super::values::{CameraModel, MissingTextureArg};
 use crate::camera::{Camera, Projection, ThinLens};
 use crate::film::Window;
 use crate::integrator::Transport;

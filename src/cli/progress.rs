@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 
-use super::args::ProgressStyle;
+use super::values::ProgressStyle;
 use crate::render::Progress;
 use crate::scene::Notice;
 

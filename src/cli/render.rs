@@ -10,11 +10,12 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-use super::args::{ProgressStyle, RenderArgs};
+use super::args::RenderArgs;
 use super::header::{self, describe};
 use super::outputs::{self, Output};
 use super::prepare::{Job, prepare};
 use super::progress::{Reporter, note, say};
+use super::values::ProgressStyle;
 use super::{CliError, dry_run, input, layers, memory, shell, table};
 use crate::accel;
 use crate::film::{Picture, exr, png};
@@ -232,7 +233,7 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
         (fewest, most) if fewest == most => fewest.to_string(),
         (fewest, most) => format!("{fewest} to {most}"),
     };
-    let memory = memory::peak()
+    let memory = crate::files::memory::peak()
         .map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
     format!(
         "{}: {width}x{height}, {samples} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
@@ -261,7 +262,7 @@ fn summary_json(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Durati
         "build_s": built.as_secs_f64(),
         "mrays_s": rendered.rays.total() as f64 / rendered.elapsed.as_secs_f64().max(1e-9) / 1e6,
         "lost_samples": rendered.lost_count,
-        "peak_bytes": memory::peak(),
+        "peak_bytes": crate::files::memory::peak(),
         "interrupted": rendered.cancelled,
         "pixels_without_samples": rendered.without_samples,
     })

@@ -9,8 +9,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::args::threads;
 use super::outputs::{self, Output};
+use super::values::threads;
 use super::{CliError, Quiet, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;

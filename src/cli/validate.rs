@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::args::threads;
 use super::outputs::{self, Output};
+use super::values::threads;
 use super::{CliError, Quiet, input, memory, shell, table, trace};
 use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, VARIANTS, build};
 use crate::bench::agreement::{

@@ -1,11 +1,14 @@
-//! Files of the outside world: outputs that are whole or not there, and inputs that end.
+//! Files of the outside world: outputs that are whole or not there, inputs that end, and the
+//! memory that they claim.
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | `beside` | outputs are written beside their target and renamed |
+//! | `memory` | how much memory there is, and whether what a file claims is left |
 //! | `regular` | inputs are regular files, of a size that is known; which paths are one file |
 
 mod beside;
+pub mod memory;
 mod regular;
 
 pub use beside::{Flush, probe, remove_pending, write};

@@ -2,9 +2,9 @@
 
 use super::tonemap::{Tonemap, linear_from_srgb};
 use super::{FilmError, Picture, Window};
-use crate::files::{self, Flush};
+use crate::files::{self, Flush, memory};
 use crate::math::Vec3;
-use image::{ExtendedColorType, ImageEncoder, ImageError, Limits};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
 use std::io;
 use std::path::Path;
 
@@ -131,7 +131,12 @@ pub fn read(path: &Path) -> Result<Picture, FilmError> {
     limits.max_alloc = Some(1 << 30);
     (limits.max_image_width, limits.max_image_height) = (Some(1 << 24), Some(1 << 24));
     reader.limits(limits);
-    let image = reader.decode().map_err(failed)?.into_rgba16();
+    let decoder = reader.into_decoder().map_err(failed)?;
+    let (width, height) = decoder.dimensions();
+    // As they are in the file, as 16 bits, as floats, and those once more by channel.
+    let bytes = u64::from(width) * u64::from(height) * (8 + 8 + 12 + 16);
+    memory::claim(bytes).map_err(|error| FilmError::invalid(path, error.to_string()))?;
+    let image = DynamicImage::from_decoder(decoder).map_err(failed)?.into_rgba16();
 
     let window = Window::of_size(image.width() as usize, image.height() as usize);
     let mut picture = Picture::new(window, window);

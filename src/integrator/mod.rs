@@ -5,6 +5,7 @@
 //! one floor up, in [`crate::render`].
 
 mod interior;
+mod passes;
 mod path;
 mod weight;
 

@@ -15,6 +15,7 @@
 //! sampled and weighed.
 
 use super::interior::Interior;
+use super::passes::{Passes, passes};
 use super::weight::{power_heuristic, survival};
 use crate::accel::ClosestHit;
 use crate::light::Vantage;
@@ -388,35 +389,6 @@ impl<'w> PathTracer<'w> {
         }
         (radiance != Vec3::ZERO).then_some(ShadowRay { ray: light.ray, radiance })
     }
-}
-
-/// On which side of its surface scattered light goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Passes {
-    /// On the side that the viewer is on.
-    Reflected,
-    /// From the front to the back.
-    Into,
-    /// From the back to the front.
-    OutOf,
-}
-
-/// On which side a direction goes on; `None` where shading and geometric normal do not agree about
-/// whether it stays on the viewer's side. About the viewer's own side they need not: where a
-/// smooth normal turns away from him at a silhouette, the surface scatters from its other side.
-#[inline(always)]
-fn passes(surface: &Surface, direction: Vec3, wo: Vec3, wi: Vec3) -> Option<Passes> {
-    let above = surface.normal.dot(direction);
-    let stays = (above > 0.0) == surface.front;
-    let seems_to_stay = (wi.z > 0.0) == (wo.z > 0.0);
-    if above == 0.0 || stays != seems_to_stay {
-        return None;
-    }
-    Some(match (surface.front, above > 0.0) {
-        (true, true) | (false, false) => Passes::Reflected,
-        (true, false) => Passes::Into,
-        (false, true) => Passes::OutOf,
-    })
 }
 
 /// From which side light is asked for: both where it may pass.

@@ -6,17 +6,21 @@
 //! many tells a [`LightTree`].
 
 mod area;
+mod bounds;
 mod cone;
 mod environment;
 mod preetham;
 mod punctual;
+#[cfg(test)]
+mod sampler_tests;
 mod sun;
 mod tree;
 
 pub use area::{TriangleSample, area_to_solid_angle, sample_triangle};
+pub use bounds::{LightBounds, Sides, Vantage};
 pub use cone::Cone;
 pub use environment::{Environment, EnvironmentSample};
 pub use preetham::Preetham;
 pub use punctual::{Illumination, Punctual, PunctualKind};
 pub use sun::Sun;
-pub use tree::{LightBounds, LightTree, Sides, Vantage};
+pub use tree::LightTree;

@@ -10,6 +10,8 @@
 mod anisotropic;
 mod anisotropic_energy;
 mod clearcoat;
+#[cfg(test)]
+mod delta_tests;
 mod dielectric;
 mod dispersion;
 mod energy;

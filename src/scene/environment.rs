@@ -9,7 +9,7 @@ use ::image::{ImageDecoder, ImageFormat, ImageReader};
 
 use super::texture_image::Texels;
 use super::{Image, LoadError, Notice, srgb_to_linear};
-use crate::files;
+use crate::files::{self, memory};
 use crate::film::{FilmError, exr::decode_rgb};
 use crate::light::Environment;
 use crate::math::Vec3;
@@ -20,6 +20,9 @@ const MAX_PIXELS: u64 = 1 << 27;
 const MAX_LOW_RANGE_PIXELS: u64 = 1 << 25;
 /// The longest file of them: more than eight bytes for each of so many pixels.
 const MAX_LOW_RANGE_BYTES: u64 = 1 << 30;
+
+/// Colours, twice while they are decoded, and tables to choose pixels by.
+const BYTES_A_PIXEL: u64 = 48;
 
 /// What `--env` asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -185,12 +188,15 @@ fn format(source: &mut (impl Read + Seek)) -> io::Result<Format> {
     })
 }
 
-fn too_large(path: &Path, width: u64, height: u64, most: u64) -> Result<(), LoadError> {
-    if width.saturating_mul(height) <= most {
-        return Ok(());
+/// Refuses what is beyond `most` pixels, or beyond the memory that is left.
+fn check_size(path: &Path, width: u64, height: u64, most: u64) -> Result<(), LoadError> {
+    let pixels = width.saturating_mul(height);
+    if pixels > most {
+        let message = format!("{width} by {height} pixels are too many: at most {most}");
+        return Err(LoadError::invalid(path, "", message));
     }
-    let message = format!("{width} by {height} pixels are too many: at most {most}");
-    Err(LoadError::invalid(path, "", message))
+    memory::claim(pixels * BYTES_A_PIXEL)
+        .map_err(|error| LoadError::invalid(path, "", format!("{error}: make it smaller")))
 }
 
 fn exr(
@@ -203,7 +209,7 @@ fn exr(
     source.rewind().map_err(|source| LoadError::read(path, source))?;
     for header in meta.iter().flat_map(|meta| &meta.headers) {
         let size = header.layer_size;
-        too_large(path, size.x() as u64, size.y() as u64, MAX_PIXELS)?;
+        check_size(path, size.x() as u64, size.y() as u64, MAX_PIXELS)?;
     }
     let (width, height, pixels) =
         decode_rgb(source, length, path).map_err(|error| match error {
@@ -218,7 +224,7 @@ fn hdr(source: impl BufRead, length: u64, path: &Path) -> Result<EnvironmentImag
     let failed = |error: ::image::ImageError| LoadError::invalid(path, "", error.to_string());
     let decoder = HdrDecoder::new(source).map_err(failed)?;
     let (width, height) = decoder.dimensions();
-    too_large(path, width.into(), height.into(), MAX_PIXELS)?;
+    check_size(path, width.into(), height.into(), MAX_PIXELS)?;
     // A run of 127 equal values takes two bytes in each of four channels.
     if u64::from(width) * u64::from(height) > length.saturating_mul(16) + 4096 {
         let message = format!("ends before its {width} by {height} pixels");
@@ -249,7 +255,7 @@ fn low_range(
     let known = known.map_err(|_| failed("not an image (.hdr, .exr, .png or .jpg)".to_owned()))?;
     let size = ImageReader::with_format(io::Cursor::new(&bytes), known).into_dimensions();
     let (width, height) = size.map_err(|error| failed(error.to_string()))?;
-    too_large(path, width.into(), height.into(), MAX_LOW_RANGE_PIXELS)?;
+    check_size(path, width.into(), height.into(), MAX_LOW_RANGE_PIXELS)?;
     let image = Image::decode(&bytes, &path.display().to_string());
     let image = image.map_err(|error| failed(error.to_string()))?;
     if !image.is_opaque() {

@@ -16,7 +16,7 @@ const LEAST_COSINE: f32 = 0.05;
 /// Whether the layers of `material` are the same at all of its points.
 pub(super) fn is_constant(material: &Material, layers: &MaterialLayers) -> bool {
     let bent = material.normal_texture.is_some() || material.bump_texture.is_some();
-    let textured = layers.clone().texture_slots_mut().any(|slot| slot.is_some());
+    let textured = layers.clone().ranged_slots_mut().any(|(slot, _)| slot.is_some());
     !(textured || bent && layers.clearcoat > 0.0 || layers.anisotropy > 0.0)
 }
 

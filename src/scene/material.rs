@@ -1,6 +1,7 @@
 //! Materials as files describe them: factors and textures.
 
 use super::MaterialLayers;
+use super::texture_range::Range;
 use crate::math::{TextureId, Vec2, Vec3, Vec4};
 
 /// A texture as a material uses it.
@@ -168,19 +169,27 @@ impl Material {
 
     /// All places for textures, used or not.
     pub(super) fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
+        self.ranged_slots_mut().map(|(slot, _)| slot)
+    }
+
+    /// The same with what a texture's values may be there.
+    pub(super) fn ranged_slots_mut(
+        &mut self,
+    ) -> impl Iterator<Item = (&mut Option<TextureRef>, Range)> {
+        let base = if self.unlit { Range::Light } else { Range::Unit };
         [
-            &mut self.base_color_texture,
-            &mut self.metallic_roughness_texture,
-            &mut self.normal_texture,
-            &mut self.bump_texture,
-            &mut self.emissive_texture,
-            &mut self.alpha_texture,
-            &mut self.specular_texture,
-            &mut self.specular_color_texture,
-            &mut self.transmission_texture,
+            (&mut self.base_color_texture, base),
+            (&mut self.metallic_roughness_texture, Range::Unit),
+            (&mut self.normal_texture, Range::Any),
+            (&mut self.bump_texture, Range::Any),
+            (&mut self.emissive_texture, Range::Light),
+            (&mut self.alpha_texture, Range::Unit),
+            (&mut self.specular_texture, Range::Unit),
+            (&mut self.specular_color_texture, Range::Unit),
+            (&mut self.transmission_texture, Range::Unit),
         ]
         .into_iter()
-        .chain(self.layers.iter_mut().flat_map(|layers| layers.texture_slots_mut()))
+        .chain(self.layers.iter_mut().flat_map(|layers| layers.ranged_slots_mut()))
     }
 
     /// The texture whose coordinates tell the tangents of a mesh that brings none.

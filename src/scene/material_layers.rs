@@ -1,6 +1,7 @@
 //! What lies on a material, or stretches its reflection, as files describe it.
 
 use super::TextureRef;
+use super::texture_range::Range;
 use crate::math::{Vec2, Vec3};
 
 /// KHR_materials_clearcoat, sheen, anisotropy and iridescence. Fields are named as the specifications name them;
@@ -78,17 +79,19 @@ impl MaterialLayers {
         strengths.iter().any(|&strength| strength > 0.0) || self.sheen_color != Vec3::ZERO
     }
 
-    /// All places for textures, used or not.
-    pub(super) fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
+    /// All places for textures, used or not, and what a texture's values may be there.
+    pub(super) fn ranged_slots_mut(
+        &mut self,
+    ) -> impl Iterator<Item = (&mut Option<TextureRef>, Range)> {
         [
-            &mut self.clearcoat_texture,
-            &mut self.clearcoat_roughness_texture,
-            &mut self.clearcoat_normal_texture,
-            &mut self.sheen_color_texture,
-            &mut self.sheen_roughness_texture,
-            &mut self.anisotropy_texture,
-            &mut self.iridescence_texture,
-            &mut self.iridescence_thickness_texture,
+            (&mut self.clearcoat_texture, Range::Unit),
+            (&mut self.clearcoat_roughness_texture, Range::Unit),
+            (&mut self.clearcoat_normal_texture, Range::Any),
+            (&mut self.sheen_color_texture, Range::Unit),
+            (&mut self.sheen_roughness_texture, Range::Unit),
+            (&mut self.anisotropy_texture, Range::Unit),
+            (&mut self.iridescence_texture, Range::Unit),
+            (&mut self.iridescence_thickness_texture, Range::Unit),
         ]
         .into_iter()
     }

@@ -87,6 +87,11 @@ impl Texture {
         Self { name: name.into(), ..self }
     }
 
+    /// The same of another image of the same kind of texels.
+    pub(super) fn with_image(&self, image: Arc<Image>) -> Self {
+        Self { image, ..self.clone() }
+    }
+
     /// What its file calls it; empty if nothing.
     pub fn name(&self) -> &str {
         &self.name

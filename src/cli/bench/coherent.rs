@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::super::args::resolution;
 use super::super::progress::say;
+use super::super::values::resolution;
 use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;

@@ -18,7 +18,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::{CliError, memory};
+use super::CliError;
 use crate::accel::bvh::BUILD;
 use crate::accel::{ClosestHit, Values};
 use crate::bench::measure::BenchError;
@@ -71,7 +71,7 @@ fn builder(text: &str) -> Result<&'static str, String> {
 /// Bytes that `--memory` allows: so many megabytes, or three quarters of the machine's memory.
 fn memory_limit(megabytes: u64) -> u64 {
     match megabytes {
-        0 => memory::limit() / 4 * 3,
+        0 => crate::files::memory::limit() / 4 * 3,
         megabytes => megabytes.saturating_mul(1_000_000),
     }
 }

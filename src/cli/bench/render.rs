@@ -10,7 +10,7 @@ use super::super::prepare::{Job, prepare};
 use super::super::progress::say;
 use super::super::render::parse;
 use super::super::validate::specs;
-use super::super::{CliError, Quiet, args::threads, input, memory};
+use super::super::{CliError, Quiet, input, memory, values::threads};
 use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, scenes};
 use crate::accel::{Accel, AccelSpec, build};

@@ -3,7 +3,7 @@
 mod read;
 mod write;
 
-pub use read::{decode, decode_rgb, read, read_rgb};
+pub use read::{decode, decode_rgb, decode_rgba, read, read_rgb, size};
 pub use write::{encode, write};
 
 #[cfg(test)]

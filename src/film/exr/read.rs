@@ -3,7 +3,7 @@
 //! What a header claims is checked against the length of the file before anything is allocated,
 //! and only the channels that are asked for are kept.
 
-use crate::files;
+use crate::files::{self, memory};
 use crate::film::picture::no_colours;
 use crate::film::{FilmError, Picture, Window};
 use ::exr::block::UncompressedBlock;
@@ -11,6 +11,7 @@ use ::exr::block::lines::LineRef;
 use ::exr::block::reader::{AllChunksReader, ChunksReader};
 use ::exr::compression::Compression;
 use ::exr::math::Vec2;
+use ::exr::meta::MetaData;
 use ::exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
@@ -65,6 +66,38 @@ pub fn decode_rgb(
     Ok((picture.width(), picture.height(), picture.rgb(path)?))
 }
 
+/// The same with alpha, which colours are multiplied by; 1 where the file has none.
+///
+/// # Errors
+/// As [`read_rgb`].
+pub fn decode_rgba(
+    source: impl Read + Seek,
+    length: u64,
+    path: &Path,
+) -> Result<(usize, usize, Vec<[f32; 4]>), FilmError> {
+    let wanted = |name: &str| matches!(name, "R" | "G" | "B" | "Y" | "A");
+    let picture = decode_channels(source, length, path, wanted)?;
+    let colours = picture.rgb(path)?;
+    let with = |([r, g, b], a): ([f32; 3], f32)| [r, g, b, a];
+    let texels = match picture.channel("A") {
+        Some(alpha) => colours.into_iter().zip(alpha.iter().copied()).map(with).collect(),
+        None => colours.into_iter().map(|colour| with((colour, 1.0))).collect(),
+    };
+    Ok((picture.width(), picture.height(), texels))
+}
+
+/// Width and height of what [`decode`] would read, by the header alone; the largest of its parts.
+///
+/// # Errors
+/// What is wrong with the header.
+pub fn size(bytes: &[u8]) -> Result<(u64, u64), String> {
+    let meta = MetaData::read_from_unbuffered(Cursor::new(bytes), false);
+    let meta = meta.map_err(|error| format!("not a sound EXR file: {error}"))?;
+    let sizes = meta.headers.iter().map(|header| header.layer_size);
+    let largest = sizes.max_by_key(|size| size.x().saturating_mul(size.y()));
+    largest.map(|size| (size.x() as u64, size.y() as u64)).ok_or("has no parts".to_owned())
+}
+
 /// Reads a file that is in memory; `path` is for messages.
 ///
 /// # Errors
@@ -99,6 +132,10 @@ fn decode_channels(
     collect_strings(header, &mut picture);
     let names: Vec<_> =
         header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    // Once as planes, and once more in what is made of them.
+    let kept = names.iter().filter(|name| wanted(name)).count();
+    let bytes = (picture.crop.area() as u64).saturating_mul(8 * kept as u64);
+    memory::claim(bytes).map_err(|error| invalid(error.to_string()))?;
     let mut planes: Vec<Option<Vec<f32>>> =
         names.iter().map(|name| wanted(name).then(|| vec![0.0; picture.crop.area()])).collect();
     if planes.iter().all(Option::is_none) {

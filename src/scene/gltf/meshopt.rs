@@ -4,6 +4,7 @@ use meshoptimizer_rs::Workspace;
 use meshoptimizer_rs::codec::{BufferView, Filter, Mode};
 
 use super::json::{Fault, Object};
+use crate::files::memory;
 
 /// The most that a byte may unpack to: an attribute that does not change takes a bit for sixteen
 /// bytes, and that some files have.
@@ -18,6 +19,8 @@ pub struct Packed {
     pub offset: u64,
     /// How many they are.
     pub length: u64,
+    /// How many come out.
+    unpacked: u64,
     layout: BufferView,
 }
 
@@ -59,14 +62,15 @@ impl Packed {
         let layout = BufferView::new(mode, filter, count as usize, size as usize);
         let layout =
             layout.map_err(|error| packed.fault(format!("cannot be unpacked: {error}")))?;
-        Ok(Some(Self { buffer, offset, length: bytes, layout }))
+        Ok(Some(Self { buffer, offset, length: bytes, unpacked: length, layout }))
     }
 
     /// The view's bytes.
     ///
     /// # Errors
-    /// What is wrong with the packed ones.
+    /// What is wrong with the packed ones, or that memory is short.
     pub fn unpack(&self, packed: &[u8]) -> Result<Vec<u8>, String> {
+        memory::claim(self.unpacked).map_err(|error| format!("unpacked it {error}"))?;
         let unpacked = self.layout.decode(packed, &mut Workspace::default());
         unpacked.map_err(|error| format!("cannot be unpacked: {error}"))
     }

@@ -1,5 +1,8 @@
 //! What a document refers to, brought into memory: buffers, and images for textures. All that is
 //! missing or broken is found before any of it is reported.
+//!
+//! Images may be of any format that dapple reads, whatever their `mimeType`; those of floats (hdr,
+//! exr, tiff) hold linear colours, also where glTF would have sRGB.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -12,6 +15,7 @@ use super::json::{Fault, Object};
 use super::notices::Notices;
 use super::read::Storage;
 use super::texture::{ImageDeclaration, ImageSource, TextureDeclaration};
+use crate::files::memory;
 use crate::scene::{Broken, ColorSpace, Image, MissingTexture, Texture, uri};
 
 /// A buffer as the document declares it.
@@ -188,11 +192,15 @@ fn decode_images(
     let (encoded, total) = sizes.fold((0_u64, 0_u64), |sum, size| {
         (sum.0.saturating_add(size.0), sum.1.saturating_add(size.1))
     });
-    let too_many = total > FREE_BYTES.saturating_add(encoded.saturating_mul(EXPANSION));
+    let too_many = if total > FREE_BYTES.saturating_add(encoded.saturating_mul(EXPANSION)) {
+        Some(format!("all images together take {total} bytes, far beyond their files"))
+    } else {
+        memory::claim(total).err().map(|error| format!("all images together: {error}"))
+    };
     let decode = |file: Result<(Cow<[u8]>, &str), String>| {
         let (bytes, name) = file?;
-        if too_many {
-            return Err(format!("all images together take {total} bytes, far beyond their files"));
+        if let Some(reason) = &too_many {
+            return Err(reason.clone());
         }
         Image::decode(&bytes, name).map(Arc::new).map_err(|error| error.to_string())
     };

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::confined;
 use super::texture_statement::{Channel, Map};
+use crate::files::memory::{self, TooMuch};
 use crate::math::{TextureId, Vec2};
 use crate::scene::load::read_regular;
 use crate::scene::{
@@ -59,7 +60,9 @@ impl<'a> Maps<'a> {
         }
         let texture = match self.image(map, file) {
             Some(image) => {
-                let image = prepared(&image, usage, map.channel);
+                let prepared = prepared(&image, usage, map.channel);
+                let refused = |reason: TooMuch| self.refuse(map, file, reason.to_string());
+                let image = prepared.map_err(refused).ok()?;
                 let space = if usage == Use::Color { ColorSpace::Srgb } else { ColorSpace::Linear };
                 Texture::new(image, space, wrap(map), Filter::Bilinear).named(&map.name)
             }
@@ -78,34 +81,28 @@ impl<'a> Maps<'a> {
         [metallic, roughness]: [Option<&Map>; 2],
         file: &Path,
     ) -> Option<TextureRef> {
-        let mut image_of = |map: Option<&Map>| {
-            map.and_then(|map| self.image(map, file))
-                .map(|i| prepared(&i, Use::Scalar, channel(map)))
-        };
-        let images = [image_of(metallic), image_of(roughness)];
-        let size_of = |image: &Option<Arc<Image>>| {
-            image.as_ref().map_or((0, 0), |image| (image.width(), image.height()))
-        };
-        let (width, height) = size_of(&images[0]).max(size_of(&images[1]));
-        if width == 0 {
-            return None;
-        }
-        let value = |image: &Option<Arc<Image>>, x: u32, y: u32| {
-            let Some(image) = image else { return 1.0 };
-            let scaled = |at: u32, to: u32, of: u32| u64::from(at) * u64::from(to) / u64::from(of);
-            let (x, y) = (scaled(x, image.width(), width), scaled(y, image.height(), height));
-            component(image, (y * u64::from(image.width()) + x) as usize, 0)
-        };
-        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let texels = texels.map(|(x, y)| {
-            [1.0, value(&images[1], x, y), value(&images[0], x, y), 1.0]
-                .map(|value| (value * 65535.0 + 0.5) as u16)
-        });
-        let image = Arc::new(Image::new(width, height, Texels::Rgba16(texels.collect())));
+        let images = [self.scalars(metallic, file), self.scalars(roughness, file)];
         let map = roughness.or(metallic)?;
-        let texture = Texture::new(image, ColorSpace::Linear, wrap(map), Filter::Bilinear);
-        let id = self.push(texture.named(&map.name));
-        Some(placed(map, id))
+        match shared(&images)? {
+            Ok(image) => {
+                let image = Arc::new(image);
+                let texture = Texture::new(image, ColorSpace::Linear, wrap(map), Filter::Bilinear);
+                let id = self.push(texture.named(&map.name));
+                Some(placed(map, id))
+            }
+            Err(reason) => {
+                self.refuse(map, file, reason.to_string());
+                None
+            }
+        }
+    }
+
+    /// The image of a map of scalars; none if there is no map or it cannot be used.
+    fn scalars(&mut self, map: Option<&Map>, file: &Path) -> Option<Arc<Image>> {
+        let map = map?;
+        let image = self.image(map, file)?;
+        let prepared = prepared(&image, Use::Scalar, map.channel);
+        prepared.map_err(|reason| self.refuse(map, file, reason.to_string())).ok()
     }
 
     /// Whether a picture has alpha other than one; false if it is missing.
@@ -133,11 +130,15 @@ impl<'a> Maps<'a> {
                 Some(image)
             }
             Err(reason) => {
-                let place = format!("{}:{}", file.display(), map.line);
-                self.broken.push(Broken { name: map.name.clone(), place, reason, texture: true });
+                self.refuse(map, file, reason);
                 None
             }
         }
+    }
+
+    fn refuse(&mut self, map: &Map, file: &Path, reason: String) {
+        let place = format!("{}:{}", file.display(), map.line);
+        self.broken.push(Broken { name: map.name.clone(), place, reason, texture: true });
     }
 
     /// All textures.
@@ -168,10 +169,6 @@ fn decode(path: Option<&Path>, name: &str) -> Result<Image, String> {
     Image::decode(&bytes, name).map_err(|error| error.to_string())
 }
 
-fn channel(map: Option<&Map>) -> Option<Channel> {
-    map.and_then(|map| map.channel)
-}
-
 fn wrap(map: &Map) -> [Wrap; 2] {
     [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2]
 }
@@ -183,16 +180,45 @@ fn placed(map: &Map, texture: TextureId) -> TextureRef {
     TextureRef { scale: map.scale, offset, ..TextureRef::new(texture) }
 }
 
+/// Metalness and roughness, of the larger one's size: roughness in green, metalness in blue, one
+/// where an image is absent. None without any image.
+fn shared([metallic, roughness]: &[Option<Arc<Image>>; 2]) -> Option<Result<Image, TooMuch>> {
+    let both = || [metallic, roughness].into_iter().flatten();
+    let (width, height) = both().map(|image| (image.width(), image.height())).max()?;
+    let count = u64::from(width) * u64::from(height);
+    let value = |image: &Option<Arc<Image>>, x: u32, y: u32| {
+        let Some(image) = image else { return 1.0 };
+        let scaled = |at: u32, to: u32, of: u32| u64::from(at) * u64::from(to) / u64::from(of);
+        let (x, y) = (scaled(x, image.width(), width), scaled(y, image.height(), height));
+        component(image, (y * u64::from(image.width()) + x) as usize, 0)
+    };
+    let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let texels = texels.map(|(x, y)| [1.0, value(roughness, x, y), value(metallic, x, y), 1.0]);
+    let texels = if both().all(|image| matches!(image.texels(), Texels::Rgba8(_))) {
+        let of = |value: f32| (value * 255.0 + 0.5) as u8;
+        memory::claim(count * 4).map(|()| Texels::Rgba8(texels.map(|t| t.map(of)).collect()))
+    } else {
+        let of = |value: f32| (value * 65535.0 + 0.5) as u16;
+        memory::claim(count * 8).map(|()| Texels::Rgba16(texels.map(|t| t.map(of)).collect()))
+    };
+    Some(texels.map(|texels| Image::new(width, height, texels)))
+}
+
 /// The image as its use needs it; the same one if it is so already.
-fn prepared(image: &Arc<Image>, usage: Use, channel: Option<Channel>) -> Arc<Image> {
+fn prepared(
+    image: &Arc<Image>,
+    usage: Use,
+    channel: Option<Channel>,
+) -> Result<Arc<Image>, TooMuch> {
     let channel = match (usage, channel) {
-        (Use::Normals, _) => return Arc::clone(image),
-        (Use::Color, _) if image.is_opaque() => return Arc::clone(image),
+        (Use::Normals, _) => return Ok(Arc::clone(image)),
+        (Use::Color, _) if image.is_opaque() => return Ok(Arc::clone(image)),
         (Use::Color, _) => None,
         (_, Some(channel)) => Some(channel),
         (Use::Opacity, None) if !image.is_opaque() => Some(Channel::Component(3)),
         (Use::Opacity | Use::Scalar, None) => Some(Channel::Luminance),
     };
+    memory::claim(image.heap_bytes() as u64)?;
     let texels = match image.texels() {
         Texels::Rgba8(all) => Texels::Rgba8(
             all.iter().map(|t| pick(*t, u8::MAX, channel, |l| (l + 0.5) as u8)).collect(),
@@ -204,7 +230,7 @@ fn prepared(image: &Arc<Image>, usage: Use, channel: Option<Channel>) -> Arc<Ima
             Texels::Rgba32F(all.iter().map(|t| pick(*t, 1.0, channel, |l| l)).collect())
         }
     };
-    Arc::new(Image::new(image.width(), image.height(), texels))
+    Ok(Arc::new(Image::new(image.width(), image.height(), texels)))
 }
 
 /// A texel with alpha one: its colour, or one channel in all three.
@@ -285,8 +311,8 @@ mod tests {
         let both = [None, Some(&rough)];
         let texture = maps.metallic_roughness(both, Path::new("a.mtl")).expect("it is there");
         let image = maps.textures[texture.texture.index()].image();
-        let Texels::Rgba16(texels) = image.texels() else { panic!("16 bits") };
-        assert_eq!(texels[0], [65535, 128 * 257, 65535, 65535]);
+        let Texels::Rgba8(texels) = image.texels() else { panic!("8 bits, as its file") };
+        assert_eq!(texels[0], [255, 128, 255, 255]);
         assert_eq!(maps.metallic_roughness([None, None], Path::new("a.mtl")), None);
     }
 
