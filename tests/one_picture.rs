@@ -11,6 +11,9 @@ fn scene(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)
 }
 
+/// What pictures are rendered with unless arguments say otherwise.
+const SMALL: &[&str] = &["--resolution", "40x30", "--spp", "20"];
+
 /// Renders a small picture with further arguments.
 fn render(folder: &Path, scene_name: &str, arguments: &[&str]) -> Picture {
     let out = folder.join("out.exr");
@@ -19,7 +22,8 @@ fn render(folder: &Path, scene_name: &str, arguments: &[&str]) -> Picture {
         .arg(scene(scene_name))
         .arg("-o")
         .arg(&out)
-        .args(["--resolution", "40x30", "--spp", "20", "--quiet"])
+        .args(["--quiet"])
+        .args(if arguments.contains(&"--spp") { &[] } else { SMALL })
         .args(arguments)
         .output()
         .expect("the binary runs");
@@ -60,6 +64,51 @@ fn every_structure_and_instruction_set_gives_the_same_picture() {
     }
 }
 
+/// Settings under which rays are as unlike one another as they get: through a lens, and from within
+/// the geometry.
+const CAMERAS: [&[&str]; 3] = [
+    &[],
+    &["--aperture", "0.05", "--focus", "3"],
+    &["--look-from", "0.02,0.03,0.01", "--look-at", "0.4,0.1,-1"],
+];
+
+#[test]
+fn every_structure_gives_the_same_picture_of_every_scene() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Neither 16 nor 8 divides it.
+    let small = ["--resolution", "21x13", "--spp", "2", "--env", "0.5,0.6,0.7"];
+    let mut pictures = 0;
+    for (number, name) in scenes().iter().enumerate() {
+        let common = [&small[..], CAMERAS[number % CAMERAS.len()]].concat();
+        let with = |accel: &str, threads: &str| {
+            let words = ["--accel", accel, "--threads", threads];
+            render(folder.path(), name, &[&common[..], &words].concat())
+        };
+        let expected = with("brute", "1");
+        // Its half a million triangles take each structure a second.
+        let stride = if name == "instanced.gltf" { 8 } else { 1 };
+        for (row, variant) in VARIANTS.iter().enumerate().step_by(stride) {
+            let threads = ["1", "2", "7"][(row + number) % 3];
+            let what = format!("{name} with {} on {threads} threads", variant.id);
+            assert_same(&with(variant.id, threads), &expected, &what);
+            pictures += 1;
+        }
+    }
+    assert!(pictures > 10 * VARIANTS.len(), "only {pictures} pictures");
+}
+
+/// All scenes of the project.
+fn scenes() -> Vec<String> {
+    let files = std::fs::read_dir(scene("")).expect("a folder of scenes");
+    let name = |file: std::io::Result<std::fs::DirEntry>| {
+        file.expect("a file").file_name().into_string().expect("a name in UTF-8")
+    };
+    let mut names: Vec<_> = files.map(name).collect();
+    names.retain(|name| name.ends_with(".gltf") || name.ends_with(".obj"));
+    names.sort();
+    names
+}
+
 #[test]
 fn the_number_of_threads_does_not_show() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -68,6 +117,12 @@ fn the_number_of_threads_does_not_show() {
         for threads in ["2", "7"] {
             let picture = render(folder.path(), name, &["--threads", threads]);
             assert_same(&picture, &expected, &format!("{name} on {threads} threads"));
+        }
+        // Each thread with a cache of one line, in which every leaf takes another's place.
+        for id in ["bvh2", "mbvh4", "mbvh8", "mbvh16"] {
+            let accel = format!("{id}:triangles=cache,cache=1");
+            let picture = render(folder.path(), name, &["--threads", "7", "--accel", &accel]);
+            assert_same(&picture, &expected, &format!("{name} with {accel}"));
         }
     }
 }

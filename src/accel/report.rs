@@ -1,5 +1,7 @@
 //! What a structure says of its size and its making.
 
+use std::time::Instant;
+
 /// Exact bytes by part.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MemoryReport {
@@ -26,6 +28,32 @@ pub struct PoolUse {
     pub peak: usize,
     /// Bytes that the pool has taken.
     pub size: usize,
+}
+
+/// A clock for the phases of a build, one after another.
+#[derive(Debug)]
+pub struct Phases {
+    /// When the one that runs began.
+    start: Instant,
+    ended: Vec<(&'static str, f64)>,
+}
+
+impl Phases {
+    /// The first phase begins.
+    pub fn start() -> Self {
+        Self { start: Instant::now(), ended: Vec::with_capacity(6) }
+    }
+
+    /// The phase that runs was the one of this name, and ends; the next one begins.
+    pub fn end(&mut self, name: &'static str) {
+        self.ended.push((name, self.start.elapsed().as_secs_f64()));
+        self.start = Instant::now();
+    }
+
+    /// Names and seconds.
+    pub fn ended(self) -> Vec<(&'static str, f64)> {
+        self.ended
+    }
 }
 
 /// How a structure was built and what came of it.

@@ -192,10 +192,10 @@ pub fn speed_up(one: &Measured, other: &Measured) -> f64 {
     one.rate() / other.rate()
 }
 
-/// The share of a cache's look-ups that found what they sought; `None` without a cache.
+/// The share of a cache's look-ups that found what they sought; `None` if there were none.
 pub fn hit_rate(counts: &Counts) -> Option<f64> {
     let (hits, misses) = (counts[Event::CacheHit], counts[Event::CacheMiss]);
-    (hits > 0).then(|| hits as f64 / (hits + misses) as f64)
+    (hits + misses > 0).then(|| hits as f64 / (hits + misses) as f64)
 }
 
 /// Times each of several things by turns, round by round, so that what else the machine does falls
@@ -260,8 +260,9 @@ mod tests {
         use crate::accel::Counters;
         let mut counts = Counts::default();
         assert_eq!(hit_rate(&counts), None);
-        counts.add(Event::CacheHit, 3);
         counts.add(Event::CacheMiss, 1);
+        assert_eq!(hit_rate(&counts), Some(0.0));
+        counts.add(Event::CacheHit, 3);
         assert_eq!(hit_rate(&counts), Some(0.75));
     }
 }

@@ -1,9 +1,9 @@
 //! The slab test: where a ray enters and leaves an axis-aligned box.
 //!
 //! # Why it is conservative
-//! The distance to a plane is computed as `(plane - origin) * inverse`, three roundings of at most
-//! half an ulp each, so that it is off by less than 2 ulps relatively, wherever the origin. Near
-//! planes are multiplied with the inverse lowered by 4 ulps, far planes with it raised by 4: for
+//! The distance to a plane is computed as `(plane - origin) * inverse`: four roundings, of the
+//! inverse, of that times its slack, of the difference and of the product, each by half an ulp at
+//! most, so that it is off by some 2 ulps relatively, wherever the origin. Near planes are multiplied with the inverse lowered by 4 ulps, far planes with it raised by 4: for
 //! planes ahead of the origin, `enter` is then below and `exit` above the true value, and planes
 //! behind it do not matter since hits lie at `t > 0`. Where the ray runs along an axis' planes the
 //! inverse is a huge finite number and the ray is inside by comparison alone; the slack of

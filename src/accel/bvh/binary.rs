@@ -12,8 +12,8 @@ use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, ids_of, triangles_of};
 use super::link::Link;
 use super::{BinaryTree, Parts, build_tree_by, sah};
 use crate::accel::{
-    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
-    Variant, test_block, test_each,
+    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, Query, Shot,
+    Traverse, Variant, test_block, test_each,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, TriangleId, Vec3, larger};
@@ -70,8 +70,8 @@ pub struct Scratch {
 
 impl Bvh2 {
     pub(super) fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
-        let (tree, mut phases) = build_tree_by(input, COST);
-        let start = std::time::Instant::now();
+        let mut phases = Phases::start();
+        let tree = build_tree_by(input, COST, &mut phases);
         let report = tree.report();
         if report.max_depth > sah::MAX_DEPTH {
             let (depth, limit) = (report.max_depth, sah::MAX_DEPTH);
@@ -83,8 +83,8 @@ impl Bvh2 {
         }
         let fetch = Fetch::new(input);
         let (links, nodes, leaves) = lay_out(&tree, &*input.source, fetch.is_none());
-        phases.push(("layout", start.elapsed().as_secs_f64()));
-        let report = BuildReport { phases, ..report };
+        phases.end("layout");
+        let report = BuildReport { phases: phases.ended(), ..report };
         let (root, parts, level) = (links.first().copied(), tree.parts, input.level);
         Ok(Self { root, nodes, leaves, fetch, parts, level, report })
     }

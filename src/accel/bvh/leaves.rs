@@ -20,7 +20,8 @@ pub const TRIANGLES: OptionSpec = OptionSpec {
     default: Value::Choice("inline"),
 };
 
-/// How large the cache is.
+/// How large the cache is. A thread has one line at least; memory reports leave it out, since it
+/// belongs to threads and not to the structure.
 pub const CACHE: OptionSpec = OptionSpec {
     name: "cache",
     summary: "size of the cache of triangles, over all threads",

@@ -1,7 +1,7 @@
 //! Bounding volume hierarchies.
 //!
-//! Builders ([`binned`], [`sweep`], [`sbvh`]) make a plain [`BinaryTree`]; structures lay it out as
-//! they traverse it and never see a builder. All boxes are unions of [`crate::geom::own_box`]es,
+//! Builders ([`binned`], [`sweep`], [`early`], [`sbvh`]) make a plain [`BinaryTree`], which structures
+//! lay out as they traverse it; one makes [`wide`] trees at once. All boxes are unions of [`crate::geom::own_box`]es,
 //! which is what makes culling exact (see [`crate::accel`]), or of boxes of parts of triangles,
 //! which [`parts`] makes as good. A finished tree may be refined ([`refine`]).
 
@@ -28,11 +28,9 @@ pub mod wide;
 pub use parts::Parts;
 pub use tree::{BinaryNode, BinaryTree};
 
-use std::time::Instant;
-
 use parts::Cutter;
 
-use crate::accel::{BuildInput, OptionSpec, Value, Values};
+use crate::accel::{BuildInput, OptionSpec, Phases, Value, Values};
 use crate::geom::TriangleSource;
 
 /// The option that names the builder, for `build_tree`.
@@ -52,50 +50,44 @@ pub const REFINE: OptionSpec = OptionSpec {
 };
 
 /// Builds a binary tree by the options [`BUILD`] and [`REFINE`]; see `build_tree`.
-fn build_tree_by(
-    input: &BuildInput<'_>,
-    cost: sah::Cost,
-) -> (BinaryTree, Vec<(&'static str, f64)>) {
-    let (mut tree, mut phases) = build_tree(&*input.source, input.options.choice("build"), cost);
-    if input.options.choice("refine") == "on" {
-        let start = Instant::now();
-        tree = refine::refine(tree);
-        phases.push(("refinement", start.elapsed().as_secs_f64()));
+fn build_tree_by(input: &BuildInput<'_>, cost: sah::Cost, phases: &mut Phases) -> BinaryTree {
+    let tree = build_tree(&*input.source, input.options.choice("build"), cost, phases);
+    if input.options.choice("refine") == "off" {
+        return tree;
     }
-    (tree, phases)
+    let refined = refine::refine(tree);
+    phases.end("refinement");
+    refined
 }
 
-/// Builds a binary tree by the builder of that name, and says how long each phase took.
+/// Builds a binary tree by the builder of that name.
 ///
 /// The tree does not depend on the number of threads.
 fn build_tree(
     source: &dyn TriangleSource,
     builder: &str,
     cost: sah::Cost,
-) -> (BinaryTree, Vec<(&'static str, f64)>) {
-    let mut phases = Vec::with_capacity(3);
-    let mut start = Instant::now();
-    let mut phase_ends = |name: &'static str| {
-        phases.push((name, start.elapsed().as_secs_f64()));
-        start = Instant::now();
-    };
+    phases: &mut Phases,
+) -> BinaryTree {
     let mut prims = prims::prims(source);
     let cutter = match builder {
         // None for scenes that can't be cut: they are built from whole triangles.
         "esc" | "sbvh" => Cutter::new(source, objects::boxes(&prims).0),
         _ => None,
     };
-    phase_ends("boxes");
+    phases.end("boxes");
     let tree = match (builder, &cutter) {
         ("sweep", _) => sweep::build(&prims, cost),
-        ("sbvh", Some(cutter)) => sbvh::build(prims, cutter, cost),
+        ("sbvh", Some(cutter)) => sbvh::build(std::mem::take(&mut prims), cutter, cost),
         ("esc", Some(cutter)) => {
             prims = early::split(prims, cutter);
-            phase_ends("early splits");
+            phases.end("early splits");
             BinaryTree { parts: Some(cutter.parts()), ..binned::build(&mut prims, cost) }
         }
         _ => binned::build(&mut prims, cost),
     };
-    phase_ends("tree");
-    (tree, phases)
+    // The builder gives its memory back; that takes time too.
+    drop((prims, cutter));
+    phases.end("tree");
+    tree
 }

@@ -3,6 +3,7 @@
 use super::refine::refine;
 use super::sah::{Cost, Fill};
 use super::{BinaryTree, build_tree};
+use crate::accel::Phases;
 use crate::geom::{Triangle, TriangleList, TriangleSource, own_box};
 use crate::math::{TriangleId, Vec3};
 
@@ -29,7 +30,7 @@ fn copies(count: usize) -> TriangleList {
 }
 
 fn tree_of(source: &TriangleList, builder: &str, width: usize, fill: Fill) -> BinaryTree {
-    build_tree(source, builder, Cost { traversal: 0.4, width, fill }).0
+    build_tree(source, builder, Cost { traversal: 0.4, width, fill }, &mut Phases::start())
 }
 
 fn check(source: &TriangleList, tree: &BinaryTree, what: &str) {

@@ -154,14 +154,14 @@ impl Structure {
         phases.map(|(_, seconds)| seconds).sum()
     }
 
-    /// Seconds to collapse a binary tree.
+    /// Seconds to collapse a binary tree, the wide nodes written.
     pub fn collapse_seconds(&self) -> f64 {
-        self.phase("collapse")
+        self.phase("collapse") + self.phase("nodes")
     }
 
-    /// Seconds to lay out the finished tree in memory.
+    /// Seconds to write out the finished tree: of wide ones the leaves.
     pub fn layout_seconds(&self) -> f64 {
-        self.phase("layout")
+        self.phase("layout") + self.phase("leaves")
     }
 
     /// Seconds for the binary tree.

@@ -44,8 +44,8 @@ fn thousands(count: usize) -> String {
 fn build(scenes: &[Scene], settings: &Settings) -> Table {
     let refined = if settings.refine { ", refined" } else { "" };
     let note = format!(
-        "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, layout: to write it out, one \
-         thread. N_L: thousands of leaves, N_E: thousands of places for children left empty \
+        "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, wide nodes written, \
+         layout: to write out the rest, one thread. N_L: thousands of leaves, N_E: thousands of places for children left empty \
          (the paper: empty leaves). L: mean leaf, D: mean depth. `cache`: leaves hold references \
          (of bvh2, too, four places a leaf); /bvh2: memory over that of bvh2 in the same mode. \
          C_T is {} for all. P: {MACHINE}.",
@@ -168,7 +168,7 @@ fn rates_row(scene: &Scene, structure: &Structure, shadow: bool) -> Vec<String> 
 fn caches(scene: &Scene) -> Table {
     let note = format!(
         "mbvh4:triangles=cache, nearest hits, a cache that is empty at first: few rays do not \
-         fill it. H in per cent. P: the car of 4,304,391 triangles; {MACHINE}."
+         fill it. H in per cent, counted ray by ray. P: the car of 4,304,391 triangles; {MACHINE}."
     );
     let heading = ["MB", "H", "krays/s", "slices", "P H", "P krays/s"];
     let title = format!("Table 3: size of the cache, {}", label(scene));

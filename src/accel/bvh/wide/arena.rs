@@ -2,7 +2,8 @@
 //!
 //! All in one piece, so that a link's place is a row of it whatever it leads to, and a walk can ask for
 //! that place ahead of time without a branch. A node is eight rows: the lower and the upper planes
-//! along x, y and z, the links, and the lists of [`super::octants`]. A leaf that
+//! along x, y and z, the links, and the lists of [`super::octants`], or one to spare, which keeps
+//! nodes on cache lines. A leaf that
 //! stores its triangles is nine rows of coordinates and one of ids; one that does not is its ids.
 
 use bytemuck::cast_slice;
@@ -11,7 +12,7 @@ use memmap2::{Advice, MmapMut};
 use super::octants;
 use crate::accel::bvh::link::Link;
 use crate::geom::{BlockRef, TriangleBlock};
-use crate::math::{Aabb, TriangleId};
+use crate::math::{Aabb, TriangleId, Vec3};
 
 /// Rows of a node.
 pub const NODE: usize = 8;
@@ -49,9 +50,9 @@ impl<const W: usize> Arena<W> {
         Ok(Self { memory })
     }
 
-    /// Bytes.
+    /// Bytes of its rows.
     pub fn bytes(&self) -> usize {
-        self.memory.len()
+        size_of_val(self.rows().floats)
     }
 
     /// To read.
@@ -71,21 +72,41 @@ impl<const W: usize> Arena<W> {
     }
 }
 
-/// Puts a node's children into its rows; lanes beyond them hold boxes turned inside out, which no
-/// ray enters.
-pub fn write_node<const W: usize>(rows: &mut [[f32; W]], children: &[(Aabb, Link)]) {
-    for axis in 0..3 {
-        rows[2 * axis] = [f32::INFINITY; W];
-        rows[2 * axis + 1] = [f32::NEG_INFINITY; W];
-        for (lane, (bounds, _)) in children.iter().enumerate() {
-            rows[2 * axis][lane] = bounds.min[axis];
-            rows[2 * axis + 1][lane] = bounds.max[axis];
+/// A node before it is in an arena.
+#[derive(Clone, Copy)]
+pub struct NodeRows<const W: usize>(pub [[f32; W]; NODE]);
+
+impl<const W: usize> NodeRows<W> {
+    /// Without children: all boxes are turned inside out, so that no ray enters them.
+    pub const EMPTY: Self = {
+        let mut rows = [[0.0; W]; NODE];
+        let mut axis = 0;
+        while axis < 3 {
+            rows[2 * axis] = [f32::INFINITY; W];
+            rows[2 * axis + 1] = [f32::NEG_INFINITY; W];
+            axis += 1;
         }
+        Self(rows)
+    };
+
+    /// Puts a child into a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, bounds: &Aabb, link: Link) {
+        for axis in 0..3 {
+            self.0[2 * axis][lane] = bounds.min[axis];
+            self.0[2 * axis + 1][lane] = bounds.max[axis];
+        }
+        self.0[LINKS][lane] = f32::from_bits(link.0);
     }
-    for (lane, (_, link)) in children.iter().enumerate() {
-        rows[LINKS][lane] = f32::from_bits(link.0);
+
+    /// Puts in the orders of the children, see [`octants`].
+    pub fn write_orders(&mut self) {
+        let corner = |lane: usize, side: usize| {
+            Vec3::from_array(std::array::from_fn(|axis| self.0[2 * axis + side][lane]))
+        };
+        let bounds = |lane| Aabb { min: corner(lane, 0), max: corner(lane, 1) };
+        self.0[ORDERS] = octants::pack(&std::array::from_fn(bounds)).map(f32::from_bits);
     }
-    rows[ORDERS] = octants::pack::<W>(children).map(f32::from_bits);
 }
 
 /// Puts triangles into a leaf's rows.

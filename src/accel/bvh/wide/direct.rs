@@ -20,34 +20,48 @@ use crate::math::Aabb;
 const PARALLEL_SUBTREES: usize = 1 << 13;
 
 /// Builds a tree of nodes with up to `W` children.
-pub fn build<const W: usize>(mut prims: Vec<Prim>, cost: Cost) -> Shape<W> {
+pub fn build<const W: usize>(mut prims: Vec<Prim>, cost: Cost) -> Shape<W, impl Source<W>> {
     let triangles = prims.len();
-    let mut tree = Nodes::<W> { root: None, nodes: Vec::new() };
+    let mut nodes = vec![[None; W]];
     if !prims.is_empty() {
         let builder = Builder { cost, task: (triangles / 64).max(PARALLEL_SUBTREES) };
         let all = builder.part(&mut prims, 0, 0);
-        tree.root = Some(builder.child(all, &mut tree.nodes));
+        nodes[ABOVE_ROOT][0] = Some(builder.child(all, &mut nodes));
     }
     let order = prims.iter().map(|prim| prim.id).collect();
-    Shape::new(&tree, order, None, triangles)
+    Shape::new(Nodes { nodes }, order, None)
 }
 
 /// The children of a node.
 type Children<const W: usize> = [Option<Child>; W];
 
-/// Nodes, each after those above it.
+/// Nodes, each after those above it. A child's number is its node's times `W`, and its lane.
 struct Nodes<const W: usize> {
-    root: Option<Child>,
     nodes: Vec<Children<W>>,
 }
 
+/// The place of a node whose only child is the root.
+const ABOVE_ROOT: usize = 0;
+
+impl<const W: usize> Nodes<W> {
+    fn lane(&self, number: u32) -> Option<Child> {
+        self.nodes[number as usize / W][number as usize % W]
+    }
+}
+
 impl<const W: usize> Source<W> for Nodes<W> {
-    fn root(&self) -> Option<Child> {
-        self.root
+    fn root(&self) -> Option<u32> {
+        let root = (ABOVE_ROOT * W) as u32;
+        self.lane(root).map(|_| root)
     }
 
-    fn children(&self, node: u32) -> impl Iterator<Item = Child> {
-        self.nodes[node as usize].iter().flatten().copied()
+    fn child(&self, number: u32) -> Child {
+        self.lane(number).expect("lanes that hold a child")
+    }
+
+    fn children(&self, node: u32) -> (usize, [u32; W]) {
+        let count = self.nodes[node as usize].iter().flatten().count();
+        (count, std::array::from_fn(|lane| node * W as u32 + lane as u32))
     }
 }
 

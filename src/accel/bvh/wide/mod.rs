@@ -2,10 +2,11 @@
 //!
 //! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008. A node's children are tested
 //! by one stream of vector instructions, and so are a leaf's triangles. A binary tree is built
-//! first and collapsed (`collapse`), or none (`direct`); a ray walks by algorithm 2 of the paper, its children ordered by
-//! distance, or by the direction's octant as in the paper (`octants`), and a slice of rays is walked
-//! with sixteen of them in flight (`flight`). There, where any hit will do, they are taken as they
-//! come: sorting them costs up to 15 % and gains 4 at most.
+//! first and collapsed (`collapse`), or none (`direct`), and its `shape` written into one `arena`. A
+//! ray walks by algorithm 2 of the paper, its children ordered by distance, or by the direction's
+//! octant as in the paper (`octants`), and a slice of rays is walked with sixteen of them in flight
+//! (`flight`). There, where any hit will do, they are taken as they come: sorting them costs up to
+//! 15 % and gains 4 at most.
 
 mod arena;
 mod collapse;
@@ -17,12 +18,11 @@ mod shape;
 mod stack;
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use fearless_simd::{Level, Simd};
 
 use self::arena::{Arena, BLOCK, Rows};
-use self::shape::Shape;
+use self::shape::{Shape, Source};
 use self::stack::{Sorting, Stack};
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES};
 use super::link::Link;
@@ -31,7 +31,7 @@ use super::sah::{self, Cost, Fill, TRAVERSAL};
 use super::{BUILD, Parts, REFINE, build_tree_by};
 use crate::accel::{
     Accel, Batch, BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec,
-    Options, Query, Shot, Traverse, Value, Values, Variant, test_block, test_each,
+    Options, Phases, Query, Shot, Traverse, Value, Values, Variant, test_block, test_each,
 };
 use crate::geom::BlockRef;
 use crate::simd::order::key_limit;
@@ -73,7 +73,9 @@ pub const MBVH16: Variant =
 ///
 /// Measured and left out: boxes of eight bits (7 to 18 % slower), children by octant in place of
 /// distance (`order=octant`: as fast in flight, 5 to 15 % slower ray by ray), any other order in
-/// memory (nothing).
+/// memory (nothing). Packets for primary rays, as of `bvh-packet`: by themselves they are half as fast
+/// again among large triangles, but pictures that end at the first hit gain 8 to 10 %, by which whole ones
+/// would 1 to 3: less than a second tree is worth.
 pub const AUTO: Variant = Variant {
     id: "auto",
     summary: "what measures best: mbvh8 of a refined tree, leaves as the heuristic likes them",
@@ -121,7 +123,7 @@ const LEAVES: OptionSpec = OptionSpec {
 /// The option that says how a node's children are ordered.
 const ORDER: OptionSpec = OptionSpec {
     name: "order",
-    summary: "children by distance, or as listed for the direction's octant, as in the paper",
+    summary: "children by distance, or by octants as in the paper; in flight, for nearest hits only",
     values: Values::Choice(&["distance", "octant"]),
     default: Value::Choice("distance"),
 };
@@ -142,26 +144,6 @@ pub struct Wide<const W: usize> {
     report: BuildReport,
 }
 
-/// Builds the tree, binary first or in one pass, and says how long each phase took.
-fn shape<const W: usize>(
-    input: &BuildInput<'_>,
-    cost: Cost,
-) -> (Shape<W>, Vec<(&'static str, f64)>) {
-    if input.options.choice("build") == "direct" {
-        let start = Instant::now();
-        let prims = prims(&*input.source);
-        let boxes = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let shape = direct::build(prims, cost);
-        return (shape, vec![("boxes", boxes), ("tree", start.elapsed().as_secs_f64())]);
-    }
-    let (tree, mut phases) = build_tree_by(input, cost);
-    let start = Instant::now();
-    let shape = collapse::collapse(tree);
-    phases.push(("collapse", start.elapsed().as_secs_f64()));
-    (shape, phases)
-}
-
 /// A thread's own.
 pub struct Scratch<const W: usize> {
     stacks: Box<[Stack<W>]>,
@@ -172,34 +154,61 @@ impl<const W: usize> Wide<W>
 where
     Lanes: Vectors<W>,
 {
+    /// Builds the tree, binary first or in one pass, and says how long each phase took.
     fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
-        let (wide, mut phases) = shape(input, Cost { traversal: TRAVERSAL, width: W, fill });
-        if wide.report.max_depth > sah::MAX_DEPTH {
-            let (depth, limit) = (wide.report.max_depth, sah::MAX_DEPTH);
+        let cost = Cost { traversal: TRAVERSAL, width: W, fill };
+        let mut phases = Phases::start();
+        if input.options.choice("build") == "direct" {
+            let prims = prims(&*input.source);
+            phases.end("boxes");
+            let shape = direct::build::<W>(prims, cost);
+            phases.end("tree");
+            return Self::lay_out(input, &shape, phases);
+        }
+        let tree = build_tree_by(input, cost, &mut phases);
+        let shape = collapse::collapse::<W>(tree);
+        phases.end("collapse");
+        Self::lay_out(input, &shape, phases)
+    }
+
+    /// Writes a tree's nodes and leaves.
+    fn lay_out(
+        input: &BuildInput<'_>,
+        shape: &Shape<W, impl Source<W>>,
+        mut phases: Phases,
+    ) -> Result<Self, BuildError> {
+        if shape.report.max_depth > sah::MAX_DEPTH {
+            let (depth, limit) = (shape.report.max_depth, sah::MAX_DEPTH);
             return Err(BuildError::TooDeep { depth, limit });
         }
-        let start = Instant::now();
         let fetch = Fetch::new(input);
-        let rows = wide.rows(fetch.is_none());
+        let (inline, by_octant) = (fetch.is_none(), input.options.choice("order") == "octant");
+        let rows = shape.rows(inline);
         if rows >= Link::LIMIT {
-            let count = wide.references();
+            let count = input.source.len();
             let limit = (count as u64 * Link::LIMIT as u64 / rows as u64) as usize;
             return Err(BuildError::TooManyTriangles { count, limit });
         }
-        let arena = wide
-            .write(&*input.source, fetch.is_none())
+        let mut arena = Arena::new(rows)
             .map_err(|_| BuildError::NoMemory { needed: (rows * size_of::<[f32; W]>()) as u64 })?;
-        phases.push(("layout", start.elapsed().as_secs_f64()));
+        shape.write_nodes(&mut arena, inline, by_octant);
+        phases.end("nodes");
+        shape.write_leaves(&mut arena, &*input.source, inline);
+        phases.end("leaves");
         Ok(Self {
-            root: wide.root(),
+            root: shape.root(),
             arena,
             fetch,
-            by_octant: input.options.choice("order") == "octant",
-            parts: wide.parts,
-            first_leaf: wide.first_leaf(),
+            by_octant,
+            parts: shape.parts,
+            first_leaf: shape.first_leaf(),
             level: input.level,
-            report: BuildReport { phases, ..wide.report },
+            report: BuildReport {
+                phases: phases.ended(),
+                triangles: input.source.len(),
+                ..shape.report.clone()
+            },
         })
     }
 

@@ -6,7 +6,6 @@
 //! tree was split (algorithm 1); ours sorts by the middles of the boxes along the octant's
 //! diagonal, which needs no binary tree and holds for any way to choose the children.
 
-use crate::accel::bvh::link::Link;
 use crate::geom::SlabRay;
 use crate::math::Aabb;
 
@@ -19,11 +18,11 @@ pub fn octant(slab: &SlabRay) -> usize {
     (x | y << 1 | z << 2) % OCTANTS
 }
 
-/// The lists for all octants, in a row.
-pub fn pack<const W: usize>(children: &[(Aabb, Link)]) -> [u32; W] {
+/// The lists for all octants, in a row. A lane without a child has an empty box.
+pub fn pack<const W: usize>(children: &[Aabb; W]) -> [u32; W] {
     let mut row = [0; W];
     for octant in 0..OCTANTS {
-        for (place, lane) in farthest_first::<W>(children, octant).into_iter().enumerate() {
+        for (place, lane) in farthest_first(children, octant).into_iter().enumerate() {
             let bit = 4 * (octant * W + place);
             row[bit / 32] |= lane << (bit % 32);
         }
@@ -43,9 +42,12 @@ pub fn list<const W: usize>(row: &[u32; W], octant: usize) -> u64 {
 }
 
 /// Lanes by how far their boxes are along an octant's diagonal; those without a child last.
-fn farthest_first<const W: usize>(children: &[(Aabb, Link)], octant: usize) -> [u32; W] {
+fn farthest_first<const W: usize>(children: &[Aabb; W], octant: usize) -> [u32; W] {
     let along = |lane: usize| {
-        let Some((bounds, _)) = children.get(lane) else { return f32::NEG_INFINITY };
+        let bounds = &children[lane];
+        if bounds.is_empty() {
+            return f32::NEG_INFINITY;
+        }
         // Halved first: the sum must not overflow.
         let middle = bounds.min * 0.5 + bounds.max * 0.5;
         let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
@@ -64,7 +66,7 @@ mod tests {
     fn check<const W: usize>() {
         // A row of boxes along x, the first one lowest, and no child in the last lane.
         let at = |i: usize| Aabb::of_points([Vec3::X * i as f32, Vec3::X * i as f32 + Vec3::ONE]);
-        let children: Vec<_> = (0..W - 1).map(|i| (at(i), Link::to_node(i))).collect();
+        let children = std::array::from_fn(|i| if i == W - 1 { Aabb::EMPTY } else { at(i) });
         let row = pack::<W>(&children);
         for octant in 0..OCTANTS {
             let list = list(&row, octant);

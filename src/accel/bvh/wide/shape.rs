@@ -2,21 +2,27 @@
 
 use rayon::prelude::*;
 
-use super::arena::{Arena, BLOCK, NODE, write_block, write_ids, write_node};
+use super::arena::{Arena, BLOCK, NODE, NodeRows, write_block, write_ids};
 use crate::accel::BuildReport;
 use crate::accel::bvh::Parts;
 use crate::accel::bvh::leaves::{ids_of, triangles_of};
 use crate::accel::bvh::link::Link;
+use crate::accel::bvh::sah;
 use crate::geom::TriangleSource;
 use crate::math::{Aabb, TriangleId};
 
 /// A tree whose nodes have up to `W` children, as a builder hands it over.
-pub trait Source<const W: usize> {
-    /// Box and place of the root; `None` without triangles.
-    fn root(&self) -> Option<Child>;
+///
+/// It names its nodes and leaves by numbers of its own.
+pub trait Source<const W: usize>: Sync {
+    /// The root; `None` without triangles.
+    fn root(&self) -> Option<u32>;
 
-    /// The children of the node at a place.
-    fn children(&self, node: u32) -> impl Iterator<Item = Child>;
+    /// What has a number.
+    fn child(&self, number: u32) -> Child;
+
+    /// The children of a node: how many, and their numbers.
+    fn children(&self, node: u32) -> (usize, [u32; W]);
 }
 
 /// A child of a node: its box, and what it is.
@@ -31,101 +37,108 @@ pub struct Child {
 /// What a child is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Below {
-    /// A node, by its place in the source.
+    /// A node, by the number by which its source knows its children.
     Node(u32),
     /// A leaf, by its first place in the order of the triangles, and how many it holds.
     Leaf(u32, u32),
 }
 
 /// Nodes and leaves in the order in which they lie in memory.
-pub struct Shape<const W: usize> {
+pub struct Shape<const W: usize, S> {
+    /// Boxes.
+    source: S,
     /// The root first; the nodes that a node links to stand together.
     nodes: Vec<Node<W>>,
-    /// First place and number of triangles.
+    /// First place and number of triangles; those that a node links to stand together.
     leaves: Vec<(u32, u32)>,
     /// Triangles, leaf by leaf.
     order: Vec<TriangleId>,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
     pub parts: Option<Parts>,
-    /// Its shape in figures.
+    /// Its shape in figures, but for what its maker alone knows: triangles and phases.
     pub report: BuildReport,
 }
 
-/// Up to `W` children: their boxes, and the place of each among the nodes or the leaves.
+/// Up to `W` children: their numbers in the source, and where the first of those that are nodes and
+/// of those that are leaves lies. Small, as memory that is touched for the first time is what
+/// collapsing waits for: boxes are read once more when rows are written.
 #[derive(Clone, Copy)]
 struct Node<const W: usize> {
-    count: usize,
-    bounds: [Aabb; W],
-    places: [Place; W],
+    count: u32,
+    first_node: u32,
+    first_leaf: u32,
+    children: [u32; W],
 }
 
-#[derive(Clone, Copy)]
-enum Place {
-    Node(u32),
-    Leaf(u32),
+/// A node whose children are yet to be asked for.
+struct Open {
+    /// As its source knows it.
+    from: u32,
+    /// Its place among the nodes.
+    place: usize,
+    depth: usize,
 }
 
-impl<const W: usize> Shape<W> {
+/// Sums over all nodes and leaves.
+#[derive(Default)]
+struct Sums {
+    area: f64,
+    depth: usize,
+    max_depth: usize,
+}
+
+impl<const W: usize, S: Source<W>> Shape<W, S> {
     /// Lays a tree out.
-    pub fn new(
-        source: &impl Source<W>,
-        order: Vec<TriangleId>,
-        parts: Option<Parts>,
-        triangles: usize,
-    ) -> Self {
-        let report = BuildReport { triangles, ..BuildReport::default() };
+    pub fn new(source: S, order: Vec<TriangleId>, parts: Option<Parts>) -> Self {
+        let report = BuildReport::default();
         // About as many as there are, so that growing copies little.
         let nodes = Vec::with_capacity(order.len() / (2 * W) + 1);
         let leaves = Vec::with_capacity(order.len() / W + 1);
-        let mut shape = Self { nodes, leaves, order, parts, report };
-        let Some(root) = source.root() else { return shape };
-        let (mut area, mut depths) = (0.0, 0);
-        let place = shape.add(&root);
-        let mut open = vec![(root, place, 0_usize)];
-        while let Some((child, place, depth)) = open.pop() {
-            area += child.bounds.half_area();
-            let (Below::Node(of_source), Place::Node(place)) = (child.below, place) else {
-                depths += depth;
-                shape.report.max_depth = shape.report.max_depth.max(depth);
-                continue;
-            };
-            let mut node = Node { count: 0, bounds: [Aabb::EMPTY; W], places: [Place::Node(0); W] };
-            let first = open.len();
-            for child in source.children(of_source) {
-                let place = shape.add(&child);
-                (node.bounds[node.count], node.places[node.count]) = (child.bounds, place);
-                node.count += 1;
-                open.push((child, place, depth + 1));
+        let mut shape = Self { source, nodes, leaves, order, parts, report };
+        let Some(root) = shape.source.root() else { return shape };
+        let (mut sums, mut open) = (Sums::default(), Vec::with_capacity(W * sah::MAX_DEPTH));
+        shape.add(root, 0, &mut open, &mut sums);
+        while let Some(Open { from, place, depth }) = open.pop() {
+            let (first, (count, children)) = (open.len(), shape.source.children(from));
+            let (first_node, first_leaf) = (shape.nodes.len() as u32, shape.leaves.len() as u32);
+            shape.nodes[place] = Node { count: count as u32, first_node, first_leaf, children };
+            for &child in &children[..count] {
+                shape.add(child, depth + 1, &mut open, &mut sums);
             }
             open[first..].reverse();
-            shape.nodes[place as usize] = node;
         }
-        shape.report.nodes = shape.nodes.len();
-        shape.report.leaves = shape.leaves.len();
-        shape.report.sah_cost = area / root.bounds.half_area().max(f64::MIN_POSITIVE);
-        shape.report.mean_leaf = shape.order.len() as f64 / shape.leaves.len() as f64;
-        shape.report.mean_depth = depths as f64 / shape.leaves.len() as f64;
+        shape.sum_up(&sums, shape.source.child(root).bounds.half_area());
         shape
     }
 
     /// Makes room for a child.
-    fn add(&mut self, child: &Child) -> Place {
+    fn add(&mut self, number: u32, depth: usize, open: &mut Vec<Open>, sums: &mut Sums) {
+        let child = self.source.child(number);
+        sums.area += child.bounds.half_area();
         match child.below {
             Below::Leaf(first, count) => {
+                sums.depth += depth;
+                sums.max_depth = sums.max_depth.max(depth);
                 self.leaves.push((first, count));
-                Place::Leaf(self.leaves.len() as u32 - 1)
             }
-            Below::Node(_) => {
-                let places = [Place::Node(0); W];
-                self.nodes.push(Node { count: 0, bounds: [Aabb::EMPTY; W], places });
-                Place::Node(self.nodes.len() as u32 - 1)
+            Below::Node(from) => {
+                open.push(Open { from, place: self.nodes.len(), depth });
+                self.nodes.push(Node { count: 0, first_node: 0, first_leaf: 0, children: [0; W] });
             }
         }
     }
 
-    /// References to triangles in all leaves.
-    pub fn references(&self) -> usize {
-        self.order.len()
+    fn sum_up(&mut self, sums: &Sums, root_area: f64) {
+        let leaves = self.leaves.len() as f64;
+        self.report = BuildReport {
+            nodes: self.nodes.len(),
+            leaves: self.leaves.len(),
+            sah_cost: sums.area / root_area.max(f64::MIN_POSITIVE),
+            mean_leaf: self.order.len() as f64 / leaves,
+            mean_depth: sums.depth as f64 / leaves,
+            max_depth: sums.max_depth,
+            ..std::mem::take(&mut self.report)
+        };
     }
 
     /// Rows of a leaf.
@@ -152,36 +165,41 @@ impl<const W: usize> Shape<W> {
         }
     }
 
-    /// Writes nodes and leaves, the latter with their triangles or without.
-    ///
-    /// # Errors
-    /// If there is not as much memory.
-    pub fn write(&self, source: &dyn TriangleSource, inline: bool) -> std::io::Result<Arena<W>> {
-        let mut arena = Arena::new(self.rows(inline))?;
+    /// Writes the nodes into the rows before the leaves', with their children's orders or without.
+    pub fn write_nodes(&self, arena: &mut Arena<W>, inline: bool, by_octant: bool) {
         let (first_leaf, of_leaf) = (self.first_leaf(), Self::leaf_rows(inline));
-        let (nodes, leaves) = arena.floats_mut().split_at_mut(first_leaf);
-        nodes.par_chunks_mut(NODE).zip(&self.nodes).with_min_len(256).for_each(|(rows, node)| {
-            let mut children = [(Aabb::EMPTY, Link::to_node(0)); W];
-            for lane in 0..node.count {
-                let link = match node.places[lane] {
-                    Place::Leaf(place) => Link::to_leaf(first_leaf + place as usize * of_leaf),
-                    Place::Node(place) => Link::to_node(place as usize * NODE),
+        let rows = arena.floats_mut()[..first_leaf].par_chunks_mut(NODE);
+        rows.zip(&self.nodes).with_min_len(256).for_each(|(rows, node)| {
+            let mut written = NodeRows::EMPTY;
+            let mut nodes = (node.first_node as usize..).map(|place| place * NODE);
+            let mut leaves = (node.first_leaf as usize..).map(|place| first_leaf + place * of_leaf);
+            for (lane, &number) in node.children[..node.count as usize].iter().enumerate() {
+                let Child { bounds, below } = self.source.child(number);
+                let link = match below {
+                    Below::Node(_) => nodes.next().map(Link::to_node),
+                    Below::Leaf(..) => leaves.next().map(Link::to_leaf),
                 };
-                children[lane] = (node.bounds[lane], link);
+                written.set(lane, &bounds, link.expect("counts on without end"));
             }
-            write_node(rows, &children[..node.count]);
+            if by_octant {
+                written.write_orders();
+            }
+            rows.copy_from_slice(&written.0);
         });
-        leaves.par_chunks_mut(of_leaf).zip(&self.leaves).with_min_len(256).for_each(
-            |(rows, &(first, count))| {
-                let ids = &self.order[first as usize..][..count as usize];
-                if inline {
-                    write_block(rows, &triangles_of(ids, source));
-                } else {
-                    write_ids(rows, &ids_of(ids));
-                }
-            },
-        );
-        Ok(arena)
+    }
+
+    /// Writes the leaves into the rows behind the nodes', with their triangles or without.
+    pub fn write_leaves(&self, arena: &mut Arena<W>, source: &dyn TriangleSource, inline: bool) {
+        let rows = &mut arena.floats_mut()[self.first_leaf()..];
+        let leaves = rows.par_chunks_mut(Self::leaf_rows(inline)).zip(&self.leaves);
+        leaves.with_min_len(256).for_each(|(rows, &(first, count))| {
+            let ids = &self.order[first as usize..][..count as usize];
+            if inline {
+                write_block(rows, &triangles_of(ids, source));
+            } else {
+                write_ids(rows, &ids_of(ids));
+            }
+        });
     }
 }
 
@@ -189,7 +207,7 @@ impl<const W: usize> Shape<W> {
 mod tests {
     use super::*;
     use crate::accel::bvh::wide::{collapse::collapse, direct};
-    use crate::accel::bvh::{binned, prims, sah};
+    use crate::accel::bvh::{binned, prims};
     use crate::geom::{Triangle, TriangleList};
     use crate::math::Vec3;
 
@@ -203,8 +221,14 @@ mod tests {
     }
 
     /// Every leaf is linked to once, every triangle is in one, and no lane leads nowhere.
-    fn check<const W: usize>(shape: &Shape<W>, source: &TriangleList, inline: bool) {
-        let arena = shape.write(source, inline).expect("memory");
+    fn check<const W: usize>(
+        shape: &Shape<W, impl Source<W>>,
+        source: &TriangleList,
+        inline: bool,
+    ) {
+        let mut arena = Arena::new(shape.rows(inline)).expect("memory");
+        shape.write_nodes(&mut arena, inline, true);
+        shape.write_leaves(&mut arena, source, inline);
         let mut seen = vec![false; source.len()];
         let mut open = vec![shape.root().expect("triangles")];
         let mut visited = 0;
@@ -239,9 +263,15 @@ mod tests {
         assert_eq!(direct.order, collapsed.order);
         assert_eq!(direct.leaves, collapsed.leaves);
         assert_eq!(direct.report.sah_cost, collapsed.report.sah_cost);
-        for (ours, theirs) in direct.nodes.iter().zip(&collapsed.nodes) {
-            assert_eq!(ours.bounds, theirs.bounds);
-        }
+        assert_eq!(rows(&direct), rows(&collapsed));
+    }
+
+    /// The nodes as they lie in memory.
+    fn rows<const W: usize>(shape: &Shape<W, impl Source<W>>) -> Vec<[u32; W]> {
+        let mut arena = Arena::new(shape.rows(true)).expect("memory");
+        shape.write_nodes(&mut arena, true, true);
+        let rows = &arena.floats_mut()[..shape.first_leaf()];
+        rows.iter().map(|row| row.map(f32::to_bits)).collect()
     }
 
     #[test]
