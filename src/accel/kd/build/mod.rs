@@ -40,7 +40,7 @@ pub const OPTIONS: [OptionSpec; 5] = [
         name: "cost",
         summary: "cost of testing a triangle in steps down the tree, for the heuristic",
         values: Values::Number(0.01, 100.0),
-        default: Value::Number(0.1),
+        default: Value::Number(0.3),
     },
     OptionSpec {
         name: "empty",

@@ -18,7 +18,7 @@ fn clutter(seed: u32, count: usize) -> Arc<dyn TriangleSource> {
     let mut point = || Vec3::new(random(), random(), random());
     let heaps: Vec<_> = (0..6).map(|_| point() * 10.0).collect();
     let triangle = |i: usize| {
-        let size = if i % 50 == 0 { 5.0 } else { 0.2 };
+        let size = if i.is_multiple_of(50) { 5.0 } else { 0.2 };
         let a = heaps[i % heaps.len()] + point() * 1.5;
         Triangle { a, b: a + point() * size, c: a + point() * size }
     };
@@ -35,7 +35,7 @@ fn cost(source: &Arc<dyn TriangleSource>, build: &str, more: &str) -> f64 {
 fn the_exact_sweep_costs_least() {
     for (seed, count) in [(1, 500), (2, 1500), (3, 3000), (4, 6000)] {
         let source = clutter(seed, count);
-        for more in ["", ",cost=1", ",cost=1,leaf=1"] {
+        for more in ["", ",cost=0.1", ",cost=1", ",cost=1,leaf=1"] {
             let [sah, binned, minmax] =
                 ["sah", "binned", "minmax"].map(|build| cost(&source, build, more));
             assert!(sah <= binned && sah <= minmax, "{seed}{more}: {sah} {binned} {minmax}");
