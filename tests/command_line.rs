@@ -210,6 +210,14 @@ fn pictures_that_claim_more_memory_than_is_left_are_refused() {
     }
 }
 
+#[test]
+fn trees_beyond_the_memory_that_was_allowed_are_refused_with_the_estimate() {
+    let words = format!("bench kd {} --memory 1 --rays 10", scene("gems.gltf"));
+    let (code, _, err) = run(folder().path(), &words);
+    assert_eq!(code, 5, "{err}");
+    assert!(err.contains("more than the 1000000"), "{err}");
+}
+
 #[cfg(unix)]
 #[test]
 fn pipes_are_refused_where_files_are_read() {

@@ -185,8 +185,8 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
     }
 
     /// Where all rays start.
-    pub fn from_root(&self) -> Option<Step<H::Place>> {
-        Some(Step::to(self.root))
+    pub fn at_root(&self) -> Step<H::Place> {
+        Step::to(self.root)
     }
 
     /// Enters a region: what it meets is put behind the branches of the thread.
@@ -199,7 +199,7 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
     ) {
         let before = own.len();
         let around = self.around(&regions.list, |wider| wider.contains(shaft));
-        let from = around.map_or(self.from_root(), |(_, step)| step);
+        let from = around.map_or(Some(self.at_root()), |(_, step)| step);
         let pool = Trees { view: self.branches(), own };
         let step = from.and_then(|from| self.narrow(from, pool, shaft, counters));
         regions.note(own);
@@ -225,7 +225,7 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         };
         let holds = |region: &Shaft| corners.iter().all(|corner| region.holds(corner));
         let around = self.around(&regions.list, holds);
-        let from = around.map_or(self.from_root(), |(_, step)| step);
+        let from = around.map_or(Some(self.at_root()), |(_, step)| step);
         let view = self.branches();
         let from = from.and_then(|from| self.narrow(from, Trees { view, own }, &tile, counters));
         let within = Within([around.map(|(region, _)| region.clone()), Some(tile)]);
@@ -244,7 +244,7 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
     ) -> Started<'a, H::Place> {
         let within = Within::default();
         if self.start == Start::Root {
-            return Started { from: self.from_root(), view: &[], within };
+            return Started { from: Some(self.at_root()), view: &[], within };
         }
         let shaft = of_slice(simd, batch, &knows);
         let holds = |region: &Shaft| {
@@ -252,7 +252,8 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
             contained || batch.rays().iter().all(|ray| knows(ray) && region.holds(ray))
         };
         let around = self.around(&regions.list, holds);
-        let (mut from, view) = (around.map_or(self.from_root(), |(_, step)| step), self.branches());
+        let (mut from, view) =
+            (around.map_or(Some(self.at_root()), |(_, step)| step), self.branches());
         if let (Some(step), Some(shaft)) = (from, &shaft) {
             from = self.narrow(step, Trees { view, own }, shaft, counters);
         }

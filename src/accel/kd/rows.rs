@@ -65,7 +65,7 @@ const WITH_TILES: [OptionSpec; 6] = with(OptionSpec {
 /// Options with the defaults that suit vectors: leaves for eight triangles, and cheap tests.
 const FOR_WIDE: [OptionSpec; 5] = [
     OPTIONS[0],
-    OptionSpec { default: Value::Number(0.05), ..OPTIONS[1] },
+    OptionSpec { default: Value::Number(0.1), ..OPTIONS[1] },
     OPTIONS[2],
     OPTIONS[3],
     OptionSpec { default: Value::Integer(8), ..OPTIONS[4] },

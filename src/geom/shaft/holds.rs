@@ -39,14 +39,13 @@ impl Shaft {
         let longest = d_size[0].max(d_size[1]).max(d_size[2]);
         let mut held = longest.simd_ge(1.0 / LONGEST) & longest.simd_le(LONGEST);
         for (size, reach) in o_size.into_iter().zip(self.reach.to_array()) {
-            held = held & size.simd_le(reach);
+            held &= size.simd_le(reach);
         }
         for lane in (0..PLANES).filter(|&lane| self.inner[lane] < f32::INFINITY) {
             let along = |axis: usize| self.plus[axis][lane] + self.minus[axis][lane];
             let normal = Vec3::new(along(0), along(1), along(2));
             let size = normal.abs() * ROUNDED;
-            held = held
-                & (dot(o, normal) + dot(o_size, size)).simd_le(self.offset[lane])
+            held &= (dot(o, normal) + dot(o_size, size)).simd_le(self.offset[lane])
                 & (dot(d, normal) + dot(d_size, size)).simd_le(0.0);
         }
         (t_max.simd_gt(t_min) & !held).to_bitmask() == 0

@@ -11,7 +11,10 @@ mod bins;
 mod cost;
 mod lists;
 mod minmax;
+mod prune;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -37,7 +40,7 @@ pub const OPTIONS: [OptionSpec; 5] = [
         name: "cost",
         summary: "cost of testing a triangle in steps down the tree, for the heuristic",
         values: Values::Number(0.01, 100.0),
-        default: Value::Number(0.1),
+        default: Value::Number(0.3),
     },
     OptionSpec {
         name: "empty",
@@ -94,9 +97,10 @@ impl Settings {
     /// Whether a node is to be a leaf, given the best plane. `failed` counts the splits on the way
     /// down that did not pay by themselves: some are allowed, since the greedy choice does not see
     /// that two splits pay together (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4.4.2).
+    /// [`prune`] takes back those that don't.
     fn stops(&self, count: usize, best: Option<&Plane>, failed: &mut u32) -> bool {
         let Some(best) = best else { return true };
-        let leaf = self.costs.leaf(count);
+        let leaf = self.costs.part(count);
         if best.cost > leaf {
             *failed += 1;
         }
@@ -123,6 +127,7 @@ impl KdTree {
             "minmax" => lists::build(&**source, &bounds, &slack, &settings, minmax::best),
             _ => sweep::build(&**source, &bounds, &slack, &settings),
         };
+        let arena = prune::prune(&arena, &bounds, &settings.costs);
         let built = Instant::now();
         let mut report = statistics(&arena, &bounds, &settings.costs);
         let references = arena.ids.len();
