@@ -118,7 +118,12 @@ impl Within {
     /// Whether they are seen to hold rays.
     #[inline(always)]
     pub fn holds<S: Simd>(&self, simd: S, rays: &Rays) -> bool {
-        self.0.iter().flatten().all(|shaft| rays.held_by(simd, shaft))
+        for shaft in self.0.iter().flatten() {
+            if !rays.held_by(simd, shaft) {
+                return false;
+            }
+        }
+        true
     }
 }
 

@@ -154,7 +154,12 @@ impl Rays {
     /// Whether a region is seen to hold them all; see [`Shaft::holds_bundle`].
     #[inline(always)]
     pub fn held_by<S: Simd>(&self, simd: S, shaft: &Shaft) -> bool {
-        self.bundles[..self.count].iter().all(|bundle| shaft.holds_bundle(simd, bundle))
+        for bundle in &self.bundles[..self.count] {
+            if !shaft.holds_bundle(simd, bundle) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Ends the shaft where the last of the rays does.

@@ -1,6 +1,6 @@
 //! Whether rays lie in a region.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
+use fearless_simd::{Simd, SimdBase, SimdMask};
 
 use super::{LONGEST, PLANES, Shaft, is_tame};
 use crate::geom::RayBundle;
@@ -32,18 +32,28 @@ impl Shaft {
     ///
     /// A plane's half-space holds a ray if its origin lies in it and its direction does not lead
     /// towards the plane, both by more than what they may be rounded by.
+    ///
+    /// Plain loops: closures would be compiled apart, for no instruction set in particular.
     #[inline(always)]
     pub fn holds_bundle<S: Simd>(&self, simd: S, bundle: &RayBundle) -> bool {
         let ([o, d], [t_min, t_max]) = (bundle.rays(simd), bundle.spans(simd));
-        let (o_size, d_size) = (o.map(f32x8::abs), d.map(f32x8::abs));
+        let o_size = [o[0].abs(), o[1].abs(), o[2].abs()];
+        let d_size = [d[0].abs(), d[1].abs(), d[2].abs()];
         let longest = d_size[0].max(d_size[1]).max(d_size[2]);
         let mut held = longest.simd_ge(1.0 / LONGEST) & longest.simd_le(LONGEST);
-        for (size, reach) in o_size.into_iter().zip(self.reach.to_array()) {
-            held &= size.simd_le(reach);
+        for axis in 0..3 {
+            held &= o_size[axis].simd_le(self.reach[axis]);
         }
-        for lane in (0..PLANES).filter(|&lane| self.inner[lane] < f32::INFINITY) {
-            let along = |axis: usize| self.plus[axis][lane] + self.minus[axis][lane];
-            let normal = Vec3::new(along(0), along(1), along(2));
+        for lane in 0..PLANES {
+            if self.inner[lane] == f32::INFINITY {
+                continue;
+            }
+            let [plus, minus] = [&self.plus, &self.minus];
+            let normal = Vec3::new(
+                plus[0][lane] + minus[0][lane],
+                plus[1][lane] + minus[1][lane],
+                plus[2][lane] + minus[2][lane],
+            );
             let size = normal.abs() * ROUNDED;
             held &= (dot(o, normal) + dot(o_size, size)).simd_le(self.offset[lane])
                 & (dot(d, normal) + dot(d_size, size)).simd_le(0.0);

@@ -30,13 +30,15 @@ impl Shaft {
         corners: [Vec3; 4],
     ) -> Option<Self> {
         let mut bounds = Bounds::new(simd, corners)?;
-        for rays in rows.flat_map(|row| row.chunks(RayBundle::LANES)) {
-            let mut bundle = RayBundle::EMPTY;
-            for (lane, ray) in rays.iter().enumerate() {
-                bundle.put(lane, ray);
-            }
-            if !bounds.include(simd, &bundle) {
-                return None;
+        for row in rows {
+            for rays in row.chunks(RayBundle::LANES) {
+                let mut bundle = RayBundle::EMPTY;
+                for (lane, ray) in rays.iter().enumerate() {
+                    bundle.put(lane, ray);
+                }
+                if !bounds.include(simd, &bundle) {
+                    return None;
+                }
             }
         }
         bounds.shaft()
