@@ -287,7 +287,7 @@ fn corners(batch: &Batch<'_>) -> Option<([Ray; 4], Shaft)> {
         let [beside, beyond] = [directions[corner ^ 1], directions[3 - corner]];
         here + (here - beside) * cells[0] + (here - beyond) * cells[1]
     });
-    let tile = Shaft::pyramid(Aabb::of_points([corners[0].origin()]), wider)?;
+    let tile = Shaft::tile(Aabb::of_points([corners[0].origin()]), wider)?;
     Some((corners, tile))
 }
 

@@ -63,6 +63,9 @@ pub struct Shaft {
     /// Where it was made from slopes: directions of its corners, which all others lie between, the
     /// box of origins, and the greater difference of slopes.
     core: Option<(Aabb, [Vec3; 4], f32)>,
+    /// Whether the planes after the first are those of four sides, of which two by two face each
+    /// other.
+    has_sides: bool,
 }
 
 /// Planes at most.
@@ -97,6 +100,7 @@ impl Shaft {
             reach: reach + Vec3::splat(reach.max_element() * ACROSS),
             axis,
             core: None,
+            has_sides: false,
         };
         for (lane, &(normal, offset)) in planes.iter().enumerate() {
             shaft.put(lane, normal, offset);
@@ -126,6 +130,12 @@ impl Shaft {
     pub fn pyramid(origins: Aabb, corners: [Vec3; 4]) -> Option<Self> {
         let (planes, axis) = pyramid_planes(origins, corners)?;
         Self::new(&planes, origins, axis)
+    }
+
+    /// As [`Shaft::pyramid`], for rays side by side: boxes that are small beside it are told by
+    /// [`Shaft::is_coarser`].
+    pub fn tile(origins: Aabb, corners: [Vec3; 4]) -> Option<Self> {
+        Some(Self { has_sides: true, ..Self::pyramid(origins, corners)? })
     }
 
     /// The region of segments that begin and end in a pyramid, up to a distance from its apex along
@@ -215,10 +225,10 @@ impl Shaft {
     }
 
     /// Whether a box is so small that `grain` of it would fit across the region where it lies, both
-    /// ways; about, and never where the region was not made of rays.
+    /// ways; about, and never where the region has no four sides.
     #[inline(always)]
     pub fn is_coarser(&self, bounds: &Aabb, grain: f32) -> bool {
-        if self.core.is_none() {
+        if !self.has_sides {
             return false;
         }
         let (middle, half) = (bounds.centre(), bounds.extent() * 0.5);
@@ -263,7 +273,8 @@ fn pyramid_planes(origins: Aabb, corners: [Vec3; 4]) -> Option<([(Vec3, f32); 5]
         if !corners.iter().all(|corner| out.dot(*corner) <= 0.0 && corner.dot(axis) > 0.0) {
             return None;
         }
-        planes[side + 1] = (out, farthest(&origins, out));
+        // Those that face each other one after the other.
+        planes[[1, 3, 2, 4][side]] = (out, farthest(&origins, out));
     }
     Some((planes, axis))
 }

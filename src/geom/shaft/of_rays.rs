@@ -156,6 +156,7 @@ fn of_bounds(
         slopes.map(|[low, high]| [-widen(-low, SLACK), widen(high, SLACK)]);
     let corner = |x: f32, y: f32| axis + across * x + up * y;
     let corners = [corner(left, low), corner(right, low), corner(left, high), corner(right, high)];
+    shaft.has_sides = true;
     shaft.core = Some((origins, corners, (right - left).max(high - low)));
     Some(shaft)
 }
