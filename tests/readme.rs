@@ -28,7 +28,8 @@ fn each_row_tells_paper_memory_and_rates() {
         let figures = cells[3..].iter().map(|cell| cell.parse::<f64>());
         let figures: Vec<f64> = figures.map(|figure| figure.expect("a figure")).collect();
         let &[bytes, seconds, random, primary] = &figures[..] else { panic!("{row}") };
-        // Brute force takes no time to build.
-        assert!(bytes > 0.0 && seconds >= 0.0 && random > 0.0 && primary > 0.0, "{row}");
+        // Brute force alone takes no time to build.
+        assert!(seconds > 0.0 || row.starts_with("| `brute` |") && seconds == 0.0, "{row}");
+        assert!(bytes > 0.0 && random > 0.0 && primary > 0.0, "{row}");
     }
 }

@@ -22,7 +22,7 @@ use crate::simd::Isa;
 ///
 /// Rays are rows of eight float32 (origin, t_min, direction, t_max) in an .npy file. Hits are rows
 /// of four float32: t (infinity on a miss), u, v and the triangle's number as its bits; with --any
-/// one byte a ray. The time is from rows to hits in memory, after one pass that is not timed.
+/// one byte a ray. The time is from rays to hits, both in memory, after one pass that is not timed.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  dapple trace bunny.obj --rays rays.npy --hits hits.npy\n  \
     dapple trace tris.npy --rays rays.npy --any --accel bvh2 --threads 1 --repeat 5 --json\n  \

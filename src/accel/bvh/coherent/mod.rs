@@ -2,8 +2,9 @@
 //! many rays at a time.
 //!
 //! A slice is cut into packets of up to 256 rays: blocks of its raster where it is one, runs of rays
-//! where it is not (`accel::coherent`, which packets through kd-trees share). A packet walks the tree of `bvh2` together (`packet`), so that a node is
-//! fetched once for all of its rays and most decisions are made once.
+//! where it is not (`accel::coherent`, which packets through kd-trees share). A packet walks the tree
+//! of `bvh2` together (`packet`), so that a node is fetched once for all of its rays and most
+//! decisions are made once.
 //!
 //! `bvh-packet`: I. Wald, S. Boulos and P. Shirley, "Ray tracing deformable scenes using dynamic
 //! bounding volume hierarchies", 2007. A box is entered if the first ray that was under way enters
@@ -23,10 +24,11 @@
 //! packet's way down to where the slice is. An entry point seldom lies deep; a compressed tree
 //! spares nodes below it too, the more the larger the scene is beside the slice. Take them for
 //! slices of many packets (`per-packet=on` with `with=partition`, as the paper's table 4 did). The
-//! tracer that has entered a region, a screen or what a light reaches, or that of a `view`, starts from
-//! what is met there: screen, tile, packet. A slice
-//! that has no shaft of its own is given that of its batch if it holds it; one that has neither is
-//! walked from the root.
+//! tracer that has entered a region, a screen or what a light reaches, or that of a `view`, starts
+//! from what is met there: screen, tile, packet. The shaft of a raster of rays from one point is
+//! taken from its corners, and a packet that does not lie in it is walked from the root; that of
+//! other slices is found by all their rays. A slice that has none is given that of its batch if it
+//! holds it, and is else walked from the root.
 //!
 //! Where we differ from all: rays are asked about boxes and triangles eight at a time, a *bundle*,
 //! so that the first bundle decides, and bundles are what is partitioned; boxes are held against

@@ -1,10 +1,10 @@
 //! The memory of a wide tree: nodes and leaves as rows of `W` numbers.
 //!
-//! All in one piece, so that a link's place is a row of it whatever it leads to, and a walk can ask for
-//! that place ahead of time without a branch. A node is eight rows: the lower and the upper planes
-//! along x, y and z, the links, and the lists of [`super::octants`], or one to spare, which keeps
-//! nodes on cache lines. A leaf that
-//! stores its triangles is nine rows of coordinates and one of ids; one that does not is its ids.
+//! All in one piece, so that a link's place is a row of it whatever it leads to, and a walk can ask
+//! for that place ahead of time without a branch. A node is eight rows: the lower and the upper
+//! planes along x, y and z, the links, and the lists of [`super::octants`], or one to spare, which
+//! keeps nodes on cache lines. A leaf that stores its triangles is nine rows of coordinates and one
+//! of ids; one that does not is its ids.
 
 use bytemuck::cast_slice;
 use memmap2::{Advice, MmapMut};

@@ -127,7 +127,7 @@ impl KdTree {
             "minmax" => lists::build(&**source, &bounds, &slack, &settings, minmax::best),
             _ => sweep::build(&**source, &bounds, &slack, &settings),
         };
-        let arena = prune::prune(&arena, &bounds, &settings.costs);
+        let arena = prune::prune(arena, &bounds, &settings.costs);
         let built = Instant::now();
         let mut report = statistics(&arena, &bounds, &settings.costs);
         let references = arena.ids.len();

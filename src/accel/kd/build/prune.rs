@@ -12,14 +12,13 @@ use crate::accel::kd::tree::{LeafId, Node, halves};
 use crate::math::{Aabb, NodeId};
 
 /// The cheapest tree that is left of one when subtrees become leaves.
-pub fn prune(arena: &Arena, bounds: &Aabb, costs: &Costs) -> Arena {
-    let mut kept = Arena::default();
-    if bounds.half_area().is_finite() {
-        Pruner { arena, costs, kept: &mut kept }.copy(0, bounds);
-        kept
-    } else {
-        arena.clone()
+pub fn prune(arena: Arena, bounds: &Aabb, costs: &Costs) -> Arena {
+    if !bounds.half_area().is_finite() {
+        return arena;
     }
+    let mut kept = Arena::default();
+    Pruner { arena: &arena, costs, kept: &mut kept }.copy(0, bounds);
+    kept
 }
 
 struct Pruner<'a> {

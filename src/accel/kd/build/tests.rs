@@ -62,8 +62,8 @@ fn a_split_that_does_not_pay_is_taken_back() {
     let costs = Costs { step: 1.0, triangle: 1.0, empty: 0.0 };
     // 1 + (3 + 3) 2/3 = 5 against 6 for six triangles, or 4 where two of them are on both sides.
     let pays = halves(&[0, 1, 2], &[3, 4, 5]);
-    assert_eq!(prune::prune(&pays, &cube, &costs).nodes, pays.nodes);
-    let kept = prune::prune(&halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs);
+    assert_eq!(prune::prune(pays.clone(), &cube, &costs).nodes, pays.nodes);
+    let kept = prune::prune(halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs);
     let [Node::Leaf(leaf)] = kept.nodes[..] else { panic!("{kept:?}") };
     assert_eq!(kept.list(leaf), [0, 1, 2, 3].map(TriangleId));
     assert_eq!(kept.ends, [4]);
