@@ -68,8 +68,8 @@ pub const MBVH16: Variant =
 ///
 /// Beside Embree 4 in its default mode, whose hits may leak where ours may not, on a machine with
 /// AVX-512 (Zen 4, one thread, geometric mean over scans, a kitchen and two robot cells of 69 to
-/// 871 thousand triangles): 1.7 times its rate for slices of random, shadow and bounce rays, 1.05
-/// for primary rays; ray by ray `mbvh8` has 0.86 and `mbvh4` 0.69.
+/// 871 thousand triangles): 1.6 times its rate for slices of random, shadow and bounce rays, 1.05
+/// for primary rays; ray by ray `mbvh8` has 0.84 and `mbvh4` 0.68.
 ///
 /// Measured and left out: boxes of eight bits (7 to 18 % slower), children by octant in place of
 /// distance (`order=octant`: as fast in flight, 5 to 15 % slower ray by ray), any other order in
