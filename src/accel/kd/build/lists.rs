@@ -3,42 +3,24 @@
 //! Triangles on both sides of a plane are clipped to each, as [`super::sweep`] does. Whether a split
 //! pays is judged by the lists that it makes, not by what its finder thought they would be.
 
-use rayon::prelude::*;
-
-use super::{Arena, Costs, FORK_COUNT, FORK_LEVELS, Plane, Reference, Settings};
-use crate::accel::kd::slack::Slack;
+use super::{Arena, Costs, FORK_COUNT, FORK_LEVELS, Nodes, Plane, Reference};
 use crate::accel::kd::tree::halves;
-use crate::geom::{TriangleSource, clipped_bounds};
-use crate::math::{Aabb, TriangleId};
+use crate::geom::clipped_bounds;
+use crate::math::Aabb;
 
 /// Finds the best plane for a list of boxes in a cell.
 pub type Best = fn(&[Reference], &Aabb, &Costs) -> Option<Plane>;
 
-struct Builder<'a> {
-    source: &'a dyn TriangleSource,
-    slack: &'a Slack,
-    settings: &'a Settings,
-    best: Best,
+/// Builds the tree.
+pub fn build(nodes: &Nodes<'_>, best: Best) -> Arena {
+    let mut arena = Arena::default();
+    Builder { nodes, best }.divide(nodes.references(), &nodes.bounds, 0, 0, &mut arena);
+    arena
 }
 
-/// Builds the nodes.
-pub fn build(
-    source: &dyn TriangleSource,
-    bounds: &Aabb,
-    slack: &Slack,
-    settings: &Settings,
+struct Builder<'a> {
+    nodes: &'a Nodes<'a>,
     best: Best,
-) -> Arena {
-    let references = (0..source.len())
-        .into_par_iter()
-        .map(|i| {
-            let id = TriangleId::from_index(i);
-            Reference { bounds: slack.grow(&source.triangle(id).bounds()), id }
-        })
-        .collect();
-    let mut arena = Arena::default();
-    Builder { source, slack, settings, best }.divide(references, bounds, 0, 0, &mut arena);
-    arena
 }
 
 impl Builder<'_> {
@@ -50,7 +32,7 @@ impl Builder<'_> {
         mut failed: u32,
         arena: &mut Arena,
     ) {
-        let (settings, count) = (self.settings, references.len());
+        let (settings, count) = (&self.nodes.settings, references.len());
         let plane = if count <= settings.leaf || depth >= settings.depth {
             None
         } else {
@@ -90,7 +72,7 @@ impl Builder<'_> {
         side: usize,
         cell: &Aabb,
     ) -> Vec<Reference> {
-        let grown = self.slack.grow(cell);
+        let grown = self.nodes.slack.grow(cell);
         let on_side = |reference: &Reference| {
             let below = reference.bounds.min[plane.axis] < plane.split;
             let above = reference.bounds.max[plane.axis] > plane.split;
@@ -100,8 +82,8 @@ impl Builder<'_> {
             if !(below && above) {
                 return Some(*reference);
             }
-            let bounds = clipped_bounds(&self.source.triangle(reference.id), &grown)?;
-            Some(Reference { bounds: self.slack.grow(&bounds), ..*reference })
+            let bounds = clipped_bounds(&self.nodes.source.triangle(reference.id), &grown)?;
+            Some(Reference { bounds: self.nodes.slack.grow(&bounds), ..*reference })
         };
         references.iter().filter_map(on_side).collect()
     }

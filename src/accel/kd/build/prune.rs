@@ -11,14 +11,30 @@ use super::{Arena, Costs};
 use crate::accel::kd::tree::{LeafId, Node, halves};
 use crate::math::{Aabb, NodeId};
 
-/// The cheapest tree that is left of one when subtrees become leaves.
-pub fn prune(arena: Arena, bounds: &Aabb, costs: &Costs) -> Arena {
-    if !bounds.half_area().is_finite() {
-        return arena;
+/// A tree of which nothing can be taken back any more.
+#[derive(Debug)]
+pub struct Pruned {
+    /// The tree.
+    pub arena: Arena,
+    /// What a ray costs that crosses the bounds, times their area; infinite if the area is.
+    cost: f64,
+}
+
+impl Pruned {
+    /// The cheapest tree that is left of one when subtrees become leaves.
+    pub fn new(arena: Arena, bounds: &Aabb, costs: &Costs) -> Self {
+        if !bounds.half_area().is_finite() {
+            return Self { arena, cost: f64::INFINITY };
+        }
+        let mut kept = Arena::default();
+        let root = Pruner { arena: &arena, costs, kept: &mut kept }.copy(0, bounds);
+        Self { arena: kept, cost: root.cost }
     }
-    let mut kept = Arena::default();
-    Pruner { arena: &arena, costs, kept: &mut kept }.copy(0, bounds);
-    kept
+
+    /// The cheaper of two trees over the same bounds; this one if they cost the same.
+    pub fn or_cheaper(self, other: Self) -> Self {
+        if other.cost < self.cost { other } else { self }
+    }
 }
 
 struct Pruner<'a> {

@@ -13,11 +13,10 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::{Arena, FORK_COUNT, FORK_LEVELS, Plane, Reference, Settings};
-use crate::accel::kd::slack::Slack;
+use super::{Arena, FORK_COUNT, FORK_LEVELS, Nodes, Plane, Reference, Settings};
 use crate::accel::kd::tree::halves;
-use crate::geom::{TriangleSource, clipped_bounds};
-use crate::math::{Aabb, TriangleId};
+use crate::geom::clipped_bounds;
+use crate::math::Aabb;
 
 /// Where a box begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,26 +61,9 @@ struct Part {
     events: Vec<Event>,
 }
 
-struct Builder<'a> {
-    source: &'a dyn TriangleSource,
-    slack: &'a Slack,
-    settings: &'a Settings,
-}
-
-/// Builds the nodes.
-pub fn build(
-    source: &dyn TriangleSource,
-    bounds: &Aabb,
-    slack: &Slack,
-    settings: &Settings,
-) -> Arena {
-    let references: Vec<_> = (0..source.len())
-        .into_par_iter()
-        .map(|i| {
-            let id = TriangleId::from_index(i);
-            Reference { bounds: slack.grow(&source.triangle(id).bounds()), id }
-        })
-        .collect();
+/// Builds the tree.
+pub fn build(nodes: &Nodes<'_>) -> Arena {
+    let references = nodes.references();
     let mut events: Vec<_> = references
         .par_iter()
         .enumerate()
@@ -90,10 +72,11 @@ pub fn build(
     // Stable: equal events stay in the order of the triangles.
     events.par_sort_by(Event::order);
     let mut arena = Arena::default();
-    let builder = Builder { source, slack, settings };
-    builder.divide(Part { references, events }, bounds, 0, 0, &mut arena);
+    Builder(nodes).divide(Part { references, events }, &nodes.bounds, 0, 0, &mut arena);
     arena
 }
+
+struct Builder<'a>(&'a Nodes<'a>);
 
 /// The plane of the lowest cost.
 fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
@@ -123,7 +106,7 @@ fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
 
 impl Builder<'_> {
     fn divide(&self, part: Part, cell: &Aabb, depth: usize, mut failed: u32, arena: &mut Arena) {
-        let (settings, count) = (self.settings, part.references.len());
+        let (settings, count) = (&self.0.settings, part.references.len());
         let best = if count <= settings.leaf || depth >= settings.depth {
             None
         } else {
@@ -151,7 +134,7 @@ impl Builder<'_> {
     fn split(&self, part: &Part, plane: &Plane, cells: &[Aabb; 2]) -> [Part; 2] {
         /// Not on this side, or there with new events.
         const GONE: u32 = u32::MAX;
-        let grown = cells.map(|cell| self.slack.grow(&cell));
+        let grown = cells.map(|cell| self.0.slack.grow(&cell));
         let mut sides = [(); 2].map(|()| Side::new(part.references.len() / 2));
         for reference in &part.references {
             let is_below = reference.bounds.min[plane.axis] < plane.split;
@@ -167,9 +150,9 @@ impl Builder<'_> {
                 }
                 let mut reference = *reference;
                 if straddles {
-                    let triangle = self.source.triangle(reference.id);
+                    let triangle = self.0.source.triangle(reference.id);
                     let Some(bounds) = clipped_bounds(&triangle, grown) else { continue };
-                    reference.bounds = self.slack.grow(&bounds);
+                    reference.bounds = self.0.slack.grow(&bounds);
                     side.new_events.extend(Event::of(place, &reference.bounds));
                 }
                 side.references.push(reference);
@@ -218,7 +201,7 @@ impl Side {
 mod tests {
     use super::*;
     use crate::accel::kd::build::Costs;
-    use crate::math::Vec3;
+    use crate::math::{TriangleId, Vec3};
 
     #[test]
     fn the_sweep_finds_what_trying_all_planes_finds() {

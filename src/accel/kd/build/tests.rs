@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Arena, Costs, OPTIONS, prune};
+use super::prune::Pruned;
+use super::{Arena, Costs, OPTIONS};
 use crate::accel::Options;
 use crate::accel::kd::tree::{KdTree, Node};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
@@ -32,18 +33,13 @@ fn cost(source: &Arc<dyn TriangleSource>, build: &str, more: &str) -> f64 {
 }
 
 #[test]
-fn the_exact_sweep_costs_least_or_next_to_it() {
-    // Greedy choices do not add up to the least cost: 0.05 % above minmax were seen here.
-    let most = |cost: f64| cost * 1.002;
+fn the_default_build_costs_least() {
     for (seed, count) in [(1, 500), (2, 1500), (3, 3000), (4, 6000)] {
         let source = clutter(seed, count);
         for more in ["", ",cost=0.1", ",cost=1", ",cost=1,leaf=1"] {
             let [sah, binned, minmax] =
                 ["sah", "binned", "minmax"].map(|build| cost(&source, build, more));
-            assert!(
-                sah <= most(binned) && sah <= most(minmax),
-                "{seed}{more}: {sah} {binned} {minmax}"
-            );
+            assert!(sah <= binned && sah <= minmax, "{seed}{more}: {sah} {binned} {minmax}");
         }
     }
 }
@@ -62,8 +58,8 @@ fn a_split_that_does_not_pay_is_taken_back() {
     let costs = Costs { step: 1.0, triangle: 1.0, empty: 0.0 };
     // 1 + (3 + 3) 2/3 = 5 against 6 for six triangles, or 4 where two of them are on both sides.
     let pays = halves(&[0, 1, 2], &[3, 4, 5]);
-    assert_eq!(prune::prune(pays.clone(), &cube, &costs).nodes, pays.nodes);
-    let kept = prune::prune(halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs);
+    assert_eq!(Pruned::new(pays.clone(), &cube, &costs).arena.nodes, pays.nodes);
+    let kept = Pruned::new(halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs).arena;
     let [Node::Leaf(leaf)] = kept.nodes[..] else { panic!("{kept:?}") };
     assert_eq!(kept.list(leaf), [0, 1, 2, 3].map(TriangleId));
     assert_eq!(kept.ends, [4]);
