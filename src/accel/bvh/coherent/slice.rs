@@ -41,7 +41,7 @@ impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, S> {
 
     #[inline(always)]
     fn begin(&mut self, rays: &Rays, shaft: &Shaft, counters: &mut C) -> Plan {
-        let held = self.within.holds(self.simd, rays);
+        let held = self.within.holds(self.simd, rays, shaft);
         self.start = if held { self.from } else { Some(self.narrowing.at_root()) };
         if let Some(from) = self.start.filter(|_| self.structure.per_packet()) {
             // One more tree, upon that of the slice.

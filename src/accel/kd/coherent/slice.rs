@@ -42,7 +42,7 @@ impl<Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, Q, C> {
     }
 
     fn begin(&mut self, rays: &Rays, shaft: &Shaft, counters: &mut C) -> Plan {
-        let held = self.within.holds(baseline(), rays);
+        let held = self.within.holds(baseline(), rays, shaft);
         self.start = if held { self.from } else { Some(self.narrowing.at_root()) };
         if let (&How::EntryPoint { adaptive }, Some(from)) = (&*self.structure.how, self.start) {
             let entry = entry_point(self.narrowing.tree, from.place, shaft, counters);
