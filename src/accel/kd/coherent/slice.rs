@@ -125,7 +125,7 @@ impl Coherent {
         }
         let narrowing = self.narrowing();
         let Started { from, view, within } =
-            narrowing.of_packets(simd, (batch, &Regions::new()), knows, branches, counters);
+            narrowing.of_slice(simd, (batch, &Regions::new()), knows, branches, counters);
         let own: &[Branch<Cell>] = branches;
         if from.is_none() && within.is_all() {
             // The slice's region has no leaf.
