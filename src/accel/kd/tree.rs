@@ -9,6 +9,7 @@ use super::slack::Slack;
 use crate::accel::BuildReport;
 use crate::geom::{Triangle, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, NodeId, TriangleId};
+use crate::simd::prefetch;
 
 /// A leaf, numbered in the order of a depth-first walk.
 ///
@@ -152,10 +153,25 @@ impl Leaves {
         }
     }
 
-    /// The slot at a place of the lists.
+    /// Starts to fetch where a leaf's list begins and ends.
     #[inline(always)]
-    pub fn slot(&self, place: u32) -> Slot {
-        self.slots[place as usize]
+    pub fn ask_for_range(&self, leaf: LeafId) {
+        prefetch(&self.starts, leaf.index(), 2 * size_of::<u32>());
+    }
+
+    /// Starts to fetch a leaf's list.
+    #[inline(always)]
+    pub fn ask_for_list(&self, leaf: LeafId) {
+        let (start, end) = self.range(leaf);
+        prefetch(&self.slots, start as usize, (end - start) as usize * size_of::<Slot>());
+    }
+
+    /// Starts to fetch a leaf's first triangles.
+    #[inline(always)]
+    pub fn ask_for_triangles(&self, leaf: LeafId) {
+        for &slot in self.triangles(leaf).iter().take(2 * LANES) {
+            prefetch(&self.vertices, slot.index(), size_of::<Corners>());
+        }
     }
 
     /// The triangles of a leaf.

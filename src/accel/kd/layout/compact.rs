@@ -3,6 +3,7 @@
 use super::{Layout, Nodes, View};
 use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::math::NodeId;
+use crate::simd::prefetch;
 
 /// The child below a plane comes right after its parent; the other is named beside the axis.
 #[derive(Clone, Debug)]
@@ -53,10 +54,17 @@ impl Compact {
         Self { nodes }
     }
 
-    /// Reads a node without looking at it.
+    /// Starts to fetch a node.
     #[inline(always)]
-    pub fn packed(&self, at: NodeId) -> Packed {
-        self.nodes[at.index()]
+    pub fn ask_for(&self, at: NodeId) {
+        prefetch(&self.nodes, at.index(), size_of::<Packed>());
+    }
+
+    /// Whether two nodes share a line of the cache, about.
+    #[inline(always)]
+    pub fn are_close(&self, a: NodeId, b: NodeId) -> bool {
+        const NODES: u32 = 64 / size_of::<Packed>() as u32;
+        a.0 / NODES == b.0 / NODES
     }
 }
 
@@ -78,7 +86,7 @@ impl Nodes for Compact {
 
     #[inline(always)]
     fn view(&self, at: NodeId) -> View {
-        self.packed(at).view(at)
+        self.nodes[at.index()].view(at)
     }
 
     fn bytes(&self) -> usize {

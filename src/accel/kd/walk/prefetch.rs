@@ -4,18 +4,19 @@
 //! - C. Benthin et al., "Ray tracing on the Cell processor", 2006 ("software hyperthreading");
 //!   J. Bittner et al., "Adaptive global visibility sampling", 2009; section 6.4 of the review.
 //!
-//! Ours needs no instruction to prefetch: at the end of a step the next node is read into the
-//! ray's state and not looked at before its next turn. The processor goes on with other rays while
-//! the read is under way. A leaf with triangles takes four turns: its node, the place of its list,
-//! the first id, and that triangle's vertices.
+//! A turn goes on as long as the next node lies beside the last: half of them do, since the child
+//! below a plane follows its parent. Then memory is asked for the node that is next, and the others
+//! have their turns. A leaf with triangles takes four: its node, the place of its list, the list,
+//! and the triangles' vertices. To read ahead into the ray's state, without an instruction that
+//! asks, is no substitute: a read that waits holds back all that comes after it.
 
 use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
 
-use super::super::layout::{Compact, Layout, Nodes, Packed, View};
+use super::super::layout::{Compact, Layout, Nodes, View};
 use super::super::ray::{Crossing, KdRay, Span};
-use super::super::tree::{Base, KdTree, LeafId, Slot};
+use super::super::tree::{Base, KdTree, LeafId};
 use super::todo::{Full, Todo};
 use super::{LeafTest, Visit, With, robust};
 use crate::accel::{
@@ -60,50 +61,77 @@ impl Prefetch {
         robust: &mut robust::Todo,
         counters: &mut C,
     ) {
-        let mut next = 0;
+        let mut waiting = Waiting { walk: self, batch, next: 0 };
         let mut flights: Vec<Flight<'_, Q>> = Vec::with_capacity(self.rays);
-        while next < batch.rays().len() || !flights.is_empty() {
-            while flights.len() < self.rays
-                && let Some(ray) = batch.rays().get(next)
-            {
-                let shot = Shot::new(ray, next, batch.filter());
-                next += 1;
-                let mut flight = Flight::new(self, shot);
-                let mut visit = flight.visit(&self.base, leaf_test, counters);
-                if !self.base.slack.is_tame(ray) {
-                    robust::walk(&self.layout, &mut visit, robust);
-                    answers[flight.shot.index] = flight.query.answer();
-                } else if let Some(span) = visit.span() {
-                    flight.span = span;
-                    flights.push(flight);
-                } else {
-                    answers[flight.shot.index] = flight.query.answer();
-                }
-            }
+        while flights.len() < self.rays
+            && let Some(shot) = waiting.take(leaf_test, answers, robust, counters)
+        {
+            flights.push(Flight::new(self, shot));
+        }
+        while !flights.is_empty() {
             let mut turn = 0;
-            while turn < flights.len() {
-                if flights[turn].step(self, leaf_test, counters) {
-                    let done = flights.swap_remove(turn);
-                    answers[done.shot.index] = done.query.answer();
-                } else {
+            while let Some(flight) = flights.get_mut(turn) {
+                if !flight.step(self, leaf_test, counters) {
                     turn += 1;
+                    continue;
+                }
+                answers[flight.shot.index] = flight.query.answer();
+                match waiting.take(leaf_test, answers, robust, counters) {
+                    Some(shot) => flight.restart(self, shot),
+                    None => drop(flights.swap_remove(turn)),
                 }
             }
         }
     }
 }
 
-/// What a ray does in its next turn.
+/// The rays of a slice that are not under way yet.
+struct Waiting<'a> {
+    walk: &'a Prefetch,
+    batch: &'a Batch<'a>,
+    next: usize,
+}
+
+impl<'a> Waiting<'a> {
+    /// The next ray that crosses the tree, and where; those before it are answered.
+    #[inline(always)]
+    fn take<Q: Query, C: Counters>(
+        &mut self,
+        leaf_test: &dyn LeafTest<Q, C>,
+        answers: &mut [Q::Answer],
+        robust: &mut robust::Todo,
+        counters: &mut C,
+    ) -> Option<(Shot<'a>, KdRay, Span)> {
+        let base = &*self.walk.base;
+        loop {
+            let index = self.next;
+            let ray = self.batch.rays().get(index)?;
+            self.next += 1;
+            let shot = Shot::new(ray, index, self.batch.filter());
+            let (mut query, prepared) = (Q::new(ray), KdRay::new(ray));
+            let mut visit =
+                Visit { base, shot: &shot, ray: prepared, leaf_test, query: &mut query, counters };
+            if !base.slack.is_tame(ray) {
+                robust::walk(&self.walk.layout, &mut visit, robust);
+            } else if let Some(span) = visit.span() {
+                return Some((shot, prepared, span));
+            }
+            answers[index] = query.answer();
+        }
+    }
+}
+
+/// What a ray does in its next turn, with memory that was asked for.
 #[derive(Clone, Copy)]
 enum Turn {
-    /// Looks at the node that was read.
-    Node(Packed),
-    /// Looks at where the list of a leaf was found to be.
-    List(LeafId, (u32, u32)),
-    /// Looks at its first id.
-    First(LeafId, Slot),
-    /// Tests all; what was read of the first is of no use but to have been read.
-    Test(LeafId, f32),
+    /// Looks at its node.
+    Node,
+    /// Looks at where the list of a leaf is.
+    List(LeafId),
+    /// Looks at the list.
+    Ids(LeafId),
+    /// Tests all.
+    Test(LeafId),
 }
 
 /// A ray under way.
@@ -118,31 +146,28 @@ struct Flight<'a, Q> {
 }
 
 impl<'a, Q: Query> Flight<'a, Q> {
-    fn new(walk: &Prefetch, shot: Shot<'a>) -> Self {
-        let root = walk.layout.root();
+    fn new(walk: &Prefetch, (shot, ray, span): (Shot<'a>, KdRay, Span)) -> Self {
         Self {
-            ray: KdRay::new(&shot.ray),
             query: Q::new(&shot.ray),
             shot,
-            span: Span { enter: 0.0, exit: 0.0 },
-            at: root,
-            turn: Turn::Node(walk.layout.packed(root)),
+            ray,
+            span,
+            at: walk.layout.root(),
+            turn: Turn::Node,
             todo: Full::new(0),
         }
     }
 
+    /// Takes another ray in place of one that is done.
     #[inline(always)]
-    fn visit<'b, C>(
-        &'b mut self,
-        base: &'b Base,
-        leaf_test: &'b dyn LeafTest<Q, C>,
-        counters: &'b mut C,
-    ) -> Visit<'b, Q, C> {
-        let Self { shot, ray, query, .. } = self;
-        Visit { base, shot, ray: *ray, leaf_test, query, counters }
+    fn restart(&mut self, walk: &Prefetch, (shot, ray, span): (Shot<'a>, KdRay, Span)) {
+        self.query = Q::new(&shot.ray);
+        (self.shot, self.ray, self.span, self.at) = (shot, ray, span, walk.layout.root());
+        self.turn = Turn::Node;
+        self.todo.clear();
     }
 
-    /// Takes a step; true if the ray is done.
+    /// Takes a turn; true if the ray is done.
     #[inline(always)]
     fn step<C: Counters>(
         &mut self,
@@ -150,14 +175,47 @@ impl<'a, Q: Query> Flight<'a, Q> {
         leaf_test: &dyn LeafTest<Q, C>,
         counters: &mut C,
     ) -> bool {
+        let leaves = &walk.base.leaves;
         match self.turn {
-            Turn::Node(packed) => match packed.view(self.at) {
+            Turn::Node => return self.descend(walk, counters),
+            Turn::List(leaf) => {
+                leaves.ask_for_list(leaf);
+                self.turn = Turn::Ids(leaf);
+            }
+            Turn::Ids(leaf) => {
+                leaves.ask_for_triangles(leaf);
+                self.turn = Turn::Test(leaf);
+            }
+            Turn::Test(leaf) => {
+                let Self { shot, ray, query, .. } = self;
+                let base = &*walk.base;
+                let mut visit = Visit { base, shot, ray: *ray, leaf_test, query, counters };
+                if visit.leaf_ends(leaf, self.span.exit) || self.ends() {
+                    return true;
+                }
+                walk.layout.ask_for(self.at);
+                self.turn = Turn::Node;
+            }
+        }
+        false
+    }
+
+    /// Goes down and across as far as memory is at hand; true if the ray is done.
+    #[inline(always)]
+    fn descend<C: Counters>(&mut self, walk: &Prefetch, counters: &mut C) -> bool {
+        loop {
+            let from = self.at;
+            match walk.layout.view(from) {
                 View::Leaf(leaf) if leaf.is_empty() => {
                     counters.count(Event::Leaf);
-                    return self.ends(walk);
+                    if self.ends() {
+                        return true;
+                    }
                 }
                 View::Leaf(leaf) => {
-                    self.turn = Turn::List(leaf, walk.base.leaves.range(leaf));
+                    walk.base.leaves.ask_for_range(leaf);
+                    self.turn = Turn::List(leaf);
+                    return false;
                 }
                 View::Inner { axis, split, children } => {
                     counters.count(Event::InnerNode);
@@ -174,31 +232,20 @@ impl<'a, Q: Query> Flight<'a, Q> {
                             children[near]
                         }
                     };
-                    self.turn = Turn::Node(walk.layout.packed(self.at));
                 }
-            },
-            Turn::List(leaf, (start, _)) => {
-                self.turn = Turn::First(leaf, walk.base.leaves.slot(start));
             }
-            Turn::First(leaf, first) => {
-                self.turn = Turn::Test(leaf, walk.base.leaves.corners(first)[0][0]);
-            }
-            Turn::Test(leaf, read) => {
-                std::hint::black_box(read);
-                let exit = self.span.exit;
-                return self.visit(&walk.base, leaf_test, counters).leaf_ends(leaf, exit)
-                    || self.ends(walk);
+            if !walk.layout.are_close(from, self.at) {
+                walk.layout.ask_for(self.at);
+                return false;
             }
         }
-        false
     }
 
     /// Goes on with what was put aside last; true if there is nothing, or nothing that matters.
     #[inline(always)]
-    fn ends(&mut self, walk: &Prefetch) -> bool {
+    fn ends(&mut self) -> bool {
         let Some((far, exit)) = self.todo.pop() else { return true };
         (self.at, self.span) = (far, Span { enter: self.span.exit, exit });
-        self.turn = Turn::Node(walk.layout.packed(far));
         self.query.t_max() < self.span.enter
     }
 }
