@@ -187,14 +187,26 @@ fn sets(
     let options = Options::defaults(STACK_DIRECTION.options);
     let accel = over(STACK_DIRECTION.id)(tree, &options, level(settings)?)?;
     let target = Target::new(&**source, &*accel);
-    let rays: Vec<_> = SETS.iter().map(|&set| target.rays(set, settings.rays, 1)).collect();
-    let expected = rays.iter().map(|rays| whole(rays).answers(&*accel)).collect();
+    let count = |set| match set {
+        RaySet::Primary => side(settings.rays).pow(2),
+        _ => settings.rays,
+    };
+    let rays: Vec<_> = SETS.iter().map(|&set| target.rays(set, count(set), 1)).collect();
+    let all = SETS.iter().zip(&rays);
+    let expected = all.map(|(&set, rays)| shots(set, rays).answers(&*accel)).collect();
     Ok(Sets { rays, first: STACK_DIRECTION.id.to_owned(), expected })
 }
 
-/// All rays of a set at once.
-fn whole(rays: &[Ray]) -> Shots<'_> {
-    Shots::new(rays, Ask::Closest, rays.len())
+/// Sides of the largest square picture of so many rays.
+fn side(rays: usize) -> usize {
+    rays.isqrt().max(1)
+}
+
+/// All rays of a set at once; primary ones are a picture's.
+fn shots(set: RaySet, rays: &[Ray]) -> Shots<'_> {
+    let side = side(rays.len()) as u32;
+    let grid = (set == RaySet::Primary).then_some((side, side));
+    Shots { grid, ..Shots::new(rays, Ask::Closest, rays.len()) }
 }
 
 fn row(
@@ -207,8 +219,8 @@ fn row(
 ) -> Result<Row, BenchError> {
     let accel = over(tree, options, level(settings)?)?;
     let mut measured = Vec::new();
-    for ((set, rays), expected) in SETS.iter().zip(&sets.rays).zip(&sets.expected) {
-        let shots = whole(rays);
+    for ((&set, rays), expected) in SETS.iter().zip(&sets.rays).zip(&sets.expected) {
+        let shots = shots(set, rays);
         shots.answers(&*accel).check(expected, &spec, &sets.first, set.name())?;
         let rounds = (0..ROUNDS).map(|_| shots.seconds(&*accel));
         let seconds = rounds.fold(f64::INFINITY, f64::min);

@@ -4,6 +4,7 @@ pub mod flight;
 
 use std::f32::consts::{PI, TAU};
 
+use crate::geom::Shaft;
 use crate::math::{Aabb, Affine3A, Frame, Mat3, Ray, Vec2, Vec3};
 use crate::sampling::warp;
 
@@ -173,6 +174,26 @@ impl CameraRays {
     }
 }
 
+impl CameraRays {
+    /// The region of all rays of the film, as far as rounding allows; `None` unless they spread
+    /// from a point or a lens, by less than a half-space.
+    pub fn region(&self) -> Option<Shaft> {
+        let Projection::Perspective { .. } = self.camera.projection else { return None };
+        let lens = self.camera.lens.map_or((0.0, 1.0), |l| (l.aperture_radius, l.focus_distance));
+        // From the lens's edge, what is in focus is as much farther aside.
+        let (radius, aside) = (lens.0, lens.0 / lens.1);
+        let to_world = &self.camera.to_world;
+        let corner = |x: f32, y: f32| {
+            let to = (self.half + aside) * Vec2::new(x, y);
+            to_world.transform_vector3(to.extend(-1.0))
+        };
+        let eye = Vec3::from(to_world.translation);
+        let origins = Aabb { min: eye - radius, max: eye + radius };
+        let corners = [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
+        Shaft::pyramid(origins, corners)
+    }
+}
+
 /// The direction of a point of a panorama.
 fn all_around(film: Vec2) -> Vec3 {
     let (longitude, latitude) = ((film.x - 0.5) * TAU, (0.5 - film.y) * PI);
@@ -265,6 +286,29 @@ mod tests {
         };
         assert!(near(meet(0.1, 0.9), meet(0.8, 0.3)));
         assert!(meet(0.1, 0.9).z + 5.0 < 1e-5);
+    }
+
+    #[test]
+    fn the_region_of_a_film_holds_its_rays() {
+        let pinhole = Camera::look_at(Vec3::new(3.0, -1.0, 2.0), Vec3::ZERO, Vec3::Y, 0.8);
+        let lens = ThinLens { aperture_radius: 0.2, focus_distance: 3.0 };
+        for camera in [pinhole, pinhole.with_lens(lens)] {
+            let rays = camera.rays(1.5);
+            let region = rays.region().expect("a pyramid");
+            let at = |i: u32, n: u32| (i as f32 + 0.5) / n as f32;
+            for (x, y) in (0..20).flat_map(|x| (0..20).map(move |y| (x, y))) {
+                let of_lens = Vec2::new(at(x * 7 % 20, 20), at(y * 3 % 20, 20));
+                assert!(region.holds(&rays.ray(Vec2::new(at(x, 20), at(y, 20)), of_lens)));
+            }
+            // And no more than it must.
+            for (x, y) in [(-0.2, 0.5), (1.2, 0.5), (0.5, -0.2), (0.5, 1.2)] {
+                assert!(!region.holds(&rays.ray(Vec2::new(x, y), Vec2::splat(0.5))));
+            }
+        }
+        assert!(pinhole.with_panorama().rays(2.0).region().is_none());
+        let parallel = Projection::Orthographic { xmag: 1.0, ymag: 1.0 };
+        let parallel = Camera { projection: parallel, ..pinhole };
+        assert!(parallel.rays(1.0).region().is_none());
     }
 
     #[test]

@@ -81,6 +81,9 @@ pub fn render(
     let tiles: Vec<Mutex<Tile>> = cut(settings.crop).into_iter().map(Mutex::new).collect();
     let passes = passes(settings.spp);
     let camera = camera.rays(settings.aspect());
+    // What the camera can see is found once for all threads, by those structures that make use of it.
+    let view = camera.region().and_then(|region| accel.view(&region));
+    let accel = view.as_deref().unwrap_or(accel);
     let total = settings.crop.area() as u64 * settings.spp;
     let (next_job, done) = (AtomicUsize::new(0), AtomicU64::new(0));
     let rays = Mutex::new(RayCounts::default());

@@ -78,9 +78,14 @@ impl<'a> Cut<'a> {
             members.extend(first as u32..last as u32);
         } else {
             let first = first_of(0, 0) as u32;
-            for &(x, y, from) in &self.cells {
-                if usize::from(x) < size[0] && usize::from(y) < size[1] {
-                    members.extend(first + from..first + from + count as u32);
+            let whole = size == self.sides.map(|side| 1 << side);
+            if whole && self.each == 1 {
+                members.extend(self.cells.iter().map(|&(.., from)| first + from));
+            } else {
+                for &(x, y, from) in &self.cells {
+                    if usize::from(x) < size[0] && usize::from(y) < size[1] {
+                        members.extend(first + from..first + from + count as u32);
+                    }
                 }
             }
         }

@@ -7,7 +7,7 @@ use super::entry::entry_point;
 use super::hierarchy::{Branch, Hierarchy, Step};
 use super::rays::Rays;
 use crate::accel::{Batch, Counters, NotCounted, PoolUse};
-use crate::geom::Shaft;
+use crate::geom::{RayBundle, Shaft};
 use crate::math::{Aabb, Ray};
 
 /// Where packets start from.
@@ -115,11 +115,23 @@ impl Within {
         self.0.iter().all(Option::is_none)
     }
 
-    /// Whether they are seen to hold rays.
+    /// Whether they are seen to hold the rays of a bundle.
     #[inline(always)]
-    pub fn holds<S: Simd>(&self, simd: S, rays: &Rays) -> bool {
+    pub fn holds_bundle<S: Simd>(&self, simd: S, bundle: &RayBundle) -> bool {
         for shaft in self.0.iter().flatten() {
-            if !rays.held_by(simd, shaft) {
+            if !shaft.holds_bundle(simd, bundle) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Whether they are seen to hold rays, of which `around` was made: by that, which is a
+    /// twentieth of the work, or bundle by bundle.
+    #[inline(always)]
+    pub fn holds<S: Simd>(&self, simd: S, rays: &Rays, around: &Shaft) -> bool {
+        for shaft in self.0.iter().flatten() {
+            if !shaft.contains(around) && !rays.held_by(simd, shaft) {
                 return false;
             }
         }
@@ -211,13 +223,13 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         regions.list.push(Region { shaft: shaft.clone(), step, before });
     }
 
-    /// Where the packets of a slice start, within the regions that were entered. Its branches are
-    /// put behind those of the thread.
+    /// Where the rays of a slice start, within the regions that were entered. Its branches are put
+    /// behind those of the thread.
     ///
-    /// What a camera sees through a tile is told by the rays at its corners; packets are then asked
-    /// whether they lie there, which they can be bundle by bundle. (To ask each ray of a slice first
-    /// takes about as long as to trace it.) The region of other slices is found by all their rays.
-    pub fn of_packets<S: Simd, C: Counters>(
+    /// What a camera sees through a tile is told by the rays at its corners; packets and bundles are
+    /// then asked whether they lie there. (To ask each ray of a slice first takes about as long as to
+    /// trace it.) The region of other slices is found by all their rays.
+    pub fn of_slice<S: Simd, C: Counters>(
         &self,
         simd: S,
         (batch, regions): (&Batch<'_>, &Regions<H::Place>),
@@ -226,7 +238,7 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         counters: &mut C,
     ) -> Started<'a, H::Place> {
         let Some((corners, tile)) = corners(batch).filter(|_| self.start != Start::Root) else {
-            return self.of_slice(simd, (batch, regions), knows, own, counters);
+            return self.of_all_rays(simd, (batch, regions), knows, own, counters);
         };
         let holds = |region: &Shaft| corners.iter().all(|corner| region.holds(corner));
         let around = self.around(&regions.list, holds);
@@ -237,9 +249,8 @@ impl<'a, H: Hierarchy> Narrowing<'a, H> {
         Started { from, view, within }
     }
 
-    /// Where all rays of a slice start, within the regions that were entered. Its branches are put
-    /// behind those of the thread.
-    pub fn of_slice<S: Simd, C: Counters>(
+    /// Where all rays of a slice start, which are asked about one by one.
+    fn of_all_rays<S: Simd, C: Counters>(
         &self,
         simd: S,
         (batch, regions): (&Batch<'_>, &Regions<H::Place>),

@@ -73,8 +73,11 @@ impl Rays {
         let heading = Heading::of(batch.rays()[first as usize].direction());
         self.headings[..self.count].fill(heading);
         self.bundles[self.count - 1] = RayBundle::EMPTY;
-        for (i, &member) in members.iter().enumerate() {
-            self.bundles[i / LANES].put(i % LANES, &batch.rays()[member as usize]);
+        let rays = batch.rays();
+        for (bundle, members) in self.bundles.iter_mut().zip(members.chunks(LANES)) {
+            for (lane, &member) in members.iter().enumerate() {
+                bundle.put(lane, &rays[member as usize]);
+            }
         }
     }
 

@@ -5,10 +5,9 @@ use std::time::Instant;
 
 use crate::accel::{Accel, Batch, ClosestHit, Counts, PoolUse, Tracer};
 use crate::bench::measure::Answers;
-use crate::camera::CameraRays;
 use crate::camera::flight::Pose;
 use crate::geom::Shaft;
-use crate::math::{Aabb, Ray, Vec2};
+use crate::math::{Ray, Vec2};
 
 /// The rays of a picture through the middles of its pixels, in the order of its tiles.
 pub struct Frame {
@@ -54,7 +53,7 @@ impl Frame {
                 tiles.push(Tile { rays: first..rays.len(), width, height });
             }
         }
-        Self { rays, tiles, screen: screen(&camera) }
+        Self { rays, tiles, screen: camera.region() }
     }
 
     /// Where each tile's rays are, and its width in pixels.
@@ -138,14 +137,6 @@ impl Frame {
 fn parts(size: u32, across: u32) -> impl Iterator<Item = Range<u32>> + Clone {
     let side = size.div_ceil(across.max(1)).max(1);
     (0..size.div_ceil(side)).map(move |i| i * side..((i + 1) * side).min(size))
-}
-
-/// What a camera of one eye sees.
-fn screen(camera: &CameraRays) -> Option<Shaft> {
-    let corner = |x: f32, y: f32| camera.ray(Vec2::new(x, y), Vec2::ZERO);
-    let corners = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
-    let eyes = Aabb::of_points(corners.iter().map(Ray::origin));
-    Shaft::pyramid(eyes, corners.map(|ray| ray.direction()))
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ pub mod paper;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod worth;
 
 use std::sync::Arc;
 

@@ -4,6 +4,9 @@
 /// The machine, for titles.
 pub const MACHINE: &str = "the paper's figures (P) are those of a Core 2 Duo, 1.86 GHz";
 
+/// Rays of a picture.
+pub const RAYS: f64 = 1024.0 * 1024.0;
+
 /// A scene of the paper.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {

@@ -4,17 +4,17 @@ use super::super::bars::bars;
 use super::super::table::{Table, cell};
 use super::lights::{self, Light};
 use super::paper::{self, MACHINE};
-use super::{Column, Name, Scene, Settings, Tiling};
+use super::{Column, Name, Scene, Settings, Tiling, worth};
 
-/// Tables 1 to 4, entry points by tiles, and rays to lights.
+/// Tables 1 to 4, what nodes are worth, entry points by tiles, and rays to lights.
 pub fn tables(scenes: &[Scene], settings: &Settings) -> Vec<Table> {
-    let titles: [fn(&[Scene], &Settings) -> Table; 6] =
-        [visits, rates, memory, partition, tilings, to_lights];
+    let titles: [fn(&[Scene], &Settings) -> Table; 7] =
+        [visits, rates, memory, partition, worth::table, tilings, to_lights];
     titles.map(|table| table(scenes, settings)).into()
 }
 
 /// A scene's name, and that of the paper's scene of as many triangles.
-fn label(scene: &Scene) -> String {
+pub(super) fn label(scene: &Scene) -> String {
     match paper::Scene::of(scene.triangles) {
         Some(paper) => format!("{} (P: {})", scene.name, paper.name),
         None => format!("{}, {} triangles", scene.name, scene.triangles),

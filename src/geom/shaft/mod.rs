@@ -40,6 +40,7 @@ mod tests;
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 
+use super::Heading;
 use crate::math::{Aabb, DVec3, Vec3};
 
 /// A convex region that holds rays.
@@ -184,6 +185,20 @@ impl Shaft {
     pub fn cone(&self) -> Option<(Vec3, [Vec3; 4])> {
         let (origins, corners, _) = self.core.as_ref()?;
         (origins.min == origins.max).then_some((origins.min, *corners))
+    }
+
+    /// The way in which all rays head of which it was made, where its corners tell: directions that
+    /// head the same way, none of them along a face of their octant, are a convex set.
+    #[inline(always)]
+    pub fn heading(&self) -> Option<Heading> {
+        let (_, corners, _) = self.core.as_ref()?;
+        let heading = Heading::of(corners[0]);
+        for corner in corners {
+            if corner.cmpeq(Vec3::ZERO).any() || Heading::of(*corner).number() != heading.number() {
+                return None;
+            }
+        }
+        Some(heading)
     }
 
     /// Whether this region is known to hold every ray of which another was made.

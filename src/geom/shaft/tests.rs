@@ -68,6 +68,11 @@ proptest! {
             for ray in endless {
                 prop_assert!(shaft.holds(ray), "{ray:?}");
             }
+            if let Some(heading) = shaft.heading() {
+                for ray in rays.iter().filter(|ray| ray.t_max() > ray.t_min()) {
+                    prop_assert_eq!(Heading::of(ray.direction()).number(), heading.number());
+                }
+            }
         }
     }
 
@@ -105,6 +110,23 @@ fn tile(turn: f32) -> Vec<Ray> {
             Ray::new(Vec3::ZERO, d, 0.0, f32::INFINITY)
         })
         .collect()
+}
+
+#[test]
+fn the_heading_of_a_tile_within_an_octant_is_told() {
+    let towards = |middle: Vec3| -> Option<usize> {
+        let aside = |ray: Ray| Ray::new(Vec3::ONE, ray.direction() * 0.2 + middle, 0.0, 1.0);
+        let rays: Vec<_> = tile(0.3).into_iter().map(aside).collect();
+        Shaft::of_rays(baseline(), &rays, 16)?.heading().map(Heading::number)
+    };
+    for middle in [Vec3::new(1.0, -2.0, 4.0), Vec3::new(-3.0, 1.0, 1.0), Vec3::new(1.0, -4.0, -1.0)]
+    {
+        assert_eq!(towards(middle), Some(Heading::of(middle).number()), "{middle}");
+    }
+    // Across an axis, and where two components are the largest.
+    for middle in [Vec3::new(0.0, 0.5, 1.0), Vec3::new(1.0, 1.0, 0.3)] {
+        assert_eq!(towards(middle), None, "{middle}");
+    }
 }
 
 fn cube(centre: [f32; 3], half: f32) -> Aabb {

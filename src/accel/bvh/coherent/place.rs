@@ -45,11 +45,12 @@ impl Places<'_> {
         self.bvh.nodes[node].children[side]
     }
 
-    /// Twice the middle of its box.
+    /// Twice the way from the middle of an inner node's first child to that of its second.
     #[inline(always)]
-    pub fn middle(&self, place: Place) -> Vec3 {
-        let bounds = self.bounds(place);
-        bounds.min + bounds.max
+    pub fn apart(&self, place: Place) -> Vec3 {
+        let node = &self.bvh.nodes[self.link(place).place()];
+        let [first, second] = [node.bounds(0), node.bounds(1)];
+        (second.min + second.max) - (first.min + first.max)
     }
 }
 

@@ -11,38 +11,72 @@ use super::super::binary::Node;
 use super::Coherent;
 use super::place::{Place, Places};
 use crate::accel::bvh::binary;
-use crate::accel::coherent::{Branches, Hierarchy, Pool, Step};
+use crate::accel::coherent::{Branches, Hierarchy, Pool, Step, Within};
 use crate::accel::{Batch, Counters, Event, Query, Shot};
-use crate::math::larger;
+use crate::geom::RayBundle;
+use crate::math::{Ray, larger};
 
-/// The hierarchy, the branches, and where all rays start.
-type Start<'a> = (Places<'a>, Branches<'a, Place>, Step<Place>);
+/// Where the rays of a slice start.
+pub struct Start<'a> {
+    pub places: Places<'a>,
+    pub branches: Branches<'a, Place>,
+    /// `None` if they meet no leaf.
+    pub from: Option<Step<Place>>,
+    /// For which rays; others start at the root.
+    pub within: Within,
+}
 
 /// Steps put aside, and where the ray enters them.
 type Aside = Vec<(Step<Place>, f32)>;
 
+impl Start<'_> {
+    /// Where eight rays start, or fewer.
+    #[inline(always)]
+    fn of<S: Simd>(&self, simd: S, rays: &[Ray]) -> Option<Step<Place>> {
+        if self.within.is_all() {
+            return self.from;
+        }
+        let mut bundle = RayBundle::EMPTY;
+        for (lane, ray) in rays.iter().enumerate() {
+            bundle.put(lane, ray);
+        }
+        if self.within.holds_bundle(simd, &bundle) {
+            self.from
+        } else {
+            Some(Step::to(Place::ROOT))
+        }
+    }
+}
+
 impl Coherent {
-    /// Walks all rays of a slice from a step; leaves a list of those that boxes are not good for.
+    /// Walks all rays of a slice, each by itself; leaves a list of those that boxes are not good for.
     #[inline(always)]
     pub(super) fn shoot_each<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        (places, branches, from): Start<'_>,
+        start: &Start<'_>,
         batch: &Batch<'_>,
         answers: &mut [Q::Answer],
         (single, steps, pool): (&mut binary::Scratch, &mut Aside, &mut Pool),
         counters: &mut C,
     ) {
+        let mut from = None;
         for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
+            if index % RayBundle::LANES == 0 {
+                let end = batch.rays().len().min(index + RayBundle::LANES);
+                from = start.of(simd, &batch.rays()[index..end]);
+            }
             if !self.knows(ray) {
                 pool.leave(index);
                 continue;
             }
             let mut query = Q::new(ray);
-            let shot = Shot::new(ray, index, batch.filter());
-            let start = (places, branches, from);
-            let scratch = (&mut *single, &mut *steps);
-            let _final = self.walk_branches(simd, start, &shot, &mut query, scratch, counters);
+            if let Some(from) = from {
+                let shot = Shot::new(ray, index, batch.filter());
+                let start = (start.places, start.branches, from);
+                let scratch = (&mut *single, &mut *steps);
+                let _final = self.walk_branches(simd, start, &shot, &mut query, scratch, counters);
+            }
             *answer = query.answer();
         }
     }
@@ -52,7 +86,7 @@ impl Coherent {
     fn walk_branches<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        (places, branches, from): Start<'_>,
+        (places, branches, from): (Places<'_>, Branches<'_, Place>, Step<Place>),
         shot: &Shot<'_>,
         query: &mut Q,
         (single, steps): (&mut binary::Scratch, &mut Aside),

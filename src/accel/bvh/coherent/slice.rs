@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::packet::{Packet, Walk};
 use super::place::Place;
-use super::{Coherent, Scratch, With};
+use super::{Coherent, Scratch, With, single};
 use crate::accel::bvh::binary;
 use crate::accel::coherent::{
     Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Regions, Start, Started, Step, Trees,
@@ -41,7 +41,7 @@ impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, S> {
 
     #[inline(always)]
     fn begin(&mut self, rays: &Rays, shaft: &Shaft, counters: &mut C) -> Plan {
-        let held = self.within.holds(self.simd, rays);
+        let held = self.within.holds(self.simd, rays, shaft);
         self.start = if held { self.from } else { Some(self.narrowing.at_root()) };
         if let Some(from) = self.start.filter(|_| self.structure.per_packet()) {
             // One more tree, upon that of the slice.
@@ -86,7 +86,7 @@ impl Coherent {
         simd: S,
         batch: &Batch<'_>,
         answers: &mut [Q::Answer],
-        Scratch { single, packet, pool, branches, regions, steps }: &mut Scratch,
+        Scratch { single: alone, packet, pool, branches, regions, steps }: &mut Scratch,
         counters: &mut C,
     ) {
         pool.clear();
@@ -96,16 +96,14 @@ impl Coherent {
             Some(narrowing) => {
                 let knows = |ray: &Ray| self.knows(ray);
                 let slice = (batch, &*regions);
-                let Started { from, view, within } = if self.with == With::Single {
-                    narrowing.of_slice(simd, slice, knows, branches, counters)
-                } else {
-                    narrowing.of_packets(simd, slice, knows, branches, counters)
-                };
+                let Started { from, view, within } =
+                    narrowing.of_slice(simd, slice, knows, branches, counters);
                 regions.note(branches);
-                if let Some(from) = from.filter(|_| self.with == With::Single) {
-                    let start = (narrowing.tree, Branches { view, own: branches }, from);
-                    let scratch = (&mut *single, steps, &mut *pool);
-                    self.shoot_each::<S, Q, C>(simd, start, batch, answers, scratch, counters);
+                if self.with == With::Single {
+                    let branches = Branches { view, own: branches };
+                    let start = single::Start { places: narrowing.tree, branches, from, within };
+                    let scratch = (&mut *alone, steps, &mut *pool);
+                    self.shoot_each::<S, Q, C>(simd, &start, batch, answers, scratch, counters);
                 } else if from.is_some() || !within.is_all() {
                     let of_slice = branches.len();
                     let mut packets = InSlice {
@@ -120,7 +118,7 @@ impl Coherent {
                         regions,
                         of_slice,
                         packet,
-                        single,
+                        single: alone,
                     };
                     let cut = (batch, self.size);
                     shoot_packets::<S, Q, C, _>(simd, cut, answers, pool, &mut packets, counters);
@@ -133,7 +131,7 @@ impl Coherent {
             }
         }
         branches.truncate(before);
-        shoot_singles::<S, _, Q, C>(simd, (&*self.bvh, single), batch, answers, pool, counters);
+        shoot_singles::<S, _, Q, C>(simd, (&*self.bvh, alone), batch, answers, pool, counters);
     }
 
     /// Whether packets have trees of their own.

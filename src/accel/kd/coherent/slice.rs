@@ -42,7 +42,7 @@ impl<Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, Q, C> {
     }
 
     fn begin(&mut self, rays: &Rays, shaft: &Shaft, counters: &mut C) -> Plan {
-        let held = self.within.holds(baseline(), rays);
+        let held = self.within.holds(baseline(), rays, shaft);
         self.start = if held { self.from } else { Some(self.narrowing.at_root()) };
         if let (&How::EntryPoint { adaptive }, Some(from)) = (&*self.structure.how, self.start) {
             let entry = entry_point(self.narrowing.tree, from.place, shaft, counters);
@@ -125,7 +125,7 @@ impl Coherent {
         }
         let narrowing = self.narrowing();
         let Started { from, view, within } =
-            narrowing.of_packets(simd, (batch, &Regions::new()), knows, branches, counters);
+            narrowing.of_slice(simd, (batch, &Regions::new()), knows, branches, counters);
         let own: &[Branch<Cell>] = branches;
         if from.is_none() && within.is_all() {
             // The slice's region has no leaf.
