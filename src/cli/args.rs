@@ -20,7 +20,7 @@ use crate::sampling::SamplePattern;
 use crate::scene::{EnvironmentSource, LightChoice, Sky, sun_direction};
 use crate::simd::Isa;
 
-/// Renders a scene.
+/// Render a scene.
 ///
 /// A picture is a function of the scene and of the flags under "Image" and "Light" alone: the same
 /// bytes for any structure, any number of threads and any instruction set. Only the layer `cost`

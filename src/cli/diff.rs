@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-/// Compares an image with a reference: means, errors, FLIP, and a z-test where variances are.
+/// Compare an image with a reference: means, errors, FLIP, and a z-test where variances are.
 ///
 /// Pixels with a NaN or an infinity are counted and left out of all figures. The z-test asks, per
 /// tile of 8x8 pixels, whether two noisy renders have the same expectation; it needs the layer

@@ -77,7 +77,7 @@ impl Estimate<'_> {
         let (width, height) = self.job.settings.resolution;
         format!(
             "{}: {width}x{height}, {} samples a pixel, {:.1} M paths\n\
-             memory  about {} of {:.0} ({})\n\
+             memory  about {} of {:.0} MB ({})\n\
              time    load {:.2} s, build {:.2} s, render about {} on {} threads\n",
             self.args.scene_file().display(),
             self.job.settings.spp,

@@ -23,7 +23,7 @@ In render, {folder} stands for the folder of golden.toml.
 Limits are pixels-off (0.001) beyond tolerance (1e-4), flip (0.001) and relmse. With rule = "ztest"
 pixels need not be equal but have the same expectation: then bad-tiles (0.01) counts."#;
 
-/// Holds renders against the stored pictures of a folder, or stores them anew.
+/// Hold renders against the stored pictures of a folder, or store them anew.
 ///
 /// The folder has a `golden.toml` that lists scenes, how to render them, and how much may differ.
 #[derive(Args, Clone, Debug)]

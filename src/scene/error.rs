@@ -52,7 +52,7 @@ pub enum LoadError {
         extensions: Vec<String>,
     },
     /// Files that the scene refers to, or pictures within it, are missing or broken: all of them.
-    #[error("{file}: {}", BrokenList(broken))]
+    #[error("{}", BrokenList(file, broken))]
     References {
         /// The scene's file.
         file: String,
@@ -97,9 +97,9 @@ impl LoadError {
         Self::NoSuch { file: file.display().to_string(), what, wanted: wanted.to_owned(), names }
     }
 
-    /// [`LoadError::Read`] for a path.
+    /// [`LoadError::Read`] for a path; a file that is not there is said to be missing.
     pub fn read(file: &Path, source: io::Error) -> Self {
-        Self::Read { file: file.display().to_string(), source }
+        Self::Read { file: file.display().to_string(), source: in_plain_words(source) }
     }
 
     /// [`LoadError::Invalid`] for a path; `place` is a JSON pointer or empty.
@@ -138,25 +138,40 @@ impl fmt::Display for Prefix<'_> {
     }
 }
 
-struct BrokenList<'a>(&'a [Broken]);
+/// What the system says of a file, in plain words where there is none.
+fn in_plain_words(source: io::Error) -> io::Error {
+    let missing = source.kind() == io::ErrorKind::NotFound && source.raw_os_error().is_some();
+    if missing { io::Error::new(io::ErrorKind::NotFound, "no such file") } else { source }
+}
+
+/// The scene's file, and what of it cannot be used.
+struct BrokenList<'a>(&'a str, &'a [Broken]);
 
 impl fmt::Display for BrokenList<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            [one] => Line(one).fmt(f)?,
-            all => {
-                write!(f, "{} references cannot be used:", all.len())?;
+        let Self(file, all) = *self;
+        match all {
+            // Of a text file the place is `file:line`, and that is enough.
+            [one] if in_file(&one.place, file) => Line(one).fmt(f)?,
+            [one] => write!(f, "{file}: {}", Line(one))?,
+            _ => {
+                write!(f, "{file}: {} references cannot be used:", all.len())?;
                 for broken in all {
                     write!(f, "\n  {}", Line(broken))?;
                 }
             }
         }
-        if !self.0.is_empty() && self.0.iter().all(|broken| broken.texture) {
-            let joint = if self.0.len() == 1 { "; " } else { "\n" };
+        if !all.is_empty() && all.iter().all(|broken| broken.texture) {
+            let joint = if all.len() == 1 { "; " } else { "\n" };
             write!(f, "{joint}--missing-texture magenta goes on without")?;
         }
         Ok(())
     }
+}
+
+/// Whether a place is a line of `file`.
+fn in_file(place: &str, file: &str) -> bool {
+    place.strip_prefix(file).is_some_and(|rest| rest.starts_with(':'))
 }
 
 struct Line<'a>(&'a Broken);
@@ -231,6 +246,32 @@ mod tests {
             "a.gltf: 2 references cannot be used:\n  /images/0: \"x.png\": no such file\n  \
              /images/0: \"y.png\": no such file\n--missing-texture magenta goes on without"
         );
+    }
+
+    #[test]
+    fn one_broken_reference_does_not_name_its_file_twice() {
+        let said = |place: &str| {
+            let broken = Broken {
+                name: "b.obj".to_owned(),
+                place: place.to_owned(),
+                reason: "no such file".to_owned(),
+                texture: false,
+            };
+            let file = "s.toml".to_owned();
+            LoadError::References { file, broken: vec![broken] }.to_string()
+        };
+        assert_eq!(said("s.toml:7"), "s.toml:7: \"b.obj\": no such file");
+        assert_eq!(said("b.mtl:7"), "s.toml: b.mtl:7: \"b.obj\": no such file");
+        assert_eq!(said("/images/0"), "s.toml: /images/0: \"b.obj\": no such file");
+    }
+
+    #[test]
+    fn a_missing_file_is_said_to_be_missing() {
+        let said = |source| LoadError::read(Path::new("a.obj"), source).to_string();
+        // ENOENT, as the system gives it.
+        assert_eq!(said(io::Error::from_raw_os_error(2)), "a.obj: no such file");
+        let other = io::Error::new(io::ErrorKind::NotFound, "no such file, nor a colour");
+        assert_eq!(said(other), "a.obj: no such file, nor a colour");
     }
 
     #[test]

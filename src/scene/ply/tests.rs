@@ -187,7 +187,7 @@ fn a_picture_that_is_missing_is_named() {
         .replace("float z\n", "float z\nproperty float u\nproperty float v\n")
         .replace(" 0\n", " 0 0 0\n");
     let said = message(text.as_bytes());
-    assert!(said.starts_with("a.ply: a.ply:3: \"no such.png\": no such file; --missing"), "{said}");
+    assert!(said.starts_with("a.ply:3: \"no such.png\": no such file; --missing"), "{said}");
     let options =
         LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
     let scene = parse(Path::new("a.ply"), text.as_bytes(), &options).expect("goes on");
