@@ -8,7 +8,7 @@ use super::settings::{Aov, Settings};
 use super::stream::{RayCounts, Stream};
 use super::tile::{LostSample, Means, PixelSums, SIDE, Tile, first_lost};
 use crate::accel::Accel;
-use crate::camera::Camera;
+use crate::camera::{Camera, CameraRays};
 use crate::film::{Picture, Window};
 use crate::integrator::PathTracer;
 use crate::sampling::BLOCK;
@@ -81,8 +81,7 @@ pub fn render(
     let tiles: Vec<Mutex<Tile>> = cut(settings.crop).into_iter().map(Mutex::new).collect();
     let passes = passes(settings.spp);
     let camera = camera.rays(settings.aspect());
-    // What the camera can see is found once for all threads, by those structures that make use of it.
-    let view = camera.region().and_then(|region| accel.view(&region));
+    let view = seen(accel, &camera);
     let accel = view.as_deref().unwrap_or(accel);
     let total = settings.crop.area() as u64 * settings.spp;
     let (next_job, done) = (AtomicUsize::new(0), AtomicU64::new(0));
@@ -133,6 +132,12 @@ pub fn render(
         lost_count: tiles.iter().map(|tile| tile.lost_count).sum(),
         lost: first_lost(tiles.iter()),
     }
+}
+
+/// The structure narrowed to what a camera sees, once for all threads; `None` if it, or the camera,
+/// gains nothing by that.
+fn seen<'a>(accel: &'a dyn Accel, camera: &CameraRays) -> Option<Box<dyn Accel + 'a>> {
+    camera.region().and_then(|region| accel.view(&region))
 }
 
 /// A panic elsewhere ends the render anyway; it need not be reported twice.
@@ -253,13 +258,35 @@ fn picture(tiles: &[Tile], settings: &Settings) -> Picture {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::accel::build;
+    use crate::geom::{Triangle, TriangleList, TriangleSource};
+    use crate::math::Vec3;
+    use crate::simd::Isa;
 
     #[test]
     fn passes_double_and_end_at_the_last_sample() {
         assert_eq!(passes(1), [1]);
         assert_eq!(passes(16), [16]);
         assert_eq!(passes(100), [16, 32, 64, 100]);
+    }
+
+    #[test]
+    fn structures_that_gain_by_it_are_narrowed_to_what_the_camera_sees() {
+        let a = Vec3::new(0.0, 0.0, -5.0);
+        let triangle = Triangle { a, b: a + Vec3::X, c: a + Vec3::Y };
+        let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(vec![triangle; 9]));
+        let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 0.8);
+        let narrows = |id: &str, camera: Camera| {
+            let spec = id.parse().expect("known");
+            let accel = build(&spec, Arc::clone(&source), Isa::Auto).expect("it builds");
+            seen(&*accel, &camera.rays(1.0)).is_some()
+        };
+        assert!(narrows("bvh-path-compression", camera) && narrows("kd-entry-point", camera));
+        assert!(!narrows("bvh2", camera));
+        assert!(!narrows("bvh-path-compression", camera.with_panorama()));
     }
 
     #[test]

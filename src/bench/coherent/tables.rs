@@ -35,7 +35,7 @@ fn cells(figures: impl IntoIterator<Item = (f64, usize)>) -> impl Iterator<Item 
 }
 
 /// Nodes looked at, in all.
-fn sum(column: &Column) -> f64 {
+pub(super) fn sum(column: &Column) -> f64 {
     let [searched, walked] = column.visits();
     searched + walked
 }

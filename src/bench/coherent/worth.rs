@@ -2,7 +2,7 @@
 
 use super::super::table::{Table, cell};
 use super::paper;
-use super::tables::label;
+use super::tables::{label, sum};
 use super::{Column, Name, Scene, Settings};
 use crate::accel::Event;
 
@@ -16,7 +16,7 @@ type Cost = [f64; 2];
 /// them would take at that price; `None` where less than a tenth of them was spared, which tells
 /// nothing.
 fn worth([events, seconds]: Cost, [fewer, faster]: Cost) -> Option<[f64; 2]> {
-    if fewer > 0.9 * events {
+    if fewer >= 0.9 * events {
         return None;
     }
     let each = (seconds - faster) / (events - fewer);
@@ -29,11 +29,6 @@ fn worth_cells(worth: Option<[f64; 2]>) -> [String; 2] {
     [cell(each.map(|x| x * 1e9), 1), cell(share.map(|x| x * 100.0), 0)]
 }
 
-fn nodes(column: &Column) -> f64 {
-    let nodes = [Event::Search, Event::InnerNode, Event::Leaf].map(|event| column.counts[event]);
-    nodes.iter().sum::<u64>() as f64
-}
-
 /// The paper's, of a picture: packets from the root, and over compressed paths.
 fn theirs(scene: &paper::Scene) -> [Cost; 2] {
     let seconds = |rate: f64| paper::RAYS * 1e-6 / rate;
@@ -44,7 +39,15 @@ fn theirs(scene: &paper::Scene) -> [Cost; 2] {
 
 /// The work of a packet from the root and over compressed paths, and what a node spared is worth.
 pub fn table(scenes: &[Scene], _: &Settings) -> Table {
-    let note = "For each 256 rays: nodes, searched ones among them; bundles of eight rays held                 against boxes, and against triangles; verdicts of single rays. Of packets from the                 root, and over compressed paths (PC). ns a node: what was gained in time for each                 node spared; share: what all nodes of packets from the root would take at that                 price, in per cent of their time; the same by box tests. The share is all that                 sparing them can gain: where ours is below the paper's (P, by its tables 1 and 2),                 so are speed-ups. Triangles, which are the same either way, and setting up packets                 take the rest.";
+    let note = "For each 256 rays: nodes, searched ones among them; bundles of eight rays held \
+                against boxes, and against triangles; verdicts of single rays. Of packets from the \
+                root, and over compressed paths (PC). ns a node: what was gained in time, for each \
+                node spared; share: what all nodes of packets from the root would take at that \
+                price, in per cent of their time. The same by box tests: another reading of the \
+                same gain. A share says how much there is to gain by sparing; where it is below the \
+                paper's (P, by its tables 1 and 2), so are speed-ups. Tests of triangles, as many \
+                either way, and the setting up of packets take the rest. Below zero: the spared \
+                cost less than to find them.";
     let heading = [
         "",
         "nodes",
@@ -85,7 +88,7 @@ pub fn table(scenes: &[Scene], _: &Settings) -> Table {
 fn ours(scene: &Scene, [from, with]: [&Column; 2]) -> Vec<String> {
     let packets = (scene.rays * from.seconds.len()).max(1) as f64 / RAYS;
     let of = |event: Event| [from, with].map(|one| one.counts[event] as f64);
-    let nodes = [from, with].map(nodes);
+    let nodes = [from, with].map(|one| sum(one) * one.seconds.len() as f64);
     let counts = [of(Event::BoxTest), of(Event::TriangleTest), of(Event::Verdict)];
     let priced =
         |[many, few]: [f64; 2]| worth_cells(worth([many, from.total()], [few, with.total()]));

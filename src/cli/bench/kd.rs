@@ -23,7 +23,7 @@ use crate::simd::Isa;
 pub struct KdArgs {
     /// A scene file, or an .npy of (N, 9) float32 triangles
     scene: PathBuf,
-    /// Rays of each set
+    /// Rays of each set; primary ones are the largest square picture of no more
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     rays: u64,

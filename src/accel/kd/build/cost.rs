@@ -13,12 +13,6 @@ pub struct Costs {
     pub empty: f64,
 }
 
-impl Default for Costs {
-    fn default() -> Self {
-        Self { step: 1.0, triangle: 1.5, empty: 0.2 }
-    }
-}
-
 /// A splitting plane with what it is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {

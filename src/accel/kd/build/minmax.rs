@@ -48,7 +48,7 @@ mod tests {
                 id: TriangleId(0),
             })
             .collect();
-        let costs = Costs::default();
+        let costs = Costs { step: 1.0, triangle: 1.5, empty: 0.2 };
         let best = best(&references, &cell, &costs).expect("there are planes");
         let expected = (1..32)
             .map(|i| i as f32)

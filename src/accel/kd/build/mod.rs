@@ -4,6 +4,8 @@
 //! Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log N)", 2006)
 //! and share the costs, the rule when to stop and the recursion over parts of a tree. They give
 //! the same tree on any number of threads: what runs in parallel depends on sizes only.
+//!
+//! `sah` builds two trees, by [`sweep`] and by [`minmax`], and keeps the cheaper.
 
 mod arena;
 mod binned;
@@ -35,7 +37,7 @@ use crate::math::{Aabb, TriangleId};
 pub const OPTIONS: [OptionSpec; 5] = [
     OptionSpec {
         name: "build",
-        summary: "how planes are found",
+        summary: "how planes are found; sah: by the exact sweep, or as minmax if that tree is cheaper",
         values: Values::Choice(&["sah", "minmax", "binned"]),
         default: Value::Choice("sah"),
     },
@@ -176,7 +178,7 @@ impl Nodes<'_> {
     /// Choices that are best one by one do not add up to the best tree: along rows of equal things
     /// the sweep cuts slivers off, which a choice of fewer planes does not offer (a field of
     /// bunnies costs 5.3 by the sweep and 4.6 by bins). So the coarse tree is built beside the
-    /// exact one, in a third to half of its time, and the cheaper is kept.
+    /// exact one, in less than half of its time, and the cheaper is kept.
     fn cheaper_of_sweep_and_minmax(&self) -> Pruned {
         let sweep = || self.pruned(sweep::build(self));
         let (exact, coarse) = rayon::join(sweep, || self.minmax());

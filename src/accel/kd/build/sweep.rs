@@ -226,7 +226,11 @@ mod tests {
                 .flat_map(|(i, reference)| Event::of(i as u32, &reference.bounds))
                 .collect();
             events.sort_by(Event::order);
-            let settings = Settings { costs: Costs::default(), depth: 9, leaf: 1 };
+            let settings = Settings {
+                costs: Costs { step: 1.0, triangle: 1.5, empty: 0.2 },
+                depth: 9,
+                leaf: 1,
+            };
             let all = events.iter().filter_map(|event| {
                 let axis = event.axis as usize;
                 let below = references.iter().filter(|r| r.bounds.min[axis] < event.at).count();
