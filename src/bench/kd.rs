@@ -302,7 +302,7 @@ mod tests {
 
     #[test]
     fn every_walk_and_every_build_has_a_row() {
-        let settings = Settings { rays: 50, memory: u64::MAX, isa: Isa::Portable };
+        let settings = Settings { rays: 2500, memory: u64::MAX, isa: Isa::Portable };
         let rows = walks(&source(), &settings).expect("all agree");
         assert_eq!(rows.len(), OVER.len());
         let tables = tables("walks", &rows);
@@ -311,6 +311,11 @@ mod tests {
             assert!(OVER.iter().all(|(id, _)| table.contains(id)));
             assert!(table.lines().all(|line| line.len() <= 130), "{table}");
         }
+        let nodes = |id: &str| {
+            let row = rows.iter().find(|row| row.spec == id).expect("has a row");
+            row.sets[1].per_ray(Event::InnerNode)
+        };
+        assert!(nodes("kd-packet") < 0.5 * nodes("kd-stack-direction"), "a raster by packets");
         assert!(tables[1].note.starts_with("kd-short-stack visits "), "{}", tables[1].note);
         assert_eq!(builds_and_layouts(&source(), &settings).expect("all agree").len(), 15);
     }

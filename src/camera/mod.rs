@@ -172,9 +172,7 @@ impl CameraRays {
         let direction = to_world.transform_vector3(direction).normalize();
         Ray::new(to_world.transform_point3(origin), direction, 0.0, f32::INFINITY)
     }
-}
 
-impl CameraRays {
     /// The region of all rays of the film, as far as rounding allows; `None` unless they spread
     /// from a point or a lens, by less than a half-space.
     pub fn region(&self) -> Option<Shaft> {

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::lights::{self, Light};
 use super::tables::{light_rate, rate, shares, visit_ratios};
-use super::{Column, Scene, Settings, TRACERS, paper};
+use super::{Column, Scene, Settings, TRACERS, paper, worth};
 use crate::accel::Event;
 
 /// All figures, the paper's among them.
@@ -49,6 +49,7 @@ fn scene_json(scene: &Scene) -> Value {
         "bytes": bytes,
         "visit_ratios": { "entry_point": entry, "compressed": compressed },
         "pool_percent": { "mean": mean, "max": most, "pool": pool },
+        "worth": worth::json(scene),
         "iterative_s": scene.compressing[0],
         "recursive_s": scene.compressing[1],
         "columns": columns.collect::<Vec<_>>(),

@@ -92,6 +92,8 @@ fn json_and_plots_hold_every_structure() {
     assert_eq!(of_scene["columns"].as_array().map(Vec::len), Some(TRACERS.len()));
     assert_eq!(of_scene["lights"].as_array().map(Vec::len), Some(Kind::ALL.len()));
     assert!(of_scene["lights"][0]["rays"].as_u64().is_some_and(|rays| rays > 0));
+    let worth = &of_scene["worth"]["packets"]["node"];
+    assert!(worth.is_null() || worth["share"].is_number(), "{worth}");
     assert_eq!(of_scene["columns"][0]["seconds"].as_array().map(Vec::len), Some(2));
     assert!(plots(&scenes).iter().all(|(_, svg)| svg.contains("cloud: PC")));
 }

@@ -1,5 +1,7 @@
 //! What it is worth to spare nodes: why speed-ups differ from the paper's.
 
+use serde_json::{Map, Value, json};
+
 use super::super::table::{Table, cell};
 use super::paper;
 use super::tables::{label, sum};
@@ -11,6 +13,12 @@ const RAYS: f64 = 256.0;
 
 /// Events, and seconds, of packets from the root or over compressed paths.
 type Cost = [f64; 2];
+
+/// Rows of the table, and what is compared.
+const PAIRS: [(&str, Name, Name); 2] = [
+    ("packets", Name::Packet, Name::Compressed),
+    ("partitioned, a tree each", Name::Partition, Name::PartitionCompressed),
+];
 
 /// Seconds that each event spared has saved, and the share of the time from the root that all of
 /// them would take at that price; `None` where less than a tenth of them was spared, which tells
@@ -68,13 +76,9 @@ pub fn table(scenes: &[Scene], _: &Settings) -> Table {
         "P share",
     ];
     let mut table = Table::new("What a node spared is worth", note, &heading);
-    let pairs = [
-        ("packets", Name::Packet, Name::Compressed),
-        ("partitioned, a tree each", Name::Partition, Name::PartitionCompressed),
-    ];
     for scene in scenes {
         table.rows.push(vec![label(scene)]);
-        for (what, from, with) in pairs {
+        for (what, from, with) in PAIRS {
             let mut row = vec![format!("  {what}")];
             row.extend(ours(scene, [from, with].map(|name| scene.column(name))));
             let paper = paper::Scene::of(scene.triangles).filter(|_| from == Name::Packet);
@@ -88,14 +92,36 @@ pub fn table(scenes: &[Scene], _: &Settings) -> Table {
 fn ours(scene: &Scene, [from, with]: [&Column; 2]) -> Vec<String> {
     let packets = (scene.rays * from.seconds.len()).max(1) as f64 / RAYS;
     let of = |event: Event| [from, with].map(|one| one.counts[event] as f64);
-    let nodes = [from, with].map(|one| sum(one) * one.seconds.len() as f64);
     let counts = [of(Event::BoxTest), of(Event::TriangleTest), of(Event::Verdict)];
-    let priced =
-        |[many, few]: [f64; 2]| worth_cells(worth([many, from.total()], [few, with.total()]));
-    let mut cells: Vec<_> = nodes.map(|count| cell(Some(count / packets), 1)).into();
+    let mut cells: Vec<_> = [from, with].map(|one| cell(Some(nodes(one) / packets), 1)).into();
     cells.extend(counts.into_iter().flatten().map(|count| cell(Some(count / packets), 0)));
-    cells.extend([priced(nodes), priced(counts[0])].concat());
+    cells.extend(prices([from, with]).map(worth_cells).concat());
     cells
+}
+
+/// What nodes and box tests are worth, in seconds and as a share; `null` where that is not known.
+pub fn json(scene: &Scene) -> Value {
+    let object = |(what, from, with): (&str, Name, Name)| {
+        let columns = [from, with].map(|name| scene.column(name));
+        let [nodes, boxes] = prices(columns).map(|worth| match worth {
+            Some([each, share]) => json!({ "seconds": each, "share": share }),
+            None => Value::Null,
+        });
+        (what.to_owned(), json!({ "node": nodes, "box_test": boxes }))
+    };
+    PAIRS.into_iter().map(object).collect::<Map<_, _>>().into()
+}
+
+/// What nodes and box tests are worth.
+fn prices([from, with]: [&Column; 2]) -> [Option<[f64; 2]>; 2] {
+    let price = |[many, few]: [f64; 2]| worth([many, from.total()], [few, with.total()]);
+    let boxes = [from, with].map(|one| one.counts[Event::BoxTest] as f64);
+    [price([from, with].map(nodes)), price(boxes)]
+}
+
+/// Nodes looked at, of all pictures.
+fn nodes(column: &Column) -> f64 {
+    sum(column) * column.seconds.len() as f64
 }
 
 fn paper_cells(scene: &paper::Scene) -> Vec<String> {
