@@ -126,8 +126,8 @@ impl Within {
         true
     }
 
-    /// Whether they are seen to hold rays, of which `around` was made: by that, which is a
-    /// twentieth of the work, or bundle by bundle.
+    /// Whether they are seen to hold rays, of which `around` was made: by the four corners of that,
+    /// or bundle by bundle.
     #[inline(always)]
     pub fn holds<S: Simd>(&self, simd: S, rays: &Rays, around: &Shaft) -> bool {
         for shaft in self.0.iter().flatten() {

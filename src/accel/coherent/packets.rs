@@ -87,7 +87,7 @@ pub fn shoot_packets<S: Simd, Q: Query, C: Counters, P: Packets<Q, C>>(
             singles.extend_from_slice(members);
             continue;
         }
-        // A plain loop: `retain` calls its closure for each ray, a tenth of a packet's time.
+        // A plain loop: the closure of `retain` would be called for each ray.
         let mut kept = 0;
         for at in 0..members.len() {
             let index = members[at];
