@@ -80,7 +80,7 @@ impl Survey {
             let (without, all) = (self.faceted.len(), scene.meshes.len());
             add(
                 "no-normals",
-                format!("{without} of {all} meshes have no normals: flat shading{names}"),
+                format!("no normals in {without} of {all} meshes: flat shading{names}"),
             );
         }
         if self.flat_triangles > 0 {
@@ -161,7 +161,7 @@ mod tests {
         let expected =
             ["no-light", "no-camera", "no-normals", "zero-area", "mirrored", "flattened"];
         assert_eq!(kinds, expected);
-        assert_eq!(faults[2].1, "1 of 1 meshes have no normals: flat shading (sail)");
+        assert_eq!(faults[2].1, "no normals in 1 of 1 meshes: flat shading (sail)");
         let nothing = Survey::of(&Scene::default()).faults(&Scene::default());
         assert_eq!(nothing[0].0, "no-triangles");
     }

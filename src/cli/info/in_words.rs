@@ -20,7 +20,7 @@ impl Report<'_> {
         line(
             "triangles",
             format!(
-                "{} unique, {} placed; {} meshes, placed {} times",
+                "{} unique, {} placed (meshes: {}, instances: {})",
                 survey.unique_triangles,
                 survey.placed_triangles,
                 scene.meshes.len(),
