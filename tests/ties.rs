@@ -70,26 +70,63 @@ fn rays(triangles: &[Triangle], scale: f32, count: usize) -> Vec<Ray> {
         .collect()
 }
 
+/// Holds all structures, and those whose leaves have parts of triangles, against the first.
+fn all_agree(triangles: Vec<Triangle>, rays: &[Ray], what: &str) -> Vec<ClosestHit> {
+    let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(triangles));
+    let mut expected: Option<Vec<ClosestHit>> = None;
+    // Brute force comes first in the table.
+    let ids = VARIANTS.iter().map(|variant| variant.id);
+    for spec in ids.chain(["bvh2:build=sbvh", "mbvh8:build=esc"]) {
+        let parsed = spec.parse().expect("in the table");
+        let accel = build(&parsed, Arc::clone(&source), Isa::Auto).expect("a small scene builds");
+        let mut hits = vec![ClosestHit::MISS; rays.len()];
+        accel.tracer().closest_hits(&Batch::new(rays), &mut hits);
+        let expected = expected.get_or_insert_with(|| hits.clone());
+        let differs = hits.iter().zip(&*expected).position(|(a, b)| !a.same_bits(b));
+        assert_eq!(differs.map(|i| (rays[i], hits[i], expected[i])), None, "{spec}, {what}");
+    }
+    expected.expect("the table has rows")
+}
+
 #[test]
 fn ties_go_to_the_lowest_id_at_every_scale() {
     for scale in [1.0_f32, 1e-20, 1e20, 1e-3, 65536.0] {
         let triangles = tangle(scale);
         let rays = rays(&triangles, scale, 20_000);
-        let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(triangles));
-        let mut expected: Option<Vec<ClosestHit>> = None;
-        for variant in VARIANTS {
-            let spec = variant.id.parse().expect("in the table");
-            let accel = build(&spec, Arc::clone(&source), Isa::Auto).expect("a small scene builds");
-            let mut hits = vec![ClosestHit::MISS; rays.len()];
-            accel.tracer().closest_hits(&Batch::new(&rays), &mut hits);
-            // Brute force comes first in the table.
-            let expected = expected.get_or_insert_with(|| hits.clone());
-            let differs = hits.iter().zip(&*expected).position(|(a, b)| !a.same_bits(b));
-            assert_eq!(differs.map(|i| (rays[i], hits[i], expected[i])), None, "{}", variant.id);
-        }
-        let hits = expected.expect("the table has rows");
+        let hits = all_agree(triangles, &rays, &format!("scale {scale}"));
         let hit = hits.iter().filter(|hit| hit.is_hit()).count();
         assert!(hit > rays.len() / 4, "only {hit} rays hit at scale {scale}");
+    }
+}
+
+/// Along an axis, exactly in the upper faces of wedges, with directions of all lengths: where
+/// these are so short that a hit is far more than 2^36 of them away, no hit may be moved there.
+#[test]
+fn rays_that_creep_along_faces_are_answered_alike() {
+    for height in [0.0_f32, 1.173e-3, -3.0] {
+        let wedge = |i: u64| {
+            let random = &mut Random::new(5, i);
+            let at = Vec3::new(random.below(16) as f32, random.below(16) as f32, height);
+            let size = 1.0 + random.below(8) as f32;
+            let b = at + Vec3::new(size, 2.0 * size, 0.0);
+            Triangle { a: at, b, c: b - Vec3::Z * size }
+        };
+        let ray = |i: u64| {
+            let random = &mut Random::new(6, i);
+            let axis = random.below(2);
+            let mut origin = Vec3::new(-1.0, -1.0, height);
+            origin[1 - axis] = random.below(160) as f32 / 8.0;
+            let length = libm::powf(10.0, -36.0 * random.unit());
+            Ray::new(origin, Vec3::AXES[axis] * length, 0.0, f32::INFINITY)
+        };
+        let rays: Vec<_> = (0..8000).map(ray).collect();
+        let hits = all_agree((0..400).map(wedge).collect(), &rays, &format!("height {height}"));
+        let moved = |(ray, hit): (&Ray, &ClosestHit)| {
+            hit.is_hit() && ray.at(hit.t).max_element() < -0.01 + height.min(0.0)
+        };
+        assert!(!rays.iter().zip(&hits).any(moved), "before all wedges");
+        let hit = hits.iter().filter(|hit| hit.is_hit()).count();
+        assert!(hit > 1000, "only {hit} rays hit at height {height}");
     }
 }
 

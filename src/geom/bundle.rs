@@ -3,9 +3,10 @@
 //! The box test is the slab test's arithmetic, lane by lane ([`super::slab`]), so it says the same
 //! of each ray; the triangle test is the filter of [`super::block`] with the lanes given to rays.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 
 use super::block::Edges;
+use super::slab::{FARTHEST_ALONG, INVERSE_ALONG};
 use super::verdict::axes;
 use super::{Heading, SlabRay, Triangle};
 use crate::math::{Aabb, Ray, Vec3};
@@ -124,6 +125,14 @@ impl RayBundle {
         let (enter, exit) = self.interval(simd, bounds, negative);
         let [t_min, t_max] = self.spans(simd);
         enter.max(t_min).simd_le(exit.min(t_max)).to_bitmask() as u32
+    }
+
+    /// [`SlabRay::is_beyond`] of each ray.
+    #[inline(always)]
+    pub(super) fn are_beyond<S: Simd>(&self, simd: S, t: f32x8<S>, exit: f32x8<S>) -> mask32x8<S> {
+        let row = |axis: usize| f32x8::load_array_ref(simd, &self.inv_near[axis]).abs();
+        let largest = row(0).max(row(1)).max(row(2));
+        t.simd_gt(exit) & exit.simd_ge(FARTHEST_ALONG) & largest.simd_ge(INVERSE_ALONG)
     }
 
     /// See [`SlabRay::interval`].

@@ -6,8 +6,9 @@
 //! most, so that it is off by some 2 ulps relatively, wherever the origin. Near planes are multiplied with the inverse lowered by 4 ulps, far planes with it raised by 4: for
 //! planes ahead of the origin, `enter` is then below and `exit` above the true value, and planes
 //! behind it do not matter since hits lie at `t > 0`. Where the ray runs along an axis' planes the
-//! inverse is a huge finite number and the ray is inside by comparison alone; the slack of
-//! [`own_box`] keeps a ray inside that runs exactly in a face.
+//! inverse is a huge finite number, 2^126, and the ray is inside by comparison alone; the slack of
+//! [`own_box`] keeps a ray inside that runs exactly in a face, for 2^36 directions at least. Beyond
+//! that the number is not huge enough, and [`SlabRay::is_beyond`] tells.
 //!
 //! # Why it is monotone
 //! Subtraction and multiplication round monotonically, minimum and maximum are exact. So a box
@@ -75,6 +76,17 @@ impl SlabRay {
         )
     }
 
+    /// Whether a triangle's own box ends, at `exit`, only because a component of zero had to be taken
+    /// for another: hits at `t` behind that do not count.
+    ///
+    /// Elsewhere a hit lies in its own box but for rounding, and is moved into it. To move it across
+    /// space would take it away from its triangle, where no structure but brute force looks for it.
+    #[inline(always)]
+    pub fn is_beyond(&self, t: f32, exit: f32) -> bool {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.inv_near[axis].abs());
+        t > exit && exit >= FARTHEST_ALONG && larger(larger(x, y), z) >= INVERSE_ALONG
+    }
+
     /// The interval inside the [`own_box`] of a triangle: the same arithmetic, its axes side by
     /// side.
     #[inline(always)]
@@ -119,6 +131,11 @@ pub fn own_box(triangle: &Triangle) -> Aabb {
 fn slack(p: Vec3) -> Vec3 {
     (p.abs() * RELATIVE_SLACK).max(Vec3::splat(ABSOLUTE_SLACK))
 }
+
+/// 2^35: a ray in a face leaves the slack around it later than that.
+pub(super) const FARTHEST_ALONG: f32 = 34_359_738_368.0;
+/// 2^126, lowered: the reciprocal of components of zero.
+pub(super) const INVERSE_ALONG: f32 = (1.0 - SlabRay::SLACK) / SlabRay::SMALLEST;
 
 const RELATIVE_SLACK: f32 = 2.0 * f32::EPSILON; // 2^-22
 const ABSOLUTE_SLACK: f32 = 8.077936e-28; // 2^-90

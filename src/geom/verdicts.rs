@@ -87,7 +87,8 @@ impl RayBundle {
         let taken = enter.simd_le(exit)
             & distance.simd_lt(f32::INFINITY)
             & clamped.simd_gt(t_min)
-            & clamped.simd_le(t_max);
+            & clamped.simd_le(t_max)
+            & !self.are_beyond(simd, distance, exit);
         let hits = taken.to_bitmask() as u32 & !misses & lanes;
         Verdicts { hits, t: clamped.to_array(), u, v }
     }

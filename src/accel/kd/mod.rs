@@ -32,8 +32,8 @@
 //! which is in there. The sum, 40u, is less than δ; the rest is for the rounding of boxes and of
 //! coordinates. (A walk that compares rounded points with planes adds 8u of 4, 32u: still less.)
 //! Planes behind the origin do not matter, since `t > 0`, and components of zero are huge slopes of
-//! their sign, for which the same holds as long as the clamp is not by them: see
-//! `slack::runs_along_a_plane`. So the winner is within δ of the leaf's cell.
+//! their sign, for which the same holds, and which no hit is clamped by
+//! ([`crate::geom::SlabRay::is_beyond`]). So the winner is within δ of the leaf's cell.
 //!
 //! So the candidates that a walk offers contain the winner; what else it offers does no harm,
 //! since the smallest `(t, id)` wins and the verdict does not depend on where a triangle was met.
@@ -51,8 +51,7 @@
 //! error. It follows the true point of the hit from cell to cell: if that is in front of a plane,
 //! its true distance is at most the first, if it is behind, at least the second, whatever the
 //! rounding. In double precision it is within δ of the triangle for origins up to 2^26 times as far
-//! as those of tame rays. Beyond, and along planes for more than 2^35 directions, all triangles are
-//! tested, their own boxes first.
+//! as those of tame rays. Beyond, all triangles are tested, their own boxes first.
 
 pub mod build;
 mod coherent;

@@ -16,8 +16,6 @@ pub struct Slack {
     /// Bounds of the largest component of a direction of a tame ray.
     stride: f32,
     creep: f32,
-    /// The same for rays that run along planes.
-    brisk: f32,
 }
 
 impl Slack {
@@ -31,9 +29,6 @@ impl Slack {
     /// How much further than tame rays others may start for a tree with clipped triangles.
     const FAR: f32 = 67_108_864.0; // 2^26
 
-    /// 2^-35: hits of rays that run along planes are no farther than 2^35 of their directions.
-    const ALONG: f32 = 2.910383e-11;
-
     /// The slack for triangles whose own boxes have the union `bounds`; `None` if their
     /// coordinates are so large that distances overflow.
     pub fn new(bounds: &Aabb) -> Option<Self> {
@@ -46,22 +41,14 @@ impl Slack {
         let stride = (delta * 1.298074e33).min(f32::MAX);
         // And the distance of all that matters must be finite.
         let creep = reach * 1.880791e-37; // 2^-122
-        let brisk = 2.0 * reach * Self::ALONG;
-        let centre = bounds.centre();
-        let slack = Self { delta, kept: kept * 0.9375, centre, reach, stride, creep, brisk };
+        let slack =
+            Self { delta, kept: kept * 0.9375, centre: bounds.centre(), reach, stride, creep };
         (reach * Self::FAR).is_finite().then_some(slack)
     }
 
     /// The slack of a scene that can't be divided: no ray is tame.
-    pub const NONE: Self = Self {
-        delta: 0.0,
-        kept: 0.0,
-        centre: Vec3::ZERO,
-        reach: -1.0,
-        stride: 0.0,
-        creep: 0.0,
-        brisk: 0.0,
-    };
+    pub const NONE: Self =
+        Self { delta: 0.0, kept: 0.0, centre: Vec3::ZERO, reach: -1.0, stride: 0.0, creep: 0.0 };
 
     /// A box with slack.
     pub fn grow(&self, bounds: &Aabb) -> Aabb {
@@ -73,27 +60,15 @@ impl Slack {
     pub fn is_tame(&self, ray: &Ray) -> bool {
         let far = (ray.origin() - self.centre).abs().max_element();
         let fast = ray.direction().abs().max_element();
-        let moves = fast >= self.brisk || fast >= self.creep && !runs_along_a_plane(ray);
-        far <= self.reach && fast <= self.stride && moves
+        far <= self.reach && fast <= self.stride && fast >= self.creep
     }
 
     /// Whether the hit points of this ray are close enough to their triangles for a tree that
     /// holds triangles only where they are, not where their boxes are.
     pub fn is_placed(&self, ray: &Ray) -> bool {
         let far = (ray.origin() - self.centre).abs().max_element();
-        let fast = ray.direction().abs().max_element();
-        let moves = fast >= (far + self.reach) * Self::ALONG || !runs_along_a_plane(ray);
-        far <= self.reach * Self::FAR && moves
+        far <= self.reach * Self::FAR
     }
-}
-
-/// Whether a component of the direction is so small that the slab test takes another: 2^-126. What
-/// a hit is clamped to, its triangle's own box, then ends 2^-90 or more beyond the triangle and is
-/// left after 2^36 directions at the soonest. A ray that goes farther could have its hit moved away
-/// from the triangle.
-#[inline(always)]
-fn runs_along_a_plane(ray: &Ray) -> bool {
-    ray.direction().abs().min_element() < f32::MIN_POSITIVE
 }
 
 /// The union of the own boxes of all triangles.
@@ -126,17 +101,6 @@ mod tests {
         assert!(!slack.is_tame(&ray(4.0, 1.0)) && slack.is_placed(&ray(4.0, 1.0)));
         assert!(!slack.is_tame(&ray(0.0, 1e29)));
         assert!(!slack.is_placed(&ray(1e20, 1.0)));
-        // Slow ones only where they run along planes.
-        let along = |d: Vec3| Ray::new(Vec3::splat(0.5), d, 0.0, f32::INFINITY);
-        for (d, good) in [
-            (Vec3::splat(1e-20), true),
-            (Vec3::new(1e-20, 0.0, 0.0), false),
-            (Vec3::new(0.0, 1e-20, 1e-39), false),
-            (Vec3::new(1e-9, 0.0, 0.0), true),
-        ] {
-            let ray = along(d);
-            assert_eq!((slack.is_tame(&ray), slack.is_placed(&ray)), (good, good), "{d}");
-        }
         assert!(!Slack::NONE.is_tame(&ray(0.0, 1.0)));
     }
 }

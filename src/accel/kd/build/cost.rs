@@ -64,10 +64,11 @@ impl Costs {
 /// The greedy heuristic takes both parts for leaves, so it overrates the cost of many triangles
 /// (Wald and Havran, "On building fast kd-trees", on the local greedy approximation) and cuts off
 /// slivers where balance would save more steps. Of parts that are too large for a leaf, the cost
-/// grows less than the count: ours by this power of it. Powers of .7 to 1 from 16 to 1024 triangles
-/// on were tried on two kitchens, the bunny, a robot cell and small scenes: this one, which two
-/// square roots give, made the kitchens' trees cheapest by the exact sweep (.77 and .95 of what the
-/// bare count gives) and the others' within 1 % of it.
+/// grows less than the count: ours by its power of three quarters. Powers of .7 to 1 from 16 to
+/// 1024 triangles on were tried on two kitchens, the bunny, a robot cell and small scenes: this
+/// one, which two square roots give, made the kitchens' trees cheapest by the exact sweep (.77 and
+/// .95 of what the bare count gives) and the others' within 1 % of it. Of synthetic clutter, no
+/// power is best: single trees scatter by several per cent.
 #[inline]
 fn expected(triangles: usize) -> f64 {
     const LINEAR: f64 = 256.0;

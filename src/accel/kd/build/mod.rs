@@ -120,20 +120,14 @@ impl KdTree {
     /// If there are more nodes or blocks of triangles than can be numbered.
     pub fn build(source: &Arc<dyn TriangleSource>, options: &Options) -> Result<Self, BuildError> {
         let start = Instant::now();
-        let own = bounds_of(&**source);
-        let mut settings = Settings::new(options, source.len());
-        let slack = Slack::new(&own).unwrap_or_else(|| {
-            settings.depth = 0;
-            Slack::NONE
-        });
-        let bounds = slack.grow(&own);
-        let nodes = Nodes { source: &**source, bounds, slack, settings };
+        let nodes = Nodes::new(&**source, options);
         let arena = match options.choice("build") {
             "binned" => nodes.binned(),
             "minmax" => nodes.minmax(),
             _ => nodes.cheaper_of_sweep_and_minmax(),
         }
         .arena;
+        let Nodes { bounds, slack, settings, .. } = nodes;
         let built = Instant::now();
         let mut report = statistics(&arena, &bounds, &settings.costs);
         let references = arena.ids.len();
@@ -166,7 +160,17 @@ struct Nodes<'a> {
     settings: Settings,
 }
 
-impl Nodes<'_> {
+impl<'a> Nodes<'a> {
+    fn new(source: &'a dyn TriangleSource, options: &Options) -> Self {
+        let own = bounds_of(source);
+        let mut settings = Settings::new(options, source.len());
+        let slack = Slack::new(&own).unwrap_or_else(|| {
+            settings.depth = 0;
+            Slack::NONE
+        });
+        Self { source, bounds: slack.grow(&own), slack, settings }
+    }
+
     fn binned(&self) -> Pruned {
         self.pruned(lists::build(self, binned::best))
     }

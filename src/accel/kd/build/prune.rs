@@ -17,7 +17,7 @@ pub struct Pruned {
     /// The tree.
     pub arena: Arena,
     /// What a ray costs that crosses the bounds, times their area; infinite if the area is.
-    cost: f64,
+    pub cost: f64,
 }
 
 impl Pruned {
