@@ -87,7 +87,8 @@ struct Sets {
 }
 
 /// Bytes that a kd-tree over that many triangles may take, with links: some five references a
-/// triangle, and as many nodes.
+/// triangle, and as many nodes. While the default build is at work, its two trees and their lists
+/// take less (330 bytes a triangle for a scanned dragon of 870,000).
 pub fn estimate(triangles: usize) -> u64 {
     triangles as u64 * 1200
 }

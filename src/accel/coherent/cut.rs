@@ -80,6 +80,7 @@ impl<'a> Cut<'a> {
             let first = first_of(0, 0) as u32;
             let whole = size == self.sides.map(|side| 1 << side);
             if whole && self.each == 1 {
+                // As nearly all are: copied without a look at each.
                 members.extend(self.cells.iter().map(|&(.., from)| first + from));
             } else {
                 for &(x, y, from) in &self.cells {

@@ -17,7 +17,7 @@ use crate::geom::RayBundle;
 use crate::math::{Ray, larger};
 
 /// Where the rays of a slice start.
-pub struct Start<'a> {
+pub struct EachFrom<'a> {
     pub places: Places<'a>,
     pub branches: Branches<'a, Place>,
     /// `None` if they meet no leaf.
@@ -29,10 +29,10 @@ pub struct Start<'a> {
 /// Steps put aside, and where the ray enters them.
 type Aside = Vec<(Step<Place>, f32)>;
 
-impl Start<'_> {
+impl EachFrom<'_> {
     /// Where eight rays start, or fewer.
     #[inline(always)]
-    fn of<S: Simd>(&self, simd: S, rays: &[Ray]) -> Option<Step<Place>> {
+    fn start<S: Simd>(&self, simd: S, rays: &[Ray]) -> Option<Step<Place>> {
         if self.within.is_all() {
             return self.from;
         }
@@ -54,7 +54,7 @@ impl Coherent {
     pub(super) fn shoot_each<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        start: &Start<'_>,
+        each: &EachFrom<'_>,
         batch: &Batch<'_>,
         answers: &mut [Q::Answer],
         (single, steps, pool): (&mut binary::Scratch, &mut Aside, &mut Pool),
@@ -64,7 +64,7 @@ impl Coherent {
         for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
             if index % RayBundle::LANES == 0 {
                 let end = batch.rays().len().min(index + RayBundle::LANES);
-                from = start.of(simd, &batch.rays()[index..end]);
+                from = each.start(simd, &batch.rays()[index..end]);
             }
             if !self.knows(ray) {
                 pool.leave(index);
@@ -73,8 +73,7 @@ impl Coherent {
             let mut query = Q::new(ray);
             if let Some(from) = from {
                 let shot = Shot::new(ray, index, batch.filter());
-                let start = (start.places, start.branches, from);
-                let scratch = (&mut *single, &mut *steps);
+                let (start, scratch) = ((each, from), (&mut *single, &mut *steps));
                 let _final = self.walk_branches(simd, start, &shot, &mut query, scratch, counters);
             }
             *answer = query.answer();
@@ -86,7 +85,7 @@ impl Coherent {
     fn walk_branches<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        (places, branches, from): (Places<'_>, Branches<'_, Place>, Step<Place>),
+        (&EachFrom { places, branches, .. }, from): (&EachFrom<'_>, Step<Place>),
         shot: &Shot<'_>,
         query: &mut Q,
         (single, steps): (&mut binary::Scratch, &mut Aside),

@@ -3,8 +3,9 @@
 use fearless_simd::Simd;
 
 use super::packet::{Packet, Walk};
-use super::place::Place;
-use super::{Coherent, Scratch, With, single};
+use super::place::{Place, Places};
+use super::single::EachFrom;
+use super::{Coherent, Scratch, With};
 use crate::accel::bvh::binary;
 use crate::accel::coherent::{
     Branch, Branches, FEW, Narrowing, Packets, Plan, Rays, Regions, Start, Started, Step, Trees,
@@ -15,16 +16,16 @@ use crate::geom::Shaft;
 use crate::math::Ray;
 
 /// Packets of a slice in the hierarchy.
-struct InSlice<'a, S> {
+struct InSlice<'t, 'a, S> {
     simd: S,
-    structure: &'a Coherent,
-    narrowing: Narrowing<'a, super::Places<'a>>,
+    structure: &'t Coherent,
+    narrowing: Narrowing<'t, Places<'t>>,
     /// Where the slice starts, for rays within, and where the packet at hand does; `None` if it
     /// meets no leaf.
     from: Option<Step<Place>>,
     within: Within,
     start: Option<Step<Place>>,
-    view: &'a [Branch<Place>],
+    view: &'t [Branch<Place>],
     branches: &'a mut Vec<Branch<Place>>,
     regions: &'a mut Regions<Place>,
     /// Branches of the slice.
@@ -33,7 +34,7 @@ struct InSlice<'a, S> {
     single: &'a mut binary::Scratch,
 }
 
-impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, S> {
+impl<S: Simd, Q: Query, C: Counters> Packets<Q, C> for InSlice<'_, '_, S> {
     #[inline(always)]
     fn knows(&self, ray: &Ray) -> bool {
         self.structure.knows(ray)
@@ -86,52 +87,68 @@ impl Coherent {
         simd: S,
         batch: &Batch<'_>,
         answers: &mut [Q::Answer],
-        Scratch { single: alone, packet, pool, branches, regions, steps }: &mut Scratch,
+        scratch: &mut Scratch,
         counters: &mut C,
     ) {
-        pool.clear();
-        let before = branches.len();
+        scratch.pool.clear();
+        let before = scratch.branches.len();
         match self.narrowing().filter(|_| batch.rays().len() >= FEW) {
-            None => pool.leave_all(batch.rays().len()),
+            None => scratch.pool.leave_all(batch.rays().len()),
             Some(narrowing) => {
-                let knows = |ray: &Ray| self.knows(ray);
-                let slice = (batch, &*regions);
-                let Started { from, view, within } =
-                    narrowing.of_slice(simd, slice, knows, branches, counters);
-                regions.note(branches);
-                if self.with == With::Single {
-                    let branches = Branches { view, own: branches };
-                    let start = single::Start { places: narrowing.tree, branches, from, within };
-                    let scratch = (&mut *alone, steps, &mut *pool);
-                    self.shoot_each::<S, Q, C>(simd, &start, batch, answers, scratch, counters);
-                } else if from.is_some() || !within.is_all() {
-                    let of_slice = branches.len();
-                    let mut packets = InSlice {
-                        simd,
-                        structure: self,
-                        narrowing,
-                        from,
-                        within,
-                        start: from,
-                        view,
-                        branches: &mut *branches,
-                        regions,
-                        of_slice,
-                        packet,
-                        single: alone,
-                    };
-                    let cut = (batch, self.size);
-                    shoot_packets::<S, Q, C, _>(simd, cut, answers, pool, &mut packets, counters);
-                } else {
-                    // The slice's region has no leaf.
-                    for (answer, ray) in answers.iter_mut().zip(batch.rays()) {
-                        *answer = Q::new(ray).answer();
-                    }
-                }
+                self.shoot_narrowed::<S, Q, C>(simd, narrowing, batch, answers, scratch, counters);
             }
         }
+        let Scratch { single, pool, branches, .. } = scratch;
         branches.truncate(before);
-        shoot_singles::<S, _, Q, C>(simd, (&*self.bvh, alone), batch, answers, pool, counters);
+        shoot_singles::<S, _, Q, C>(simd, (&*self.bvh, single), batch, answers, pool, counters);
+    }
+
+    /// Answers a slice from what its region meets; leaves a list of the rays that none took up, and
+    /// the branches.
+    #[inline(always)]
+    fn shoot_narrowed<'t, S: Simd, Q: Query, C: Counters>(
+        &'t self,
+        simd: S,
+        narrowing: Narrowing<'t, Places<'t>>,
+        batch: &Batch<'_>,
+        answers: &mut [Q::Answer],
+        Scratch { single, packet, pool, branches, regions, steps }: &mut Scratch,
+        counters: &mut C,
+    ) {
+        let knows = |ray: &Ray| self.knows(ray);
+        let Started { from, view, within } =
+            narrowing.of_slice(simd, (batch, &*regions), knows, branches, counters);
+        regions.note(branches);
+        if self.with == With::Single {
+            let branches = Branches { view, own: branches };
+            let each = EachFrom { places: narrowing.tree, branches, from, within };
+            let scratch = (single, steps, pool);
+            self.shoot_each::<S, Q, C>(simd, &each, batch, answers, scratch, counters);
+        } else if from.is_some() || !within.is_all() {
+            let of_slice = branches.len();
+            let (structure, start) = (self, from);
+            let mut packets = InSlice {
+                simd,
+                structure,
+                narrowing,
+                from,
+                within,
+                start,
+                view,
+                branches,
+                regions,
+                of_slice,
+                packet,
+                single,
+            };
+            let cut = (batch, self.size);
+            shoot_packets::<S, Q, C, _>(simd, cut, answers, pool, &mut packets, counters);
+        } else {
+            // The slice's region has no leaf.
+            for (answer, ray) in answers.iter_mut().zip(batch.rays()) {
+                *answer = Q::new(ray).answer();
+            }
+        }
     }
 
     /// Whether packets have trees of their own.
