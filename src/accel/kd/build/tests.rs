@@ -60,7 +60,8 @@ fn the_sweep_by_itself_is_cheapest_on_the_whole() {
             let trees = [nodes.pruned(sweep::build(&nodes)), nodes.binned(), nodes.minmax()];
             let [sweep, binned, minmax] = trees.map(|tree| tree.cost);
             assert!(sweep <= 1.08 * binned.min(minmax), "{seed}: {sweep} {binned} {minmax}");
-            logarithms = std::array::from_fn(|i| logarithms[i] + [sweep, binned, minmax][i].ln());
+            logarithms =
+                std::array::from_fn(|i| logarithms[i] + libm::log([sweep, binned, minmax][i]));
         }
     }
     let [sweep, binned, minmax] = logarithms;
