@@ -178,6 +178,19 @@ pub struct RenderArgs {
     #[arg(hide_short_help = true, allow_negative_numbers = true)]
     pub focus: Option<f32>,
 
+    /// How long the shutter is open, in seconds from --time on: what is animated blurs
+    ///
+    /// Nodes, skins, morphs and the scene's cameras move. The scene is read, posed and built anew
+    /// for each of --moments moments, which share the samples; what moves far in a short time needs
+    /// many of them.
+    #[arg(long, value_name = "SECONDS", help_heading = "Camera", value_parser = positive)]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
+    pub shutter: Option<f32>,
+    /// At how many moments of that time, at most --spp [default: 32]
+    #[arg(long, value_name = "N", help_heading = "Camera", hide_short_help = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    pub moments: Option<u32>,
+
     /// Repeats the run that made a picture, but for what is said here
     #[arg(long, value_name = "FILE.exr", help_heading = "Input")]
     pub from: Option<PathBuf>,
@@ -262,6 +275,8 @@ impl RenderArgs {
             ("--sun-azimuth", self.sun_azimuth.is_some(), "--sky", self.sky.is_some()),
             ("--sun-direction", self.sun_direction.is_some(), "--sky", self.sky.is_some()),
             ("--sun-diameter", self.sun_diameter.is_some(), "--sky", self.sky.is_some()),
+            ("--shutter", self.shutter.is_some(), "--time", self.time.is_some()),
+            ("--moments", self.moments.is_some(), "--shutter", self.shutter.is_some()),
             ("--ground-albedo", self.ground_albedo.is_some(), "--sky", self.sky.is_some()),
         ];
         let found = all.into_iter().find(|&(_, given, _, has)| given && !has);

@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::args::RenderArgs;
 use super::prepare::Job;
+use super::shutter::Shutter;
 use super::{CliError, input, table};
 use crate::accel;
 use crate::files::memory;
@@ -38,8 +39,15 @@ pub fn run(args: &RenderArgs, job: &Job) -> Result<ExitCode, CliError> {
             ("structure", accel.memory().total() as u64),
             ("picture", film_bytes(&job.settings)),
         ];
-        let estimate =
-            Estimate { args, job, bytes: &bytes, build_s, render_s: path_s * paths as f64, paths };
+        let estimate = Estimate {
+            args,
+            job,
+            bytes: &bytes,
+            build_s,
+            render_s: path_s * paths as f64,
+            paths,
+            moments: Shutter::new(args).moments(),
+        };
         table::print(&if args.json { estimate.as_json() } else { estimate.in_words() })?;
         Ok(ExitCode::SUCCESS)
     })?
@@ -63,6 +71,7 @@ struct Estimate<'a> {
     build_s: f64,
     render_s: f64,
     paths: u64,
+    moments: usize,
 }
 
 impl Estimate<'_> {
@@ -75,10 +84,15 @@ impl Estimate<'_> {
         let parts: Vec<String> =
             self.bytes.iter().map(|&(name, bytes)| format!("{name} {}", mega(bytes))).collect();
         let (width, height) = self.job.settings.resolution;
+        let each = match self.moments {
+            1 => String::new(),
+            moments => format!(" for each of {moments} moments"),
+        };
+        let threads = rayon::current_num_threads();
         format!(
             "{}: {width}x{height}, {} samples a pixel, {:.1} M paths\n\
              memory  about {} of {:.0} MB ({})\n\
-             time    load {:.2} s, build {:.2} s, render about {} on {} threads\n",
+             time    load {:.2} s, build {:.2} s{each}, render about {} on {threads} thread{}\n",
             self.args.scene_file().display(),
             self.job.settings.spp,
             self.paths as f64 * 1e-6,
@@ -88,7 +102,7 @@ impl Estimate<'_> {
             self.job.elapsed.as_secs_f64(),
             self.build_s,
             duration(self.render_s),
-            rayon::current_num_threads(),
+            if threads == 1 { "" } else { "s" },
         )
     }
 
@@ -105,6 +119,7 @@ impl Estimate<'_> {
             "bytes_limit": memory::limit(),
             "load_s": self.job.elapsed.as_secs_f64(),
             "build_s": self.build_s,
+            "moments": self.moments,
             "render_s": self.render_s,
             "threads": rayon::current_num_threads(),
         });

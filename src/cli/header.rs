@@ -59,11 +59,13 @@ pub fn settings(args: &RenderArgs, job: &Job) -> String {
         ("look-from", args.look_from.map(vector)),
         ("max-depth", Some(i64::from(transport.max_depth).into())),
         ("missing-texture", args.missing_texture.map(|_| "magenta".into())),
+        ("moments", args.moments.map(|n| i64::from(n).into())),
         ("resolution", Some(whole(&[settings.resolution.0.into(), settings.resolution.1.into()]))),
         ("rr-depth", Some(transport.roulette_depth.map_or("off".into(), |n| i64::from(n).into()))),
         ("sampler", Some(settings.pattern.to_string().into())),
         ("scene", args.scene.clone().map(Value::from)),
         ("seed", Some(number(settings.seed))),
+        ("shutter", args.shutter.map(short)),
         ("sky", args.sky.map(short)),
         ("spp", Some(number(settings.spp))),
         ("strict", Some(args.strict.into())),
@@ -144,6 +146,11 @@ mod tests {
         assert_eq!(found["rr-depth"].as_str(), Some("off"));
         let camera = settings_of(&["--camera", "0"]);
         assert_eq!(camera["camera"].as_str(), Some("0"));
+        let motion = settings_of(&["--time", "1", "--shutter", "0.5", "--moments", "2"]);
+        assert_eq!(
+            (motion["shutter"].as_float(), motion["moments"].as_integer()),
+            (Some(0.5), Some(2))
+        );
         let around = settings_of(&["--camera-model", "panorama", "--lights", "power"]);
         assert_eq!(around["camera-model"].as_str(), Some("panorama"));
         assert_eq!(around["lights"].as_str(), Some("power"));

@@ -23,6 +23,7 @@ mod prepare;
 mod progress;
 mod render;
 mod shell;
+mod shutter;
 mod table;
 mod trace;
 mod validate;

@@ -13,13 +13,14 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use super::args::RenderArgs;
 use super::header::{self, describe};
 use super::outputs::{self, Output};
-use super::prepare::{Job, prepare};
+use super::prepare::Job;
 use super::progress::{Reporter, note, say};
+use super::shutter::{self, Shutter};
 use super::values::ProgressStyle;
 use super::{CliError, dry_run, input, layers, memory, shell, table};
 use crate::accel;
 use crate::film::{Picture, exr, png};
-use crate::render::{Control, LostSample, Rendered, film_bytes, render, replay};
+use crate::render::{Control, Exposure, LostSample, Rendered, film_bytes, replay};
 use crate::scene::EnvironmentSource;
 
 /// Runs the command.
@@ -35,13 +36,14 @@ pub fn run() -> Result<ExitCode, CliError> {
         outputs::check(&outputs, &inputs(args))?;
     }
     let interrupt = Interrupt::listen()?;
-    let job = prepare(args)?;
+    let shutter = Shutter::new(args);
+    let job = shutter.job(args, 0)?;
     if !args.quiet {
         tell(args, &job);
         settled.made_of(&job).iter().for_each(note);
     }
     if let Some(sample) = args.debug_sample {
-        return debug(args, &job, sample);
+        return debug(args, &shutter, &job, sample);
     }
     if args.print_config {
         table::print(&format!("[render]\n{}", header::settings(args, &job)))?;
@@ -50,7 +52,7 @@ pub fn run() -> Result<ExitCode, CliError> {
     if args.dry_run {
         return dry_run::run(args, &job);
     }
-    let (mut rendered, built) = on_pool(args, &job, &interrupt.raised, args.progress)?;
+    let Exposed { mut rendered, built } = on_pool(args, &job, &interrupt.raised, args.progress)?;
     if rendered.samples.1 == 0 {
         say("interrupted before the first samples: there is nothing to save");
         return Ok(interrupt.exit_code());
@@ -106,8 +108,9 @@ pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
         let message = format!("{flag} has no place here: the picture is compared, not written");
         return Err(CliError::Usage(message));
     }
-    let job = prepare(&args)?;
-    let (mut rendered, _) = on_pool(&args, &job, &AtomicBool::new(false), ProgressStyle::None)?;
+    let job = Shutter::new(&args).job(&args, 0)?;
+    let cancel = AtomicBool::new(false);
+    let Exposed { mut rendered, .. } = on_pool(&args, &job, &cancel, ProgressStyle::None)?;
     let named = ["render".to_owned(), scene.display().to_string()];
     let words: Vec<String> = named.into_iter().chain(words.iter().cloned()).collect();
     describe(&mut rendered, &args, &job, &words);
@@ -129,28 +132,46 @@ fn inputs(args: &RenderArgs) -> Vec<&Path> {
     std::iter::once(args.scene_file()).chain(environment).collect()
 }
 
-/// Builds the structure and renders, on as many threads as asked for.
+/// A picture, and how long it took to build structures for it.
+struct Exposed {
+    rendered: Rendered,
+    built: Duration,
+}
+
+/// Builds the structure and renders, on as many threads as asked for; moment by moment if the
+/// shutter is open for some time, of which `job` is the first.
 fn on_pool(
     args: &RenderArgs,
     job: &Job,
     cancel: &AtomicBool,
     style: ProgressStyle,
-) -> Result<(Rendered, Duration), CliError> {
+) -> Result<Exposed, CliError> {
     let crop = job.settings.crop;
     let what = format!("a picture of {}x{}", crop.width(), crop.height());
     memory::require(&what, film_bytes(&job.settings))?;
+    let shutter = Shutter::new(args);
     input::on_threads(args.threads, || {
-        let start = Instant::now();
-        let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
-        let built = start.elapsed();
-        if args.verbose > 0 {
-            say(&format!("built {} in {:.2} s", args.accel, built.as_secs_f64()));
-        }
         let reporter = Reporter::new(if args.quiet { ProgressStyle::None } else { style });
         let control = Control { cancel, progress: &|progress| reporter.update(progress) };
-        let rendered = render(&job.world, &job.camera, &*accel, &job.settings, &control);
+        let mut exposure = Exposure::new(&job.settings);
+        let mut built = Duration::ZERO;
+        for moment in 0..shutter.moments() {
+            let later = (moment > 0).then(|| shutter.job(args, moment)).transpose()?;
+            let now = later.as_ref().unwrap_or(job);
+            let start = Instant::now();
+            let accel = accel::build(&args.accel, now.world.triangles.clone(), args.isa)?;
+            built += start.elapsed();
+            if args.verbose > 0 && moment == 0 {
+                say(&format!("built {} in {:.2} s", args.accel, built.as_secs_f64()));
+            }
+            let camera = shutter::camera(args, &job.camera, now);
+            exposure.expose(&now.world, &camera, &*accel, shutter.end(moment), &control);
+            if cancel.load(Ordering::Relaxed) {
+                break;
+            }
+        }
         reporter.finish();
-        Ok((rendered, built))
+        Ok(Exposed { rendered: exposure.develop(), built })
     })?
 }
 
@@ -174,15 +195,24 @@ fn tell(args: &RenderArgs, job: &Job) {
 }
 
 /// Prints the path of one sample.
-fn debug(args: &RenderArgs, job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> {
-    let (width, height) = job.settings.resolution;
+fn debug(
+    args: &RenderArgs,
+    shutter: &Shutter,
+    first: &Job,
+    sample: (u32, u32, u64),
+) -> Result<ExitCode, CliError> {
+    let (width, height) = first.settings.resolution;
     if sample.0 >= width || sample.1 >= height {
         let message = format!("--debug-sample: the frame is {width}x{height}");
         return Err(CliError::Usage(message));
     }
+    let moment = shutter.moment_of(sample.2);
+    let later = (moment > 0).then(|| shutter.job(args, moment)).transpose()?;
+    let job = later.as_ref().unwrap_or(first);
+    let camera = shutter::camera(args, &first.camera, job);
     let path = input::on_threads(args.threads, || {
         let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
-        Ok::<_, CliError>(replay(&job.world, &job.camera, &*accel, &job.settings, sample))
+        Ok::<_, CliError>(replay(&job.world, &camera, &*accel, &first.settings, sample))
     })??;
     table::print(&path)?;
     Ok(ExitCode::SUCCESS)

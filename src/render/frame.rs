@@ -4,9 +4,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::settings::{Aov, Settings};
+use super::layers::picture;
+use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
-use super::tile::{LostSample, Means, PixelSums, SIDE, Tile, first_lost};
+use super::tile::{LostSample, SIDE, Tile, first_lost};
 use crate::accel::Accel;
 use crate::camera::{Camera, CameraRays};
 use crate::film::{Picture, Window};
@@ -77,60 +78,108 @@ pub fn render(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Rendered {
-    let start = Instant::now();
-    let tiles: Vec<Mutex<Tile>> = cut(settings.crop).into_iter().map(Mutex::new).collect();
-    let passes = passes(settings.spp);
-    let camera = camera.rays(settings.aspect());
-    let view = seen(accel, &camera);
-    let accel = view.as_deref().unwrap_or(accel);
-    let total = settings.crop.area() as u64 * settings.spp;
-    let (next_job, done) = (AtomicUsize::new(0), AtomicU64::new(0));
-    let rays = Mutex::new(RayCounts::default());
+    let mut exposure = Exposure::new(settings);
+    exposure.expose(world, camera, accel, settings.spp, control);
+    exposure.develop()
+}
 
-    let work = || {
-        let integrator = PathTracer::new(world, settings.transport);
-        let mut stream = Stream::new(integrator, accel);
-        loop {
-            let job = next_job.fetch_add(1, Ordering::Relaxed);
-            let Some(&end) = passes.get(job / tiles.len()) else { break };
-            let mut tile = lock(&tiles[job % tiles.len()]);
-            while tile.next < end && !control.cancel.load(Ordering::Relaxed) {
-                let block_end = (tile.next + BLOCK).min(end);
-                let samples = (block_end - tile.next) * tile.pixels.len() as u64;
-                tile.advance(&mut stream, &camera, settings, block_end);
-                done.fetch_add(samples, Ordering::Relaxed);
+/// A film while light falls on it: what moves may be elsewhere from one part of its samples to the
+/// next.
+pub struct Exposure<'a> {
+    settings: &'a Settings,
+    tiles: Vec<Mutex<Tile>>,
+    start: Instant,
+    /// Paths followed.
+    done: AtomicU64,
+    rays: RayCounts,
+    elapsed: Duration,
+}
+
+impl<'a> Exposure<'a> {
+    /// No samples yet.
+    pub fn new(settings: &'a Settings) -> Self {
+        Self {
+            settings,
+            tiles: cut(settings.crop).into_iter().map(Mutex::new).collect(),
+            start: Instant::now(),
+            done: AtomicU64::new(0),
+            rays: RayCounts::default(),
+            elapsed: Duration::ZERO,
+        }
+    }
+
+    /// Takes every pixel on to its sample `end`, exclusively, on the threads of the current rayon
+    /// pool; see [`render`].
+    pub fn expose(
+        &mut self,
+        world: &World,
+        camera: &Camera,
+        accel: &dyn Accel,
+        end: u64,
+        control: &Control<'_>,
+    ) {
+        let start = Instant::now();
+        let (settings, tiles, done) = (self.settings, &self.tiles, &self.done);
+        let first = tiles.first().map_or(end, |tile| lock(tile).next);
+        let passes = passes(first, end);
+        let camera = camera.rays(settings.aspect());
+        let view = seen(accel, &camera);
+        let accel = view.as_deref().unwrap_or(accel);
+        let next_job = AtomicUsize::new(0);
+        let rays = Mutex::new(RayCounts::default());
+
+        let work = || {
+            let integrator = PathTracer::new(world, settings.transport);
+            let mut stream = Stream::new(integrator, accel);
+            loop {
+                let job = next_job.fetch_add(1, Ordering::Relaxed);
+                let Some(&end) = passes.get(job / tiles.len()) else { break };
+                let mut tile = lock(&tiles[job % tiles.len()]);
+                while tile.next < end && !control.cancel.load(Ordering::Relaxed) {
+                    let block_end = (tile.next + BLOCK).min(end);
+                    let samples = (block_end - tile.next) * tile.pixels.len() as u64;
+                    tile.advance(&mut stream, &camera, settings, block_end);
+                    done.fetch_add(samples, Ordering::Relaxed);
+                }
             }
-        }
-        *lock(&rays) += stream.counts();
-    };
-    let progress =
-        || Progress { done: done.load(Ordering::Relaxed), total, elapsed: start.elapsed() };
-    with_ticks(&|| (control.progress)(progress()), || {
-        if !tiles.is_empty() {
-            rayon::broadcast(|_| work());
-        }
-    });
+            *lock(&rays) += stream.counts();
+        };
+        let total = settings.crop.area() as u64 * settings.spp;
+        let elapsed = || self.start.elapsed();
+        let progress =
+            || Progress { done: done.load(Ordering::Relaxed), total, elapsed: elapsed() };
+        with_ticks(&|| (control.progress)(progress()), || {
+            if !tiles.is_empty() {
+                rayon::broadcast(|_| work());
+            }
+        });
+        self.rays += rays.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.elapsed += start.elapsed();
+    }
 
-    let elapsed = start.elapsed();
-    let tiles: Vec<Tile> = tiles
-        .into_iter()
-        .map(|tile| tile.into_inner().unwrap_or_else(PoisonError::into_inner))
-        .collect();
-    let fewest = tiles.iter().map(|tile| tile.next).min().unwrap_or(0);
-    Rendered {
-        picture: picture(&tiles, settings),
-        rays: rays.into_inner().unwrap_or_else(PoisonError::into_inner),
-        paths: done.into_inner(),
-        elapsed,
-        samples: (fewest, tiles.iter().map(|tile| tile.next).max().unwrap_or(0)),
-        without_samples: tiles
-            .iter()
-            .filter(|tile| tile.next == 0)
-            .map(|tile| tile.pixels.len() as u64)
-            .sum(),
-        cancelled: fewest < settings.spp,
-        lost_count: tiles.iter().map(|tile| tile.lost_count).sum(),
-        lost: first_lost(tiles.iter()),
+    /// The picture of what there is.
+    pub fn develop(self) -> Rendered {
+        let tiles: Vec<Tile> = self
+            .tiles
+            .into_iter()
+            .map(|tile| tile.into_inner().unwrap_or_else(PoisonError::into_inner))
+            .collect();
+        let fewest = tiles.iter().map(|tile| tile.next).min().unwrap_or(0);
+        Rendered {
+            picture: picture(&tiles, self.settings),
+            rays: self.rays,
+            paths: self.done.into_inner(),
+            elapsed: self.elapsed,
+            samples: (fewest, tiles.iter().map(|tile| tile.next).max().unwrap_or(0)),
+            without_samples: tiles
+                .iter()
+                .filter(|tile| tile.next == 0)
+                .map(|tile| tile.pixels.len() as u64)
+                .sum(),
+            cancelled: fewest < self.settings.spp,
+            lost_count: tiles.iter().map(|tile| tile.lost_count).sum(),
+            lost: first_lost(tiles.iter()),
+        }
     }
 }
 
@@ -155,15 +204,10 @@ fn cut(crop: Window) -> Vec<Tile> {
 }
 
 /// The sample at which each pass ends: doubling, so that the sums of a pixel are few nodes.
-fn passes(spp: u64) -> Vec<u64> {
-    let mut ends = Vec::new();
-    let mut end = BLOCK;
-    while end < spp {
-        ends.push(end);
-        end *= 2;
-    }
-    ends.push(spp);
-    ends
+fn passes(first: u64, end: u64) -> Vec<u64> {
+    let doubling = std::iter::successors(Some(BLOCK), |end| Some(end * 2));
+    let within = doubling.skip_while(|&pass| pass <= first).take_while(|&pass| pass < end);
+    within.chain([end]).collect()
 }
 
 /// Runs `work` while another thread calls `tick` ten times a second, and once more at the end.
@@ -191,71 +235,6 @@ fn with_ticks(tick: &(dyn Fn() + Sync), work: impl FnOnce() + Send) {
     });
 }
 
-/// Bytes that a picture of such settings takes while it is rendered, beside scene and structure.
-pub fn film_bytes(settings: &Settings) -> u64 {
-    let channels = channels(settings).len() as u64;
-    let pixel = PixelSums::bytes(settings.spp) + channels * size_of::<f32>() as u64;
-    pixel.saturating_mul(settings.crop.area() as u64)
-}
-
-/// A channel of the picture, and what a pixel has in it.
-type Channel = (String, Box<dyn Fn(&Means) -> f32>);
-
-/// All channels that the settings ask for.
-fn channels(settings: &Settings) -> Vec<Channel> {
-    let mut channels: Vec<Channel> = Vec::new();
-    let mut vector = |layer: &str, suffixes: &str, of: fn(&Means) -> [f64; 3]| {
-        for (axis, suffix) in suffixes.chars().enumerate() {
-            let name = if layer.is_empty() { String::new() } else { format!("{layer}.") };
-            let value = move |means: &Means| of(means)[axis] as f32;
-            channels.push((format!("{name}{suffix}"), Box::new(value)));
-        }
-    };
-    vector("", "RGB", |means| means.radiance);
-    for aov in &settings.aovs {
-        match aov {
-            Aov::Albedo => vector(aov.id(), "RGB", |means| means.albedo),
-            Aov::Normal => vector(aov.id(), "XYZ", |means| means.normal),
-            Aov::Position => vector(aov.id(), "XYZ", |means| means.position),
-            Aov::Variance => vector(aov.id(), "RGB", |means| means.variance),
-            Aov::Depth | Aov::Samples | Aov::Cost => {}
-        }
-    }
-    for aov in &settings.aovs {
-        let (suffix, of): (_, fn(&Means) -> f32) = match aov {
-            Aov::Depth => ("Z", |means| means.distance as f32),
-            Aov::Samples => ("Y", |means| means.count as f32),
-            Aov::Cost => ("Y", |means| means.cost as f32),
-            _ => continue,
-        };
-        channels.push((format!("{}.{suffix}", aov.id()), Box::new(of)));
-    }
-    let transparent = settings.transport.transparent;
-    let alpha = move |means: &Means| if transparent { means.alpha as f32 } else { 1.0 };
-    channels.push(("A".to_owned(), Box::new(alpha)));
-    channels
-}
-
-/// The layers of what has been sampled.
-fn picture(tiles: &[Tile], settings: &Settings) -> Picture {
-    let frame = Window::of_size(settings.resolution.0 as usize, settings.resolution.1 as usize);
-    let crop = settings.crop;
-    let channels = channels(settings);
-    let mut planes = vec![vec![0.0; crop.area()]; channels.len()];
-    for (x, y, sums) in tiles.iter().flat_map(Tile::iter) {
-        let (row, column) = ((y - crop.y0 as u32) as usize, (x - crop.x0 as u32) as usize);
-        let (at, means) = (row * crop.width() + column, sums.means());
-        for (plane, (_, value)) in planes.iter_mut().zip(&channels) {
-            plane[at] = value(&means);
-        }
-    }
-    let mut picture = Picture::new(frame, crop);
-    for ((name, _), plane) in channels.into_iter().zip(planes) {
-        picture.set_channel(name, plane);
-    }
-    picture
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -268,9 +247,11 @@ mod tests {
 
     #[test]
     fn passes_double_and_end_at_the_last_sample() {
-        assert_eq!(passes(1), [1]);
-        assert_eq!(passes(16), [16]);
-        assert_eq!(passes(100), [16, 32, 64, 100]);
+        assert_eq!(passes(0, 1), [1]);
+        assert_eq!(passes(0, 16), [16]);
+        assert_eq!(passes(0, 100), [16, 32, 64, 100]);
+        assert_eq!(passes(16, 100), [32, 64, 100]);
+        assert_eq!(passes(20, 24), [24]);
     }
 
     #[test]

@@ -68,12 +68,16 @@ impl File {
 
     /// Reads it with options.
     pub fn load_with(&self, options: &LoadOptions) -> Result<Scene, LoadError> {
+        gltf::parse(Path::new("a.gltf"), &self.text(), options)
+    }
+
+    /// What such a file holds.
+    pub fn text(&self) -> Vec<u8> {
         let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
         let uri = format!("data:application/octet-stream;base64,{data}");
         let mut document = self.document.clone();
         document["buffers"] = json!([{"uri": uri, "byteLength": self.bytes.len()}]);
-        let text = serde_json::to_vec(&document).expect("keys are strings");
-        gltf::parse(Path::new("a.gltf"), &text, options)
+        serde_json::to_vec(&document).expect("keys are strings")
     }
 }
 

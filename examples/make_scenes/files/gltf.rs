@@ -89,12 +89,24 @@ impl Gltf {
         self.push("accessors", accessor)
     }
 
+    /// An accessor of vectors.
+    pub fn floats<const N: usize>(&mut self, vectors: &[[f32; N]], kind: &str) -> usize {
+        self.accessor(bytemuck::cast_slice(vectors.as_flattened()), 5126, vectors.len(), kind)
+    }
+
+    /// An accessor of times, seconds, in order.
+    pub fn times(&mut self, times: &[f32]) -> usize {
+        let accessor = self.accessor(bytemuck::cast_slice(times), 5126, times.len(), "SCALAR");
+        self.list("accessors")[accessor]["min"] = json!([times[0]]);
+        self.list("accessors")[accessor]["max"] = json!([times[times.len() - 1]]);
+        accessor
+    }
+
     /// The extension of a node whose mesh stands in many places.
     pub fn copies(&mut self, places: &[[f32; 3]], turns: &[[f32; 4]], sizes: &[[f32; 3]]) -> Value {
-        let count = places.len();
-        let places = self.accessor(bytemuck::cast_slice(places), 5126, count, "VEC3");
-        let turns = self.accessor(bytemuck::cast_slice(turns), 5126, count, "VEC4");
-        let sizes = self.accessor(bytemuck::cast_slice(sizes), 5126, count, "VEC3");
+        let places = self.floats(places, "VEC3");
+        let turns = self.floats(turns, "VEC4");
+        let sizes = self.floats(sizes, "VEC3");
         let attributes = json!({ "TRANSLATION": places, "ROTATION": turns, "SCALE": sizes });
         json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } })
     }

@@ -4,6 +4,7 @@ mod colors;
 mod finishes;
 mod gltf;
 mod materials;
+mod motion;
 mod painted;
 mod pictures;
 mod placements;
@@ -29,6 +30,7 @@ pub fn all() -> Vec<(String, Vec<u8>)> {
         placements::many_lights(),
         placements::orthographic(),
         painted::painted(),
+        motion::motion(),
     ];
     let mut files: Vec<(String, Vec<u8>)> = scenes.into_iter().flatten().collect();
     files.extend(tower::files());
