@@ -312,3 +312,17 @@ fn a_raster_of_rays_gives_the_same_hits() {
         }
     }
 }
+
+#[test]
+fn a_run_is_repeated_from_another_folder() {
+    let folder = folder();
+    let inner = folder.path().join("inner");
+    fs::create_dir(&inner).expect("a folder");
+    fs::write(inner.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+    let (code, _, error) = run(&inner, &format!("render a.obj -o a.exr -q {SMALL}"));
+    assert_eq!((code, &*error), (0, ""));
+    let (code, _, error) = run(folder.path(), "render --from inner/a.exr -o b.exr -q");
+    assert_eq!((code, &*error), (0, ""));
+    let (code, _, error) = run(folder.path(), "diff inner/a.exr b.exr --fail max=0 -q");
+    assert_eq!((code, &*error), (0, ""));
+}

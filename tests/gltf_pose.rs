@@ -176,3 +176,38 @@ fn broken_animations_are_refused() {
         assert!(said_then.contains(said), "{said_then}");
     }
 }
+
+#[test]
+fn an_animation_is_chosen_by_name_or_number() {
+    let mut file = animated();
+    let mut other = file.document["animations"][0].clone();
+    other["channels"].as_array_mut().expect("a list").truncate(1);
+    other["name"] = json!("slide");
+    file.push("animations", other);
+    let options = |animation: &str| dapple::scene::LoadOptions {
+        animation: Some(animation.to_owned()),
+        time: Some(2.0),
+        ..Default::default()
+    };
+    let first = at(&file, 2.0).expect("loads");
+    assert!(first.notices[0].message.contains("--animation"), "{:?}", first.notices);
+    for (wanted, corner) in [("0", [2.0, 2.0]), ("1", [4.0, 0.0]), ("slide", [4.0, 0.0])] {
+        let scene = file.load_with(&options(wanted)).expect("loads");
+        assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+        let expected = Vec3::new(corner[0], corner[1], 0.0);
+        assert!(corners(&scene)[1].distance(expected) < 1e-5, "{wanted}: {:?}", corners(&scene));
+    }
+    let error = message(file.load_with(&options("glide")));
+    assert!(error.contains("no animation \"glide\"; did you mean 1 (\"slide\")"), "{error}");
+}
+
+#[test]
+fn what_is_not_morphed_is_told() {
+    let mut file = File::square();
+    let colors = file.floats(&[[1.0, 0.0, 0.0]; 4], "VEC3");
+    file.document["meshes"][0]["primitives"][0]["targets"] = json!([{"COLOR_0": colors}]);
+    let scene = file.load().expect("loads");
+    let notice = &scene.notices[0];
+    assert!(notice.place.ends_with("/primitives/0/targets/0/COLOR_0"), "{notice:?}");
+    assert!(notice.message.contains("not morphed"), "{notice:?}");
+}

@@ -232,6 +232,9 @@ fn missing_textures_are_magenta_where_that_is_asked_for() {
     let color = scene.textures[0].sample(dapple::math::Vec2::ZERO);
     assert_eq!(color.to_array(), [1.0, 0.0, 1.0, 1.0]);
     assert_eq!(scene.notices[1].place, "a.gltf: /images/1");
+    // A normal of magenta would be none.
+    let material = &scene.materials[scene.instances[0].material.index()];
+    assert!(material.emissive_texture.is_some() && material.normal_texture.is_none());
 }
 
 #[test]

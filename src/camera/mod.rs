@@ -204,6 +204,8 @@ mod tests {
     use std::f32::consts::FRAC_PI_2;
 
     use super::*;
+    use crate::sampling::Sampler;
+    use crate::sampling::chi_squared::assert_fits;
 
     fn near(a: Vec3, b: Vec3) -> bool {
         a.distance(b) < 1e-5
@@ -237,6 +239,33 @@ mod tests {
             assert!(near(ray.direction(), way), "{x}, {y}: {}", ray.direction());
             assert_eq!(ray.origin(), Vec3::ONE);
         }
+    }
+
+    /// Chi-squared over rings and sectors of equal area, of rays that all meet in focus.
+    #[test]
+    fn rays_leave_a_lens_evenly_and_meet_in_focus() {
+        const RINGS: usize = 8;
+        const SECTORS: usize = 12;
+        let lens = ThinLens { aperture_radius: 0.3, focus_distance: 4.0 };
+        let camera = Camera::look_at(Vec3::ONE, Vec3::ZERO, Vec3::Y, 0.8).with_lens(lens);
+        let film = Vec2::new(0.2, 0.7);
+        let pinhole = Camera { lens: None, ..camera }.ray(film, 1.0, Vec2::ZERO);
+        let ahead = -camera.to_world.matrix3.z_axis;
+        let focus = pinhole.at(4.0 / pinhole.direction().dot(ahead.into()));
+        let mut counts = [0; RINGS * SECTORS];
+        for i in 0..40_000 {
+            let ray = camera.ray(film, 1.0, Sampler::independent(i, 0, 3).next_2d());
+            let along = (focus - ray.origin()).dot(ray.direction());
+            assert!(ray.at(along).distance(focus) < 1e-5);
+            let at = camera.to_world.inverse().transform_point3(ray.origin());
+            assert!(at.z.abs() < 1e-5);
+            let ring = (at.truncate().length_squared() / 0.09 * RINGS as f32) as usize;
+            let turn = libm::atan2f(at.y, at.x) / TAU + 0.5;
+            let sector = ((turn * SECTORS as f32) as usize).min(SECTORS - 1);
+            counts[ring.min(RINGS - 1) * SECTORS + sector] += 1;
+        }
+        let expected = [40_000.0 / (RINGS * SECTORS) as f64; RINGS * SECTORS];
+        assert_fits(&counts, &expected, 1, "lens");
     }
 
     #[test]

@@ -200,6 +200,9 @@ pub struct RenderArgs {
     /// A variant of a glTF file's materials, by name or number from 0
     #[arg(long, value_name = "NAME|N", help_heading = "Input", hide_short_help = true)]
     pub variant: Option<String>,
+    /// Which of a glTF file's animations --time poses, by name or number from 0 [default: the first]
+    #[arg(long, value_name = "NAME|N", help_heading = "Input", hide_short_help = true)]
+    pub animation: Option<String>,
     /// The time at which animations are posed, in seconds [default: they are at rest]
     #[arg(long, value_name = "SECONDS", help_heading = "Input", value_parser = finite)]
     #[arg(hide_short_help = true, allow_negative_numbers = true)]
@@ -275,6 +278,7 @@ impl RenderArgs {
             ("--sun-azimuth", self.sun_azimuth.is_some(), "--sky", self.sky.is_some()),
             ("--sun-direction", self.sun_direction.is_some(), "--sky", self.sky.is_some()),
             ("--sun-diameter", self.sun_diameter.is_some(), "--sky", self.sky.is_some()),
+            ("--animation", self.animation.is_some(), "--time", self.time.is_some()),
             ("--shutter", self.shutter.is_some(), "--time", self.time.is_some()),
             ("--moments", self.moments.is_some(), "--shutter", self.shutter.is_some()),
             ("--ground-albedo", self.ground_albedo.is_some(), "--sky", self.sky.is_some()),

@@ -39,6 +39,7 @@ pub fn settings(args: &RenderArgs, job: &Job) -> String {
     let aovs: Vec<&str> = settings.aovs.iter().map(|aov| aov.id()).collect();
     let all = [
         ("accel", Some(args.accel.to_string().into())),
+        ("animation", args.animation.clone().map(Value::from)),
         ("aov", Some(Value::from(aovs))),
         ("aperture", args.aperture.map(short)),
         ("bsdf", Some(args.bsdf.to_string().into())),

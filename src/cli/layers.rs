@@ -12,7 +12,7 @@ use super::args::RenderArgs;
 use super::prepare::Job;
 use crate::film::exr;
 use crate::scene::toml::{self, Setting, SettingValue};
-use crate::scene::{LoadError, Notice};
+use crate::scene::{EnvironmentSource, LoadError, Notice};
 
 /// Flags that belong on a command line: they say what becomes of the picture, or what is told.
 const NO_SETTINGS: [&str; 11] = [
@@ -151,10 +151,29 @@ fn of_picture(picture: &Path) -> Result<(Layer, Origin, String), CliError> {
         let message = "its header does not tell how it was made: it is not dapple's";
         return Err(CliError::Input(format!("{}: {message}", picture.display())));
     };
-    let settings = toml::settings_of_text(picture, &settings)?;
+    let mut settings = toml::settings_of_text(picture, &settings)?;
+    for Setting { value, .. } in settings.iter_mut().filter(|setting| setting.key == "env") {
+        if let SettingValue::Word(word) = value
+            && let Ok(EnvironmentSource::File(file)) = word.parse()
+        {
+            *word = found(&file, picture).display().to_string();
+        }
+    }
+    let scene = found(Path::new(&scene), picture).display().to_string();
     let layer = Layer { file: picture.to_owned(), settings };
     let (digest, version) = (take("scene-digest"), take("version"));
     Ok((layer, Origin { picture: picture.to_owned(), digest, version }, scene))
+}
+
+/// Where a file is that was named when a picture was made: seen from here, or else from the folder
+/// of the picture, or from those around it.
+fn found(file: &Path, picture: &Path) -> PathBuf {
+    let folders = picture.ancestors().skip(1);
+    let from_there = folders.map(|folder| folder.join(file)).find(|path| path.exists());
+    match from_there {
+        Some(path) if file.is_relative() && !file.exists() => path,
+        _ => file.to_owned(),
+    }
 }
 
 impl Layer {

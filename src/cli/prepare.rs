@@ -52,6 +52,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
         },
         scene: args.scene.clone(),
         variant: args.variant.clone(),
+        animation: args.animation.clone(),
         time: args.time,
     };
     let mut scene = scene::load(args.scene_file(), &options)?;

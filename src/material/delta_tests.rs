@@ -19,11 +19,22 @@ fn smooth() -> Vec<(String, Bsdf, bool)> {
     let half = Layers { iridescence: 0.5, iridescence_ior: 1.8, ..film };
     let coat = Layers { clearcoat: 0.7, clearcoat_roughness: 0.4, ..Layers::NONE };
     let cloth = Layers { sheen_color: Vec3::splat(0.7), sheen_roughness: 0.4, ..Layers::NONE };
+    let red = Vec3::new(1.0, 0.3, 0.0);
     let kinds = [
         ("glass", glass, Layers::NONE, true),
         ("diamond", SurfaceParams { ior: 2.4, ..glass }, Layers::NONE, true),
         ("bubble", SurfaceParams { ior: 0.75, ..glass }, Layers::NONE, true),
         ("sheet", sheet, Layers::NONE, true),
+        ("dull glass", SurfaceParams { specular: 0.5, ..glass }, Layers::NONE, true),
+        ("bare glass", SurfaceParams { specular: 0.0, ..glass }, Layers::NONE, true),
+        ("red sheen on glass", SurfaceParams { specular_color: red, ..glass }, Layers::NONE, true),
+        (
+            "red sheen on a sheet",
+            SurfaceParams { specular_color: red, ..sheet },
+            Layers::NONE,
+            true,
+        ),
+        ("film on a bare sheet", SurfaceParams { specular: 0.0, ..sheet }, film, true),
         ("tinted sheet", SurfaceParams { base_color: Vec3::X, ..sheet }, Layers::NONE, false),
         ("half clear", SurfaceParams { transmission: 0.5, ..glass }, Layers::NONE, false),
         ("half clear sheet", SurfaceParams { transmission: 0.5, ..sheet }, Layers::NONE, false),

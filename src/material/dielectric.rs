@@ -1,5 +1,7 @@
 //! Glass: clear boundaries of solids, and thin sheets.
 
+use super::energy::GlassAlbedo;
+use super::metallic_roughness::coat_f0;
 use super::thin_film::ThinFilm;
 use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, is_above, mean, rough_dielectric, unit};
 use crate::math::{Vec2, Vec3};
@@ -16,6 +18,10 @@ const INFINITE_IOR: f32 = 1e4;
 /// KHR_materials_transmission, with KHR_materials_volume a solid. A thin sheet does not bend light;
 /// its reflectance is that of both faces with all reflections between them. In
 /// [`BsdfForm::AppendixB`] it is smooth whatever its roughness.
+///
+/// KHR_materials_specular gives it other reflectances at normal incidence and at grazing angles:
+/// the exact ones are scaled to go from one to the other, and what is not reflected passes. Total
+/// reflection stays what it is: there is no way through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     pub(super) tint: Vec3,
@@ -24,6 +30,11 @@ pub struct Dielectric {
     pub(super) alpha: f32,
     pub(super) form: BsdfForm,
     kind: Kind,
+    /// Whether reflectances are those of the index.
+    plain: bool,
+    /// One face's reflectance at normal incidence and, of all colours, at grazing angles.
+    f0: Vec3,
+    f90: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +87,16 @@ impl Dielectric {
             (true, true) if form == BsdfForm::Conserving => Kind::ThinRough,
             (true, _) => Kind::ThinSmooth,
         };
-        Self { tint: params.base_color, ior, alpha: roughness * roughness, form, kind }
+        Self {
+            tint: params.base_color,
+            ior,
+            alpha: roughness * roughness,
+            form,
+            kind,
+            plain: params.specular >= 1.0 && params.specular_color == Vec3::ONE,
+            f0: coat_f0(&SurfaceParams { ior, ..*params }),
+            f90: unit(params.specular),
+        }
     }
 
     /// Whether it only reflects and refracts as mirrors and lenses do.
@@ -137,31 +157,60 @@ impl Dielectric {
     /// and the cosine of the refracted ray.
     #[inline]
     pub(super) fn split(&self, cos: f32, eta: f32, film: Option<&ThinFilm>) -> (Split, f32) {
-        let (reflectance, cos_t) = fresnel::dielectric(cos, eta);
-        let split = match film {
-            // What is reflected within is what is reflected back along the same way.
-            Some(film) if reflectance < 1.0 => {
-                let outside = if eta == self.ior { cos } else { cos_t };
-                let colors = self.filmed(film, outside, reflectance);
-                Split::by(colors, mean(colors), self.tint)
-            }
-            _ => Split::new(reflectance, self.tint),
-        };
-        (split, cos_t)
+        let (exact, cos_t) = fresnel::dielectric(cos, eta);
+        if exact >= 1.0 || (self.plain && film.is_none()) {
+            return (Split::new(exact, self.tint), cos_t);
+        }
+        // What is reflected within is what is reflected back along the same way.
+        let outside = if eta == self.ior { cos } else { cos_t };
+        let colors = self.face(film, outside, exact);
+        (Split::by(colors, mean(colors), self.tint), cos_t)
     }
 
     /// The same of a thin sheet.
     #[inline]
     pub(super) fn split_thin(&self, cos: f32, film: Option<&ThinFilm>) -> Split {
-        let (face, _) = fresnel::dielectric(cos, self.ior);
-        let Some(film) = film else { return Split::new(fresnel::thin_sheet(face), self.tint) };
-        let colors = self.filmed(film, cos, face).map(fresnel::thin_sheet);
+        let (exact, _) = fresnel::dielectric(cos, self.ior);
+        if self.plain && film.is_none() {
+            return Split::new(fresnel::thin_sheet(exact), self.tint);
+        }
+        let colors = self.face(film, cos, exact).map(fresnel::thin_sheet);
         Split::by(colors, mean(colors), self.tint)
     }
 
-    fn filmed(&self, film: &ThinFilm, cos: f32, reflectance: f32) -> Vec3 {
+    /// The reflectance of one face of light that meets it from outside at `cos`, given that of its
+    /// index.
+    fn face(&self, film: Option<&ThinFilm>, cos: f32, exact: f32) -> Vec3 {
+        let bare = if self.plain {
+            Vec3::splat(exact)
+        } else {
+            self.f0 + (Vec3::splat(self.f90) - self.f0) * self.grazing(cos, exact)
+        };
+        film.map_or(bare, |film| film.reflectance(cos, self.f0, bare))
+    }
+
+    /// How far the reflectance is on the way from normal incidence to grazing angles, 0 to 1.
+    fn grazing(&self, cos: f32, exact: f32) -> f32 {
+        if self.ior >= INFINITE_IOR {
+            return fresnel::schlick_weight(cos);
+        }
         let root = (self.ior - 1.0) / (self.ior + 1.0);
-        film.reflectance(cos, Vec3::splat(root * root), Vec3::splat(reflectance))
+        unit((exact - root * root) / (1.0 - root * root))
+    }
+
+    /// What makes up for the light that one bounce on a rough boundary loses.
+    pub(super) fn gain(&self, albedo: GlassAlbedo) -> Vec3 {
+        if self.plain {
+            return Vec3::splat(1.0 / albedo.exact);
+        }
+        let root = (self.ior - 1.0) / (self.ior + 1.0);
+        let slope = match self.ior >= INFINITE_IOR {
+            true => Vec3::ZERO,
+            false => (Vec3::splat(self.f90) - self.f0) / (1.0 - root * root),
+        };
+        let constant = self.f0 - slope * (root * root);
+        let of = |constant, slope| 1.0 / albedo.of(constant, slope).clamp(0.1, 1.0);
+        Vec3::new(of(constant.x, slope.x), of(constant.y, slope.y), of(constant.z, slope.z))
     }
 
     fn sample_smooth(&self, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
@@ -250,6 +299,43 @@ mod tests {
             let total = through.weight.z * through.pdf + back.weight.z * back.pdf;
             assert!((total - 1.0).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn specular_tints_and_dims_what_both_faces_reflect() {
+        let of = |specular, color, thin| {
+            let params = SurfaceParams {
+                specular,
+                specular_color: color,
+                roughness: 0.0,
+                thin,
+                ..SurfaceParams::default()
+            };
+            Dielectric::new(&params, BsdfForm::Conserving)
+        };
+        let color = Vec3::new(1.0, 0.5, 0.0);
+        let reflected = |glass: &Dielectric, cos, eta| glass.split(cos, eta, None).0.reflectance;
+        let (glass, plain) = (of(1.0, color, false), of(1.0, Vec3::ONE, false));
+        assert!((reflected(&glass, 1.0, 1.5) - color * 0.04).length() < 1e-6);
+        assert!((reflected(&glass, 1.0, 1.0 / 1.5) - color * 0.04).length() < 1e-6);
+        for cos in [1.0, 0.7, 0.3, 0.05] {
+            let [red, green, _] = reflected(&glass, cos, 1.5).to_array();
+            let exact = fresnel::dielectric(cos, 1.5).0;
+            assert!((red - exact).abs() < 1e-6 && green < red, "white stays as it was: {cos}");
+            assert_eq!(reflected(&plain, cos, 1.5), Vec3::splat(exact));
+            assert_eq!(reflected(&of(0.0, color, false), cos, 1.5), Vec3::ZERO);
+            let half = reflected(&of(0.5, Vec3::ONE, false), cos, 1.5);
+            assert!((half - 0.5 * exact).length() < 1e-6);
+        }
+        assert_eq!(reflected(&of(0.0, color, false), 0.3, 1.0 / 1.5), Vec3::ONE, "no way through");
+        let sheet = of(1.0, color, true).split_thin(1.0, None).reflectance;
+        let expected = (color * 0.04).map(fresnel::thin_sheet);
+        assert!((sheet - expected).length() < 1e-6);
+        // As materials that tell reflectances instead of an index are written.
+        let told = SurfaceParams { ior: 0.0, ..SurfaceParams::default() };
+        let told = SurfaceParams { specular_color: Vec3::splat(0.2), thin: true, ..told };
+        let told = Dielectric::new(&told, BsdfForm::Conserving).split_thin(1.0, None);
+        assert!((told.reflectance - fresnel::thin_sheet(0.2)).length() < 1e-3);
     }
 
     #[test]

@@ -34,6 +34,9 @@ impl Wavelength {
     /// The index of refraction at this wavelength of glass whose index is `ior` at 587.6 nm, by
     /// the first two terms of Cauchy's equation; `dispersion` is 20 over the Abbe number.
     pub fn index(self, ior: f32, dispersion: f32) -> f32 {
+        if ior == 0.0 {
+            return ior; // infinite: a mirror to all of them
+        }
         let spread = (ior - 1.0) * dispersion * (1.0 / 20.0);
         (ior + spread * (523_655.0 / (self.0 * self.0) - 1.5168)).max(1.0)
     }

@@ -174,9 +174,37 @@ const G: usize = 16;
 const SLICES: usize = 49;
 const SLICES_PER_UNIT: f32 = 32.0;
 
-/// Directional albedos of rough glass of one index, reflection and transmission together: by
-/// roughness, then by cosine.
-type Slice = [[f32; G]; G];
+/// Shares of light from a direction that one bounce on rough, colourless glass sends on, reflection
+/// and transmission together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GlassAlbedo {
+    /// By the reflectances of its index.
+    pub exact: f32,
+    /// If all light passed that can.
+    clear: f32,
+    /// What is added to that if all of it were reflected instead.
+    mirrored: f32,
+}
+
+impl GlassAlbedo {
+    /// Where a facet reflects `constant + slope * F` instead of F, the reflectance of the index, but
+    /// all of what it cannot let through.
+    pub fn of(self, constant: f32, slope: f32) -> f32 {
+        self.clear + constant * self.mirrored + slope * (self.exact - self.clear)
+    }
+
+    fn mix(self, other: Self, t: f32) -> Self {
+        let lerp = |a: f32, b: f32| a + (b - a) * t;
+        Self {
+            exact: lerp(self.exact, other.exact),
+            clear: lerp(self.clear, other.clear),
+            mirrored: lerp(self.mirrored, other.mirrored),
+        }
+    }
+}
+
+/// Those of one index: by roughness, then by cosine.
+type Slice = [[GlassAlbedo; G]; G];
 
 /// Each computed when first asked for: a scene's few kinds of glass need few of them.
 static GLASS: [OnceLock<Box<Slice>>; SLICES] = [const { OnceLock::new() }; SLICES];
@@ -192,30 +220,37 @@ fn glass_slice(index: usize) -> &'static Slice {
     })
 }
 
-/// The share of light from a direction of cosine `cos` that one bounce on rough, colourless glass
-/// reflects and transmits; `eta` is the index behind over that before the boundary.
-pub fn rough_glass(alpha: f32, cos: f32, eta: f32) -> f32 {
+/// The albedo of rough glass for a direction of cosine `cos`; `eta` is the index behind over that
+/// before the boundary.
+pub fn rough_glass(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
     let ratio = (eta - 1.0) / (eta + 1.0);
     let (k, index_t) = cell::<SLICES>(((ratio + 0.5) * SLICES_PER_UNIT).max(0.0));
     let (i, row_t) = cell::<G>(alpha.sqrt() * (G - 1) as f32);
     let (j, column_t) = cell::<G>(cos.sqrt() * (G - 1) as f32);
-    let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
     let at = |slice: &Slice| {
-        let row = |row: &[f32; G]| lerp(row[j], row[j + 1], column_t);
-        lerp(row(&slice[i]), row(&slice[i + 1]), row_t)
+        let row = |row: &[GlassAlbedo; G]| row[j].mix(row[j + 1], column_t);
+        row(&slice[i]).mix(row(&slice[i + 1]), row_t)
     };
-    lerp(at(glass_slice(k)), at(glass_slice(k + 1)), index_t)
+    at(glass_slice(k)).mix(at(glass_slice(k + 1)), index_t)
 }
 
-fn glass_albedo(alpha: f32, cos: f32, eta: f32) -> f32 {
+fn glass_albedo(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let albedo = mean_over_visible_normals(wo, alpha, |h| {
+    // A facet's reflectance, and what is left of what it reflects and of what it refracts.
+    let facet = |h: Vec3| {
         let along = wo.dot(h);
         let (reflectance, cos_t) = fresnel::dielectric(along, eta);
         let masking = |cos: f32| ggx::masking(cos.max(0.0), alpha * alpha);
         let reflected = masking(2.0 * along * h.z - wo.z);
-        let refracted = masking(wo.z / eta - (along / eta - cos_t) * h.z);
+        (reflectance, reflected, masking(wo.z / eta - (along / eta - cos_t) * h.z))
+    };
+    let exact = mean_over_visible_normals(wo, alpha, |h| {
+        let (reflectance, reflected, refracted) = facet(h);
         Albedo { f0: reflectance * reflected, f90: (1.0 - reflectance) * refracted }
     });
-    albedo.f0 + albedo.f90
+    let ends = mean_over_visible_normals(wo, alpha, |h| match facet(h) {
+        (reflectance, reflected, _) if reflectance >= 1.0 => Albedo { f0: reflected, f90: 0.0 },
+        (_, reflected, refracted) => Albedo { f0: refracted, f90: reflected - refracted },
+    });
+    GlassAlbedo { exact: exact.f0 + exact.f90, clear: ends.f0, mirrored: ends.f90 }
 }

@@ -9,7 +9,7 @@ fn layered(params: SurfaceParams, layers: Layers) -> Bsdf {
     Bsdf::layered(&params, &layers, BsdfForm::Conserving)
 }
 
-fn white_base() -> [(&'static str, SurfaceParams); 5] {
+fn white_base() -> [(&'static str, SurfaceParams); 6] {
     let white = SurfaceParams { roughness: 0.5, ..SurfaceParams::default() };
     [
         ("lambert", SurfaceParams { specular: 0.0, ..white }),
@@ -17,6 +17,7 @@ fn white_base() -> [(&'static str, SurfaceParams); 5] {
         ("mirror", SurfaceParams { metallic: 1.0, roughness: 0.0, ..white }),
         ("metal", SurfaceParams { metallic: 1.0, ..white }),
         ("sheet", SurfaceParams { transmission: 1.0, thin: true, ..white }),
+        ("glass", SurfaceParams { transmission: 1.0, ..white }),
     ]
 }
 
@@ -37,6 +38,7 @@ fn white_furnaces_never_exceed_one() {
         ("smooth coat", coat(0.0), 0.9),
         ("rough coat", coat(0.6), 0.85),
         ("half a coat", Layers { clearcoat: 0.5, ..coat(0.1) }, 0.9),
+        ("bent coat", Layers { clearcoat_normal: Vec3::new(0.36, -0.48, 0.8), ..coat(0.3) }, 0.5),
         ("smooth cloth", cloth(0.1), 0.2),
         ("cloth", cloth(0.5), 0.5),
         ("rough cloth", cloth(1.0), 0.5),

@@ -73,17 +73,17 @@ fn evaluate_solid(
     let (split, _) = glass.split(along_o, eta, film);
     let lobe = ggx::Lobe::new(h, wo.z, wi.z.abs(), glass.alpha);
     let gain = match glass.form {
-        BsdfForm::AppendixB => 1.0,
-        BsdfForm::Conserving => 1.0 / energy::rough_glass(glass.alpha, wo.z, eta),
+        BsdfForm::AppendixB => Vec3::ONE,
+        BsdfForm::Conserving => glass.gain(energy::rough_glass(glass.alpha, wo.z, eta)),
     };
     if wi.z > 0.0 {
-        let value = split.reflectance * (lobe.reflected * wi.z * gain);
+        let value = split.reflectance * gain * (lobe.reflected * wi.z);
         (value, split.choice * lobe.visible * 0.5)
     } else {
         let denominator = along_o + eta * along_i;
         let spread = 2.0 * along_o * along_i.abs() / (denominator * denominator);
-        let scattered = 2.0 * spread * lobe.reflected * wi.z.abs() * gain;
-        let value = split.transmittance(glass.tint) * scattered;
+        let scattered = 2.0 * spread * lobe.reflected * wi.z.abs();
+        let value = split.transmittance(glass.tint) * gain * scattered;
         // Radiance is denser behind the boundary: the value lacks the factor eta² of the density.
         (value, (1.0 - split.choice) * spread * lobe.visible * eta * eta)
     }

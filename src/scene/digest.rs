@@ -44,7 +44,7 @@ impl Write for Digest {
 }
 
 impl Scene {
-    /// A hash of shapes, places, materials, lights, texels and the environment's pixels.
+    /// A hash of shapes, places, materials, lights, cameras, texels and the environment's pixels.
     pub fn digest(&self) -> u64 {
         let mut digest = Digest(0);
         for mesh in &self.meshes {
@@ -83,7 +83,7 @@ impl Scene {
                 let _ = write!(digest, "{sun:?}");
             }
         }
-        let _ = write!(digest, "{:?} {:?}", self.materials, self.lights);
+        let _ = write!(digest, "{:?} {:?} {:?}", self.materials, self.lights, self.cameras);
         digest.0
     }
 }

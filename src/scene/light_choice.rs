@@ -164,6 +164,8 @@ pub(super) fn of_triangle(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Sampler;
+    use crate::sampling::chi_squared::assert_fits;
 
     #[test]
     fn names_are_read_back() {
@@ -199,6 +201,40 @@ mod tests {
             for light in 0..3 {
                 assert!((counts[light] - expected[light]).abs() < 0.003, "{choice} {counts:?}");
             }
+        }
+    }
+
+    /// Many lights, two of them nowhere: chi-squared of how often each is chosen.
+    #[test]
+    fn lights_are_chosen_as_often_as_they_say() {
+        const LIGHTS: usize = 40;
+        const COUNT: u64 = 50_000;
+        let power = |light: usize| ((light * 7) % 13 + 1) as f32;
+        let far = |light: usize| light % 17 == 5;
+        let bounds = || {
+            let lamp = |light: usize| {
+                let power = if far(light) { 0.0 } else { power(light) };
+                let at = Vec3::new(light as f32, (light % 5) as f32, -2.0);
+                LightBounds::point(at, Vec3::Y, std::f32::consts::PI, power)
+            };
+            (0..LIGHTS).map(lamp).collect()
+        };
+        let vantage = Vantage { position: Vec3::new(9.0, 0.0, 1.0), normal: Vec3::NEG_Z };
+        for choice in LightChoice::ALL {
+            let weights = (0..LIGHTS).map(|light| f64::from(power(light))).collect();
+            let chooser = Chooser::new(weights, choice, bounds);
+            let mut counts = [0; LIGHTS];
+            for i in 0..COUNT {
+                let u = Sampler::independent(i, 0, 5).next_1d();
+                counts[chooser.sample(&vantage, u).expect("all shine").0] += 1;
+            }
+            let chance = |light: usize| match far(light) {
+                true => chooser.far_probability(light),
+                false => chooser.near_probability(&vantage, light),
+            };
+            let expected: Vec<f64> =
+                (0..LIGHTS).map(|light| f64::from(chance(light)) * COUNT as f64).collect();
+            assert_fits(&counts, &expected, LightChoice::ALL.len(), choice.name());
         }
     }
 }

@@ -28,6 +28,9 @@ pub struct LoadOptions {
     /// Which of the file's variants of materials (KHR_materials_variants), by its name or else its
     /// number from 0; none: the materials that it has without.
     pub variant: Option<String>,
+    /// Which of the file's animations is posed, by its name or else its number from 0; none: the
+    /// first.
+    pub animation: Option<String>,
     /// The time at which animations are posed, seconds; none: all is in its rest pose.
     pub time: Option<f32>,
 }
@@ -38,7 +41,8 @@ impl LoadOptions {
     /// # Errors
     /// [`LoadError::NoSuch`].
     pub(super) fn refuse_choices(&self, path: &Path) -> Result<(), LoadError> {
-        let choices = [("scene", &self.scene), ("variant", &self.variant)];
+        let choices =
+            [("scene", &self.scene), ("variant", &self.variant), ("animation", &self.animation)];
         match choices.iter().find_map(|(what, wanted)| Some((*what, wanted.as_deref()?))) {
             Some((what, wanted)) => Err(LoadError::no_such(path, what, wanted, [])),
             None => Ok(()),

@@ -70,6 +70,9 @@ pub struct Material {
     pub roughness: f32,
     /// Roughness in G, metalness in B.
     pub metallic_roughness_texture: Option<TextureRef>,
+    /// In its alpha channel; one minus roughness is multiplied with it
+    /// (KHR_materials_pbrSpecularGlossiness).
+    pub glossiness_texture: Option<TextureRef>,
     /// Tangent-space normals.
     pub normal_texture: Option<TextureRef>,
     /// Multiplies x and y of the normal texture.
@@ -86,7 +89,7 @@ pub struct Material {
     pub alpha_texture: Option<TextureRef>,
     /// Whether it emits from its back too.
     pub double_sided: bool,
-    /// Index of refraction.
+    /// Index of refraction, at least 1; 0 stands for infinity.
     pub ior: f32,
     /// Strength of the dielectric's reflection.
     pub specular: f32,
@@ -123,6 +126,7 @@ impl Default for Material {
             metallic: 1.0,
             roughness: 1.0,
             metallic_roughness_texture: None,
+            glossiness_texture: None,
             normal_texture: None,
             normal_scale: 1.0,
             bump_texture: None,
@@ -180,6 +184,7 @@ impl Material {
         [
             (&mut self.base_color_texture, base),
             (&mut self.metallic_roughness_texture, Range::Unit),
+            (&mut self.glossiness_texture, Range::Unit),
             (&mut self.normal_texture, Range::Any),
             (&mut self.bump_texture, Range::Any),
             (&mut self.emissive_texture, Range::Light),

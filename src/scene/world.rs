@@ -178,6 +178,7 @@ impl Resolved {
         let looked_up = [
             material.base_color_texture,
             material.metallic_roughness_texture,
+            material.glossiness_texture,
             material.specular_texture,
             material.specular_color_texture,
             material.transmission_texture,
@@ -257,7 +258,10 @@ fn surface_params(scene: &Scene, material: &Material, at: &Attributes) -> Surfac
     SurfaceParams {
         base_color: base_color(scene, material, at).truncate(),
         metallic: material.metallic * metallic_roughness.z,
-        roughness: material.roughness * metallic_roughness.y,
+        roughness: match material.glossiness_texture {
+            None => material.roughness * metallic_roughness.y,
+            Some(_) => 1.0 - (1.0 - material.roughness) * texel(&material.glossiness_texture).w,
+        },
         ior: material.ior,
         specular: material.specular * texel(&material.specular_texture).w,
         specular_color: material.specular_color

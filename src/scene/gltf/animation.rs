@@ -12,6 +12,8 @@ use super::read::Storage;
 /// An animation.
 #[derive(Clone, Debug)]
 pub struct Animation {
+    /// What the file calls it.
+    pub name: String,
     channels: Vec<Channel>,
 }
 
@@ -75,7 +77,7 @@ pub fn read(
             let (place, interpolation, times, values) = samplers[sampler].clone();
             channels.push(Channel { place, node, property, interpolation, times, values });
         }
-        Ok(Animation { channels })
+        Ok(Animation { name: object.name()?, channels })
     };
     root.objects("animations")?.iter().map(&mut animation).collect()
 }

@@ -24,7 +24,7 @@ use super::skin::{self, Skin};
 use super::texture::ImageSource;
 use crate::math::{Aabb, MaterialId, MeshId};
 use crate::scene::placement::{self, MAX_INSTANCES};
-use crate::scene::{Instance, LoadError, LoadOptions, Material, Scene, Transform};
+use crate::scene::{Instance, LoadError, LoadOptions, Material, Scene, Texture, Transform, chosen};
 
 /// Builds the scene that `options` choose; `binary` is the container's second chunk.
 pub fn assemble(
@@ -41,7 +41,7 @@ pub fn assemble(
     };
     let roots = roots.to_vec();
     let mut placed = nodes::place(&document.nodes, &roots);
-    let animation = animation(&document, options.time, notices);
+    let animation = animation(&document, options, path, notices)?;
     let mut drawn: Vec<usize> =
         placed.iter().filter_map(|at| document.nodes[at.node].mesh).collect();
     drawn.sort_unstable();
@@ -121,7 +121,9 @@ pub fn assemble(
     let (cameras, lights) = (&document.cameras, &document.lights);
     place_cameras_and_lights(&nodes, cameras, lights, &placed, &mut scene, notices);
     scene.materials = builder.palette.materials;
-    scene.textures = textures;
+    let slots = scene.materials.iter_mut().flat_map(Material::texture_slots_mut);
+    slots.for_each(|slot| *slot = slot.filter(|slot| textures[slot.texture.index()].is_some()));
+    scene.textures = textures.into_iter().map(|it| it.unwrap_or_else(Texture::magenta)).collect();
     Ok(scene)
 }
 
@@ -156,19 +158,32 @@ fn place_cameras_and_lights(
 }
 
 /// The animation to pose, and what there is to say of those that are not.
-fn animation(document: &Document, time: Option<f32>, notices: &mut Notices) -> Option<Animation> {
+fn animation(
+    document: &Document,
+    options: &LoadOptions,
+    path: &Path,
+    notices: &mut Notices,
+) -> Result<Option<Animation>, LoadError> {
+    let names = || document.animations.iter().map(|animation| animation.name.as_str());
     let count = document.animations.len();
-    match (time, count) {
+    let wanted = match options.animation.as_deref() {
+        None => 0,
+        Some(wanted) => chosen(names(), wanted)
+            .ok_or_else(|| LoadError::no_such(path, "animation", wanted, names()))?,
+    };
+    match (options.time, count) {
         (None, 0) | (Some(_), 1) => {}
         (None, _) => {
             notices.add("/animations", "all is in its rest pose: --time poses animations");
         }
         (Some(_), 0) => notices.add("", "there is no animation: --time changes nothing"),
-        (Some(_), _) => {
-            notices.add("/animations", format!("the first of {count} animations is posed"));
+        (Some(_), _) if options.animation.is_none() => {
+            let message = format!("the first of {count} animations is posed (--animation)");
+            notices.add("/animations", message);
         }
+        (Some(_), _) => {}
     }
-    time.and(document.animations.first().cloned())
+    Ok(options.time.and(document.animations.get(wanted).cloned()))
 }
 
 /// The buffer views that an accessor reads.
@@ -283,6 +298,10 @@ impl Builder<'_> {
             };
             // The skin puts vertices into the world itself (3.7.3.3).
             pose.skin = Some((skin, matrices));
+            if node.copies.is_some() {
+                let message = "copies of what a skin moves stand where it does: there is one alone";
+                notices.add(format!("/nodes/{}", at.node), message);
+            }
             let at = Placed { node: at.node, to_world: DAffine3::IDENTITY };
             return self.place(mesh, &at, &pose, notices);
         }

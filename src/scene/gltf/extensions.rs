@@ -9,7 +9,7 @@ use super::notices::Notices;
 use crate::scene::UsedExtension;
 
 /// What this loader does all of.
-const HONOURED: [&str; 18] = [
+const HONOURED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -20,6 +20,7 @@ const HONOURED: [&str; 18] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -40,7 +41,6 @@ fn is_supported(name: &str) -> bool {
 /// What leaving an extension out means for the picture.
 fn consequence(name: &str) -> &'static str {
     match name {
-        "KHR_materials_pbrSpecularGlossiness" => "the metallic-roughness values are used",
         "KHR_texture_basisu" => "the texture's other image is used",
         _ => "it is left out",
     }
@@ -154,16 +154,15 @@ mod tests {
 
     #[test]
     fn what_is_left_out_is_said_with_its_place() {
-        let text = r#"{"extensionsUsed": ["KHR_materials_ior", "KHR_materials_pbrSpecularGlossiness", "X_y"],
-            "materials": [{"extensions": {"KHR_materials_pbrSpecularGlossiness": {}, "KHR_materials_ior": {}}},
-                          {"extensions": {"KHR_materials_pbrSpecularGlossiness": {}}}],
+        let text = r#"{"extensionsUsed": ["KHR_materials_ior", "KHR_texture_basisu", "X_y"],
+            "textures": [{"extensions": {"KHR_texture_basisu": {}, "KHR_materials_ior": {}}},
+                         {"extensions": {"KHR_texture_basisu": {}}}],
             "extras": {"extensions": {"none": {}}}}"#;
         assert_eq!(
             notices(text),
             [
-                "a: /materials/0/extensions/KHR_materials_pbrSpecularGlossiness: extension \
-                 KHR_materials_pbrSpecularGlossiness is not supported: the metallic-roughness values are used \
-                 (and at one other place)",
+                "a: /textures/0/extensions/KHR_texture_basisu: extension KHR_texture_basisu is not \
+                 supported: the texture's other image is used (and at one other place)",
                 "a: /extensionsUsed/2: extension X_y is not supported",
             ]
         );

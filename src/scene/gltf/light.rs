@@ -41,7 +41,7 @@ fn light(object: &Object, notices: &mut Notices) -> Result<LightDeclaration, Fau
     let kind = match object.text("type")?.ok_or_else(|| object.absent("type"))? {
         "point" => PunctualKind::Point,
         "directional" => PunctualKind::Directional,
-        "spot" => spot(object)?,
+        "spot" => spot(object, notices)?,
         other => {
             let message = format!("{other:?} is none of point, spot and directional");
             return Err(object.fault_at("type", message));
@@ -61,16 +61,20 @@ fn light(object: &Object, notices: &mut Notices) -> Result<LightDeclaration, Fau
     Ok(LightDeclaration { kind, intensity, range })
 }
 
-fn spot(object: &Object) -> Result<PunctualKind, Fault> {
+/// Angles that are out of order leave a sharp edge: files of other programs have such, by rounding
+/// or by meaning it.
+fn spot(object: &Object, notices: &mut Notices) -> Result<PunctualKind, Fault> {
     let spot = object.object("spot")?.ok_or_else(|| object.absent("spot"))?;
     let inner = spot.number("innerConeAngle")?.unwrap_or(0.0);
     let outer = spot.number("outerConeAngle")?.unwrap_or(std::f32::consts::FRAC_PI_4);
-    if !(inner >= 0.0 && inner < outer && outer <= std::f32::consts::FRAC_PI_2 + 1e-6) {
+    let widest = std::f32::consts::FRAC_PI_2;
+    if inner < 0.0 || outer < 0.0 || outer > widest + 1e-6 || inner > outer {
         let message =
             format!("cone angles {inner} and {outer} are not in order between 0 and pi/2");
-        return Err(spot.fault(message));
+        notices.add(spot.place(), format!("{message}: they are taken to the nearest that are"));
     }
-    Ok(PunctualKind::Spot { inner, outer })
+    let outer = outer.clamp(0.0, widest);
+    Ok(PunctualKind::Spot { inner: inner.clamp(0.0, outer), outer })
 }
 
 #[cfg(test)]
@@ -107,7 +111,14 @@ mod tests {
         let light = light_of(r#"{"type": "spot", "spot": {}}"#).expect("valid");
         let outer = std::f32::consts::FRAC_PI_4;
         assert_eq!(light.kind, PunctualKind::Spot { inner: 0.0, outer });
-        assert!(light_of(r#"{"type": "spot", "spot": {"innerConeAngle": 1}}"#).is_err());
+        // In order as written, alike once rounded.
+        let rounded = r#"{"type": "spot", "spot": {"innerConeAngle": 0.08968102931976317,
+            "outerConeAngle": 0.08968102931976318}}"#;
+        let edge = light_of(rounded).expect("valid").kind;
+        assert!(matches!(edge, PunctualKind::Spot { inner, outer } if inner == outer));
+        let beyond = light_of(r#"{"type": "spot", "spot": {"innerConeAngle": 1}}"#);
+        let sharp = PunctualKind::Spot { inner: outer, outer };
+        assert_eq!(beyond.map(|light| light.kind), Ok(sharp));
         assert!(light_of(r#"{"type": "spot"}"#).is_err());
         assert!(light_of(r#"{"type": "area"}"#).is_err());
     }

@@ -43,6 +43,9 @@ impl Reader<'_, '_> {
             material.emissive = self.color(object, "emissiveFactor", factor);
         }
         material.emissive_texture = self.member(object, "emissiveTexture", ColorSpace::Srgb)?;
+        if let Some(extension) = object.extension("KHR_materials_pbrSpecularGlossiness")? {
+            self.specular_glossiness(&extension, &mut material)?;
+        }
         self.extensions(&mut material)?;
         if let Some(mark) = object.extension("KHR_materials_unlit")? {
             let others = object.object("extensions")?;
@@ -145,16 +148,11 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// At least 1, as all that is known has.
+    /// At least 1, as all that is known has, or 0, which stands for infinity.
     fn ior(&mut self, extension: &Object) -> Result<f32, Fault> {
         let ior = extension.number("ior")?.unwrap_or(1.5);
-        if ior >= 1.0 {
+        if ior >= 1.0 || ior == 0.0 {
             return Ok(ior);
-        }
-        if ior == 0.0 {
-            let message = "0 (a mirror at all angles) is not supported; 1.5 is used";
-            self.notices.add(extension.at("ior"), message);
-            return Ok(1.5);
         }
         self.notices.add(extension.at("ior"), "is below 1; 1 is used");
         Ok(1.0)
@@ -185,7 +183,7 @@ impl Reader<'_, '_> {
         Ok(value.clamp(0.0, 1.0))
     }
 
-    fn check_unit(&mut self, object: &Object, key: &str, values: &[f32]) {
+    pub(super) fn check_unit(&mut self, object: &Object, key: &str, values: &[f32]) {
         if values.iter().any(|value| !(0.0..=1.0).contains(value)) {
             self.notices.add(object.at(key), "is not within 0 to 1; the nearer of them is used");
         }
@@ -309,6 +307,34 @@ mod tests {
         let texture = material.emissive_texture.expect("has one");
         assert!(texture.transform(Vec2::ZERO).distance(Vec2::new(0.0, 1.0)) < 1e-6);
         assert!(texture.transform(Vec2::ONE).distance(Vec2::new(0.5, 0.5)) < 1e-6);
+    }
+
+    #[test]
+    fn an_index_is_at_least_one_or_stands_for_infinity() {
+        let ior = |ior: &str| {
+            let extension = format!("\"KHR_materials_ior\": {{\"ior\": {ior}}}");
+            material(&format!("{{\"extensions\": {{{extension}}}}}")).expect("valid")
+        };
+        for (text, expected, notices) in [("1.33", 1.33, 0), ("0", 0.0, 0), ("0.5", 1.0, 1)] {
+            let (made, told) = ior(text);
+            assert_eq!((made.ior, told), (expected, notices), "{text}");
+        }
+    }
+
+    #[test]
+    fn glossiness_is_what_roughness_lacks() {
+        let (made, notices) = material(
+            r#"{"pbrMetallicRoughness": {"metallicFactor": 1, "metallicRoughnessTexture":
+                {"index": 0}}, "extensions": {"KHR_materials_pbrSpecularGlossiness":
+                {"diffuseFactor": [0.5, 0.25, 1, 1], "specularFactor": [0.2, 0.1, 0],
+                "glossinessFactor": 0.75, "specularGlossinessTexture": {"index": 1}}}}"#,
+        )
+        .expect("valid");
+        assert_eq!((made.metallic, made.roughness, made.ior, notices), (0.0, 0.25, 0.0, 0));
+        assert_eq!(made.specular_color, Vec3::new(0.2, 0.1, 0.0));
+        assert_eq!(made.base_color, Vec4::new(0.5, 0.25, 1.0, 1.0));
+        assert_eq!(made.glossiness_texture, made.specular_color_texture);
+        assert!(made.glossiness_texture.is_some() && made.metallic_roughness_texture.is_none());
     }
 
     #[test]

@@ -156,7 +156,7 @@ fn primitive(
     let attribute = |name| attributes.reference(name, "accessor", accessors);
     let indices = object.reference("indices", "accessor", accessors)?;
     let material = variants.material(object)?;
-    let morphs = morphs(object, accessors)?;
+    let morphs = morphs(object, accessors, notices)?;
     let joints = joints(&attributes, accessors)?;
     let mode = match object.whole("mode")?.unwrap_or(4) {
         0..=3 => {
@@ -216,8 +216,17 @@ fn joints(attributes: &Object, accessors: usize) -> Result<Vec<[usize; 2]>, Faul
     }
 }
 
-fn morphs(object: &Object, accessors: usize) -> Result<Vec<Displacements>, Fault> {
+fn morphs(
+    object: &Object,
+    accessors: usize,
+    notices: &mut Notices,
+) -> Result<Vec<Displacements>, Fault> {
     let morph = |target: &Object| {
+        for (name, _) in target.members() {
+            if name.starts_with("COLOR_") || name.starts_with("TEXCOORD_") {
+                notices.add(target.at(name), "is not morphed: it stays as it is");
+            }
+        }
         let attribute = |name| target.reference(name, "accessor", accessors);
         Ok([attribute("POSITION")?, attribute("NORMAL")?, attribute("TANGENT")?])
     };

@@ -28,6 +28,7 @@ mod primitive;
 mod read;
 mod resources;
 mod skin;
+mod specular_glossiness;
 mod texture;
 mod variants;
 

@@ -104,7 +104,8 @@ const FREE_BYTES: u64 = 4 << 30;
 const EXPANSION: u64 = 256;
 
 /// Makes the textures in `slots`, which are indices into `textures`. Each image is decoded once.
-/// What is missing or broken goes to `broken`, or is magenta and noted.
+/// What is missing or broken goes to `broken`, or is noted, and colours are magenta; `None` is what
+/// holds no colours, to be left out.
 pub fn load_textures(
     slots: &[(usize, ColorSpace)],
     textures: &[TextureDeclaration],
@@ -114,7 +115,7 @@ pub fn load_textures(
     missing: MissingTexture,
     broken: &mut Vec<Broken>,
     notices: &mut Notices,
-) -> Vec<Texture> {
+) -> Vec<Option<Texture>> {
     let mut decoded = decode_images(slots, textures, images, storage, folder);
     for (&image, result) in &decoded {
         if let Err(reason) = result {
@@ -123,17 +124,22 @@ pub fn load_textures(
         }
     }
     let mut texture = |&(index, color_space): &(usize, ColorSpace)| {
-        let TextureDeclaration { place, image, wrap, filter } = &textures[index];
+        let TextureDeclaration { place, image, compressed, wrap, filter } = &textures[index];
         match image.and_then(|image| decoded.get_mut(&image)) {
             Some(Ok(found)) => {
                 let name = image.map(|image| name_of(&images[image])).unwrap_or_default();
-                Texture::new(found.clone(), color_space, *wrap, *filter).named(name)
+                Some(Texture::new(found.clone(), color_space, *wrap, *filter).named(name))
             }
-            Some(Err(_)) => Texture::magenta(),
-            None => {
-                let reason = "has no image that dapple can read";
-                report(String::new(), place, reason, missing, broken, notices);
-                Texture::magenta()
+            found => {
+                if found.is_none() {
+                    let reason = if *compressed {
+                        "is of KTX2 alone (KHR_texture_basisu), which dapple does not read"
+                    } else {
+                        "has no image that dapple can read"
+                    };
+                    report(String::new(), place, reason, missing, broken, notices);
+                }
+                (color_space == ColorSpace::Srgb).then(Texture::magenta)
             }
         }
     };
@@ -155,7 +161,7 @@ fn report(
         }
         MissingTexture::Magenta => {
             let name = if name.is_empty() { name } else { format!("{name:?}: ") };
-            notices.add(place, format!("{name}{reason}; magenta takes its place"));
+            notices.add(place, format!("{name}{reason}: colours are magenta, others left out"));
         }
     }
 }

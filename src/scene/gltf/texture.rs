@@ -80,6 +80,8 @@ pub struct TextureDeclaration {
     pub place: String,
     /// Which image; none where only an extension names one that is not supported.
     pub image: Option<usize>,
+    /// Whether it has one of KHR_texture_basisu.
+    pub compressed: bool,
     /// Beyond the edges, along u and v.
     pub wrap: [Wrap; 2],
     /// Between texels.
@@ -112,7 +114,9 @@ pub fn textures(root: &Object, images: usize) -> Result<Vec<TextureDeclaration>,
         if let Some(webp) = object.extension("EXT_texture_webp")? {
             image = webp.reference("source", "image", images)?.or(image);
         }
-        Ok(TextureDeclaration { place: object.place().to_owned(), image, wrap, filter })
+        let compressed = object.extension("KHR_texture_basisu")?.is_some();
+        let place = object.place().to_owned();
+        Ok(TextureDeclaration { place, image, compressed, wrap, filter })
     };
     root.objects("textures")?.iter().map(texture).collect()
 }

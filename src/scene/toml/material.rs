@@ -24,7 +24,7 @@ const COLORS: &[(&str, f32, Setter<Vec3>)] = &[
 const NUMBERS: &[(&str, RangeInclusive<f32>, Setter<f32>)] = &[
     ("metallic", SHARE, |m, value| m.metallic = value),
     ("roughness", SHARE, |m, value| m.roughness = value),
-    ("ior", 1.0..=f32::MAX, |m, value| m.ior = value),
+    ("ior", 0.0..=f32::MAX, |m, value| m.ior = value),
     ("specular", SHARE, |m, value| m.specular = value),
     ("transmission", SHARE, |m, value| m.transmission = value),
     ("emissive-strength", ANY, |m, value| m.emissive *= value),

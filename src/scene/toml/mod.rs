@@ -2,7 +2,7 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | `[[place]]` | `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion), `scale`, or a `matrix` by columns; `scene`, `variant`, `time` (at which it then stands still under `--shutter`); `material."name"` |
+//! | `[[place]]` | `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion), `scale`, or a `matrix` by columns; `scene`, `variant`, `animation`, `time` (at which it then stands still under `--shutter`); `material."name"` |
 //! | `[material."name"]` | changes of materials of that name in all files, `"*"`: of all materials |
 //! | `[[camera]]` | `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name` |
 //! | `[environment]` | `file` or `color`; `scale`, `rotate` |

@@ -21,6 +21,7 @@ pub struct Placement<'d> {
     name: &'d str,
     scene: Option<String>,
     variant: Option<String>,
+    animation: Option<String>,
     time: Option<f32>,
     to_world: DAffine3,
     overrides: Overrides,
@@ -36,6 +37,7 @@ impl<'d> Placement<'d> {
         }
         let owned = |key| Ok::<_, LoadError>(table.text(key)?.map(str::to_owned));
         let (scene, variant) = (owned("scene")?, owned("variant")?);
+        let animation = owned("animation")?;
         let time = table.number_in("time", -f32::MAX..=f32::MAX)?;
         let to_world = transform(&table)?;
         let overrides = match table.table("material")? {
@@ -43,7 +45,12 @@ impl<'d> Placement<'d> {
             None => Overrides::default(),
         };
         table.finish()?;
-        Ok(Self { table, name, scene, variant, time, to_world, overrides })
+        Ok(Self { table, name, scene, variant, animation, time, to_world, overrides })
+    }
+
+    fn part(&self, path: PathBuf, options: &LoadOptions) -> Part {
+        let time = self.time.or(options.time).map(f32::to_bits);
+        (path, [&self.scene, &self.variant, &self.animation].map(Clone::clone), time)
     }
 }
 
@@ -85,9 +92,9 @@ fn transform(table: &Table) -> Result<DAffine3, LoadError> {
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translate))
 }
 
-/// What of a file is loaded: its path, one of its scenes, one of its variants, and the bits of the
-/// time that it is posed at.
-type Part = (PathBuf, Option<String>, Option<String>, Option<u32>);
+/// What of a file is loaded: its path, one of its scenes, one of its variants, one of its
+/// animations, and the bits of the time that it is posed at.
+type Part = (PathBuf, [Option<String>; 3], Option<u32>);
 
 /// A scene that parts are added to; each file is loaded once.
 pub struct Stage<'a> {
@@ -132,8 +139,7 @@ impl<'a> Stage<'a> {
                 return Ok(());
             }
         };
-        let time = at.time.or(self.options.time);
-        let part = (path.clone(), at.scene.clone(), at.variant.clone(), time.map(f32::to_bits));
+        let part = at.part(path.clone(), self.options);
         if self.parts.contains_key(&part) {
             return Ok(());
         }
@@ -141,7 +147,8 @@ impl<'a> Stage<'a> {
             strict: false,
             scene: at.scene.clone(),
             variant: at.variant.clone(),
-            time,
+            animation: at.animation.clone(),
+            time: at.time.or(self.options.time),
             ..self.options.clone()
         };
         match load::load_part(&path, &options) {
@@ -167,8 +174,7 @@ impl<'a> Stage<'a> {
     /// Places what has been loaded; `common` are the overrides of all placements.
     pub fn place(&mut self, at: &Placement, common: &Overrides) -> Result<(), LoadError> {
         let Ok(path) = uri::file(self.folder, at.name) else { return Ok(()) };
-        let time = at.time.or(self.options.time).map(f32::to_bits);
-        let part = (path, at.scene.clone(), at.variant.clone(), time);
+        let part = at.part(path, self.options);
         let Some((source, bounds)) = self.parts.get(&part) else { return Ok(()) };
         let names: Vec<String> = source.materials.iter().map(|m| m.name.clone()).collect();
         if let Some((name, line)) = at.overrides.unmatched(&names) {
