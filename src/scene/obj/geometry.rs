@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::lines::{self, Statement};
 use super::remarks::Remarks;
+use super::smoothing::{self, Smoothed};
 use crate::math::{Vec2, Vec3};
 use crate::scene::LoadError;
 
@@ -72,6 +73,7 @@ pub(super) fn parse(
     if let Some((line, message)) = ends.into_iter().flatten().min_by_key(|(line, _)| *line) {
         return Err(LoadError::line(file, line, message));
     }
+    smoothing::add_normals(&mut reader.geometry, &reader.smoothed);
     Ok(reader.geometry)
 }
 
@@ -85,7 +87,10 @@ struct Reader {
     part: Option<usize>,
     parts: HashMap<(String, String, Option<usize>), usize>,
     material_ids: HashMap<String, usize>,
-    smooth: bool,
+    /// The smoothing group; 0: none.
+    smooth: u32,
+    /// Polygons that are to get normals.
+    smoothed: Vec<Smoothed>,
     /// Of positions, texture coordinates and normals.
     ahead: [Ahead; 3],
 }
@@ -148,7 +153,7 @@ impl Reader {
                 Ok(())
             }
             "s" => {
-                self.smooth = !matches!(s.rest, b"off" | b"0" | b"");
+                self.smooth = smoothing::group(s.rest);
                 Ok(())
             }
             other => {
@@ -188,25 +193,22 @@ impl Reader {
     }
 
     fn face(&mut self, s: &Statement, remarks: &mut Remarks) -> Result<(), String> {
-        let part = match self.part {
-            Some(part) => part,
-            None => self.enter_part(),
-        };
-        let start = self.geometry.parts[part].corners.len();
+        let part_number = self.part.unwrap_or_else(|| self.enter_part());
+        let start = self.geometry.parts[part_number].corners.len();
         for word in lines::words(s.rest) {
             let corner = self.corner(word, s.line)?;
-            self.geometry.parts[part].corners.push(corner);
+            self.geometry.parts[part_number].corners.push(corner);
         }
-        let part = &mut self.geometry.parts[part];
+        let part = &mut self.geometry.parts[part_number];
         let count = part.corners.len() - start;
         if count < 3 {
             part.corners.truncate(start);
             remarks.add(s.line, "faces of fewer than three corners are skipped");
             return Ok(());
         }
-        if self.smooth && part.corners[start..].iter().any(|corner| corner.normal == NONE) {
-            let message = "smoothing groups without normals are not honoured: shading is flat";
-            remarks.add(s.line, message);
+        if self.smooth != 0 && part.corners[start..].iter().any(|corner| corner.normal == NONE) {
+            let (group, part) = (self.smooth, part_number);
+            self.smoothed.push(Smoothed { group, part, start, count });
         }
         part.polygons.push(count as u32);
         // Meshes number their vertices by u32.
@@ -392,7 +394,6 @@ mod tests {
                 "free-form curves and surfaces are skipped (and 1 more)",
                 "faces of fewer than three corners are skipped",
                 "whatever is not honoured",
-                "smoothing groups without normals are not honoured: shading is flat",
                 "colours of vertices are not within 0 to 1; the nearer is used",
                 "a normal is zero: there the shading is flat",
             ]

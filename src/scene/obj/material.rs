@@ -3,7 +3,8 @@
 //! | MTL | here |
 //! |---|---|
 //! | `Kd` | base colour; 0.8 if neither it nor `map_Kd` is there |
-//! | `Ks` absent or 0, or `illum` 0 or 1 | no specular reflection: Lambert |
+//! | `illum` 0 | `Kd` is shown as it is, whatever light falls on it |
+//! | `Ks` absent or 0, or `illum` 1 | no specular reflection: Lambert |
 //! | `Ks` | strength of a dielectric's reflection, where 0.5 is full strength as in Blender |
 //! | `illum` 3 or 5 | `Ks` is the reflectance at normal incidence: a mirror if `Kd` is 0 |
 //! | `Ns` | roughness: the exponent's width is alpha² = 2 / (Ns + 2), roughness = √alpha |
@@ -57,8 +58,26 @@ pub(super) fn convert(
         (ke, _) => ke.unwrap_or_default(),
     };
     textures(&mut material, mtl, file, maps, remarks);
+    // A lamp stays a lamp.
+    if mtl.illum == Some(0) && !material.is_emissive() {
+        return unlit(material);
+    }
     material.layers = layers(mtl, file, maps, remarks);
     material
+}
+
+/// What is left of a material that shows its colour whatever falls on it.
+fn unlit(material: Material) -> Material {
+    let Material { name, base_color, base_color_texture, alpha_mode, alpha_texture, .. } = material;
+    Material {
+        name,
+        base_color,
+        base_color_texture,
+        alpha_mode,
+        alpha_texture,
+        unlit: true,
+        ..Material::default()
+    }
 }
 
 /// Specular reflection, roughness and metalness.
@@ -86,9 +105,6 @@ fn surface(material: &mut Material, mtl: &MtlMaterial, remarks: &mut Remarks) {
     material.roughness = mtl.pr.unwrap_or(absent).clamp(0.0, 1.0);
     let absent = if mtl.map_pm.is_some() { 1.0 } else { 0.0 };
     material.metallic = mtl.pm.unwrap_or(absent).clamp(0.0, 1.0);
-    if mtl.illum == Some(0) {
-        remarks.add(mtl.line, "illum 0 (colours without light) is not honoured: it is matt");
-    }
     if mtl.illum == Some(10) {
         remarks.add(mtl.line, "illum 10 (shadows on nothing) is not honoured: it is matt");
     }
@@ -144,6 +160,9 @@ fn textures(
     let mut color = |map| maps.texture(map, file, Use::Color);
     material.specular_color_texture = mtl.map_ks.as_ref().and_then(&mut color);
     material.emissive_texture = mtl.map_ke.as_ref().and_then(&mut color);
+    if let Some(map) = mtl.map_ke.as_ref().filter(|_| mtl.ke == Some(Vec3::ZERO)) {
+        remarks.add(map.line, "map_Ke is black because Ke is: set Ke to 1 1 1");
+    }
     material.normal_texture =
         mtl.norm.as_ref().and_then(|map| maps.texture(map, file, Use::Normals));
     if material.normal_texture.is_none() {
@@ -214,6 +233,15 @@ mod tests {
         assert_eq!(quietly("Kd 1 1 1").specular, 0.0);
         assert_eq!(quietly("illum 1\nKs 1").specular, 0.0);
         assert_eq!(quietly("").base_color.x, GREY);
+    }
+
+    #[test]
+    fn without_light_there_is_colour_alone() {
+        let m = quietly("illum 0\nKd 0.5 0.25 1\nKs 1\nd 0.5");
+        assert!(m.unlit && m.alpha_mode == AlphaMode::Blend);
+        assert_eq!(m.base_color.truncate(), Vec3::new(0.5, 0.25, 1.0));
+        let lamp = quietly("illum 0\nKe 1");
+        assert!(!lamp.unlit && lamp.is_emissive());
     }
 
     #[test]

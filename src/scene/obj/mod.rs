@@ -24,6 +24,7 @@ mod material;
 mod mesh;
 mod mtl;
 mod remarks;
+mod smoothing;
 mod texture_statement;
 
 use std::collections::{HashMap, HashSet};
