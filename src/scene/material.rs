@@ -166,6 +166,23 @@ impl Material {
         }
     }
 
+    /// What is left of it when it is not lit: colour, alpha and sides.
+    pub fn into_unlit(self) -> Self {
+        let Self { name, base_color, base_color_texture, .. } = self;
+        let Self { alpha_mode, alpha_texture, double_sided, .. } = self;
+        let rest = Self::default();
+        Self {
+            name,
+            base_color,
+            base_color_texture,
+            alpha_mode,
+            alpha_texture,
+            double_sided,
+            unlit: true,
+            ..rest
+        }
+    }
+
     /// All textures that it uses.
     pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
         self.texture_slots_mut().flatten()

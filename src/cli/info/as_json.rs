@@ -20,6 +20,13 @@ impl Report<'_> {
         let faults = self.faults.iter();
         let faults: Vec<_> =
             faults.map(|(kind, message)| json!({ "kind": kind, "message": message })).collect();
+        let environment = scene.environment.as_ref().map(|environment| {
+            json!({
+                "even": environment.is_constant(),
+                "mean": environment.mean().to_array(),
+                "sun_towards": environment.sun().map(|sun| sun.direction().to_array()),
+            })
+        });
         let report = json!({
             "file": self.file,
             "triangles": {
@@ -39,6 +46,7 @@ impl Report<'_> {
                 "structure_estimate": self.structure_bytes(),
             },
             "scenes": scene.contents.scenes,
+            "environment": environment,
             "cameras": self.cameras(),
             "lights": self.lights(),
             "materials": self.materials(),

@@ -43,6 +43,12 @@ impl Report<'_> {
         if survey.emitting_triangles > 0 {
             line("emitters", format!("{} triangles", survey.emitting_triangles));
         }
+        if let Some(environment) = &scene.environment {
+            let [r, g, b] = environment.mean().to_array().map(|x| figure(x.into()));
+            let kind = if environment.is_constant() { "even" } else { "an image" };
+            let sun = if environment.sun().is_some() { ", with a sun" } else { "" };
+            line("around", format!("{kind}{sun}, {r} {g} {b} in the mean"));
+        }
         list(&mut text, "scenes", &numbered(scene.contents.scenes.iter().map(String::as_str)));
         self.list_cameras_and_lights(&mut text);
         self.list_materials_and_textures(&mut text);

@@ -54,7 +54,7 @@ impl Reader<'_, '_> {
                     "an unlit material has a colour alone: its other extensions do nothing";
                 self.notices.add(mark.place(), message);
             }
-            return Ok(unlit(material));
+            return Ok(material.into_unlit());
         }
         Ok(material)
     }
@@ -245,20 +245,6 @@ impl Reader<'_, '_> {
 fn is_of_light(name: &str) -> bool {
     let other = ["KHR_materials_unlit", "KHR_materials_variants"];
     name.starts_with("KHR_materials_") && !other.contains(&name)
-}
-
-/// What is left of a material that is not lit: colour, alpha and sides.
-fn unlit(material: Material) -> Material {
-    let Material { name, base_color, base_color_texture, alpha_mode, double_sided, .. } = material;
-    Material {
-        name,
-        base_color,
-        base_color_texture,
-        alpha_mode,
-        double_sided,
-        unlit: true,
-        ..Material::default()
-    }
 }
 
 #[cfg(test)]

@@ -60,24 +60,10 @@ pub(super) fn convert(
     textures(&mut material, mtl, file, maps, remarks);
     // A lamp stays a lamp.
     if mtl.illum == Some(0) && !material.is_emissive() {
-        return unlit(material);
+        return material.into_unlit();
     }
     material.layers = layers(mtl, file, maps, remarks);
     material
-}
-
-/// What is left of a material that shows its colour whatever falls on it.
-fn unlit(material: Material) -> Material {
-    let Material { name, base_color, base_color_texture, alpha_mode, alpha_texture, .. } = material;
-    Material {
-        name,
-        base_color,
-        base_color_texture,
-        alpha_mode,
-        alpha_texture,
-        unlit: true,
-        ..Material::default()
-    }
 }
 
 /// Specular reflection, roughness and metalness.

@@ -7,7 +7,8 @@
 //!
 //! - There is one mesh for each object, group and material; polygons of any shape become triangles
 //!   (`triangulate.rs`), in the file's order within their mesh.
-//! - Shading is flat where the file gives no normals. OBJ counts v of texture coordinates upwards;
+//! - Shading is flat where the file gives neither normals nor smoothing groups; the latter have
+//!   normals made for them (`smoothing.rs`). OBJ counts v of texture coordinates upwards;
 //!   they are turned over.
 //! - Materials are mapped as `material.rs` tells. Emitters shine from the front of their triangles.
 //! - Colours after the coordinates of vertices, as scanners write them, are sRGB and multiply the

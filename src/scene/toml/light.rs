@@ -1,5 +1,6 @@
 //! What shines in a TOML scene: punctual lights, surroundings, sun and sky.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use super::camera::vector;
@@ -42,11 +43,41 @@ pub fn punctual(table: &Table) -> Result<Punctual, LoadError> {
             return Err(table.fault_at("type", message));
         }
     };
-    let intensity = color(table, "color")?.unwrap_or(Vec3::ONE)
-        * table.number_in("intensity", 0.0..=MOST)?.unwrap_or(1.0);
+    let intensity = color(table, "color")?.unwrap_or(Vec3::ONE) * strength(table, kind)?;
     let range = table.positive("range")?;
     table.finish()?;
     Ok(Punctual { kind, position, direction, intensity, range })
+}
+
+/// `intensity`, or what it is by `lumen`, the flux of all that the light sends out. A spot's counts
+/// as even within its outer cone, as KHR_lights_punctual has it, so that a softer edge is darker.
+fn strength(table: &Table, kind: PunctualKind) -> Result<f32, LoadError> {
+    let intensity = table.number_in("intensity", 0.0..=MOST)?;
+    let Some(lumen) = table.number_in("lumen", 0.0..=MOST)? else {
+        return Ok(intensity.unwrap_or(1.0));
+    };
+    if intensity.is_some() {
+        return Err(table.fault_at("lumen", "goes without intensity: give one of the two"));
+    }
+    let solid_angle = match kind {
+        PunctualKind::Point => 4.0 * PI,
+        PunctualKind::Spot { outer, .. } => {
+            // 2 pi (1 - cos), without the difference of what is nearly equal.
+            let sine = libm::sin(0.5 * f64::from(outer));
+            4.0 * PI * sine * sine
+        }
+        PunctualKind::Directional => {
+            let message =
+                "is for point and spot lights: a directional one has an intensity, in lux";
+            return Err(table.fault_at("lumen", message));
+        }
+    };
+    let candela = (f64::from(lumen) / solid_angle) as f32;
+    if candela <= MOST {
+        Ok(candela)
+    } else {
+        Err(table.fault_at("lumen", "is too much for so narrow a cone"))
+    }
 }
 
 /// What is all around, as it is declared.

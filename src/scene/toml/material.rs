@@ -47,6 +47,11 @@ const NUMBERS: &[(&str, RangeInclusive<f32>, Setter<f32>)] = &[
     ("iridescence", SHARE, |m, value| layers(m).iridescence = value),
     ("iridescence-ior", 1.0..=f32::MAX, |m, value| layers(m).iridescence_ior = value),
     ("iridescence-thickness", ANY, |m, value| layers(m).iridescence_thickness = [value; 2]),
+    ("iridescence-thickness-minimum", ANY, |m, value| layers(m).iridescence_thickness[0] = value),
+    ("clearcoat-normal-scale", -f32::MAX..=f32::MAX, |m, value| {
+        layers(m).clearcoat_normal_scale = value;
+    }),
+    ("priority", -1e6..=1e6, |m, value| m.priority = value as i32),
     ("anisotropy-rotation", -360.0..=360.0, |m, degrees| {
         let (s, c) = libm::sincosf(degrees.to_radians());
         layers(m).anisotropy_rotation = Vec2::new(c, s);
@@ -56,6 +61,7 @@ const NUMBERS: &[(&str, RangeInclusive<f32>, Setter<f32>)] = &[
 /// Keys of switches, and what they set.
 const SWITCHES: &[(&str, Setter<bool>)] = &[
     ("double-sided", |m, on| m.double_sided = on),
+    ("unlit", |m, on| m.unlit = on),
     ("solid", |m, on| {
         if !on {
             m.volume = None;
@@ -99,6 +105,8 @@ enum Change {
     Color(usize, Vec3),
     Number(usize, f32),
     Switch(usize, bool),
+    /// `alpha-mode`; a mask keeps the cutoff of one that there is.
+    Mode(AlphaMode),
 }
 
 impl Overrides {
@@ -130,11 +138,17 @@ impl Overrides {
                     Change::Color(row, value) => (COLORS[row].2)(material, value),
                     Change::Number(row, value) => (NUMBERS[row].2)(material, value),
                     Change::Switch(row, value) => (SWITCHES[row].1)(material, value),
+                    Change::Mode(AlphaMode::Mask(_))
+                        if matches!(material.alpha_mode, AlphaMode::Mask(_)) => {}
+                    Change::Mode(mode) => material.alpha_mode = mode,
                 }
             }
         }
         if material.layers.as_ref().is_some_and(|layers| !layers.any()) {
             material.layers = None;
+        }
+        if material.unlit {
+            *material = std::mem::take(material).into_unlit();
         }
     }
 
@@ -162,8 +176,31 @@ fn changes(table: &Table) -> Result<Vec<Change>, LoadError> {
     }
     for (row, (key, range, _)) in NUMBERS.iter().enumerate() {
         let value = table.number_in(key, range.clone())?;
+        if *key == "priority" && value.is_some_and(|value| value.fract() != 0.0) {
+            return Err(table.fault_at(key, "must be a whole number"));
+        }
         changes.extend(value.map(|value| Change::Number(row, value)));
     }
+    // Last, since an alpha or a cutoff implies a mode of its own.
+    changes.extend(alpha_mode(table)?.map(Change::Mode));
     table.finish()?;
     Ok(changes)
+}
+
+fn alpha_mode(table: &Table) -> Result<Option<AlphaMode>, LoadError> {
+    let mode = match table.text("alpha-mode")? {
+        None => return Ok(None),
+        Some("opaque") => AlphaMode::Opaque,
+        // The default of glTF 2.0, 5.19.10.
+        Some("mask") => AlphaMode::Mask(0.5),
+        Some("blend") => AlphaMode::Blend,
+        Some(other) => {
+            let message = format!("{other:?} is none of opaque, mask and blend");
+            return Err(table.fault_at("alpha-mode", message));
+        }
+    };
+    if table.has("alpha-cutoff") && !matches!(mode, AlphaMode::Mask(_)) {
+        return Err(table.fault_at("alpha-cutoff", "needs alpha-mode = \"mask\", or none"));
+    }
+    Ok(Some(mode))
 }

@@ -66,6 +66,51 @@ fn what_is_said_of_all_gives_way_to_what_is_said_of_one() {
 }
 
 #[test]
+fn lumens_are_spread_over_the_light() {
+    let light = |keys: &str| format!("[[light]]\nposition = [0, 0, 0]\n{keys}\n");
+    let intensity = |keys: &str| loaded(&light(keys)).expect(keys).lights[0].intensity.x;
+    let tau = std::f32::consts::TAU;
+    assert!((intensity("type = 'point'\nlumen = 800") - 800.0 / (2.0 * tau)).abs() < 1e-3);
+    let spot = "type = 'spot'\ndirection = [0, -1, 0]\nouter = 60";
+    assert!((intensity(&format!("{spot}\nlumen = 800")) - 800.0 / (0.5 * tau)).abs() < 1e-3);
+    assert!(
+        error(&light("type = 'point'\nlumen = 1\nintensity = 1")).contains("without intensity")
+    );
+    let sun = "type = 'directional'\ndirection = [0, -1, 0]\nlumen = 1";
+    assert!(error(&light(sun)).contains("point and spot lights"));
+    let narrow = "type = 'spot'\ndirection = [0, -1, 0]\nouter = 1e-30\nlumen = 1";
+    assert!(error(&light(narrow)).contains("so narrow a cone"));
+}
+
+#[test]
+fn overrides_reach_alpha_priority_and_light() {
+    use crate::scene::AlphaMode;
+    let changed = |keys: &str| {
+        let text = format!("[[place]]\nfile = 'a.obj'\n[material.red]\n{keys}\n");
+        loaded(&text).map(|mut scene| scene.materials.swap_remove(0))
+    };
+    assert_eq!(changed("alpha-mode = 'mask'").unwrap().alpha_mode, AlphaMode::Mask(0.5));
+    let mask = changed("alpha-mode = 'mask'\nalpha-cutoff = 0.25").unwrap();
+    assert_eq!(mask.alpha_mode, AlphaMode::Mask(0.25));
+    let opaque = changed("alpha-mode = 'opaque'\nalpha = 0.5\npriority = -3").unwrap();
+    assert_eq!((opaque.alpha_mode, opaque.priority), (AlphaMode::Opaque, -3));
+    let film = "iridescence = 1\niridescence-thickness = 500\niridescence-thickness-minimum = 200";
+    let film = changed(&format!("{film}\nclearcoat-normal-scale = 2")).unwrap().layers.unwrap();
+    assert_eq!((film.iridescence_thickness, film.clearcoat_normal_scale), ([200.0, 500.0], 2.0));
+    let unlit = changed("unlit = true\nclearcoat = 1\nemissive = [1, 1, 1]").unwrap();
+    assert!(unlit.unlit && unlit.layers.is_none() && !unlit.is_emissive());
+    assert_eq!(unlit.base_color, Vec4::new(1.0, 0.0, 0.0, 1.0));
+    for (keys, message) in [
+        ("alpha-mode = 'cut'", "none of opaque, mask and blend"),
+        ("alpha-mode = 'blend'\nalpha-cutoff = 0.5", "needs alpha-mode"),
+        ("priority = 0.5", "must be a whole number"),
+    ] {
+        let error = changed(keys).expect_err(keys);
+        assert!(error.contains(message), "{error}");
+    }
+}
+
+#[test]
 fn cameras_lights_and_surroundings_are_those_of_the_file() {
     let scene = loaded(
         "[camera]\nlook-from = [0, 0, 4]\nfov = 30\naperture = 0.1\n\
