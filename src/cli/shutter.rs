@@ -63,9 +63,10 @@ impl Shutter {
 /// The camera at a moment: the `first` moment's, moved to where the scene has it now. What is not
 /// the scene's own, like the camera that frames it all, stays where it is.
 pub fn camera(args: &RenderArgs, first: &Camera, now: &Job) -> Camera {
-    match args.look_from.is_none() && !now.world.scene.cameras.is_empty() {
-        true => Camera { to_world: now.camera.to_world, ..*first },
-        false => *first,
+    if args.look_from.is_none() && !now.world.scene.cameras.is_empty() {
+        Camera { to_world: now.camera.to_world, ..*first }
+    } else {
+        *first
     }
 }
 

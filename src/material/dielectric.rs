@@ -204,9 +204,10 @@ impl Dielectric {
             return Vec3::splat(1.0 / albedo.exact);
         }
         let root = (self.ior - 1.0) / (self.ior + 1.0);
-        let slope = match self.ior >= INFINITE_IOR {
-            true => Vec3::ZERO,
-            false => (Vec3::splat(self.f90) - self.f0) / (1.0 - root * root),
+        let slope = if self.ior >= INFINITE_IOR {
+            Vec3::ZERO
+        } else {
+            (Vec3::splat(self.f90) - self.f0) / (1.0 - root * root)
         };
         let constant = self.f0 - slope * (root * root);
         let of = |constant, slope| 1.0 / albedo.of(constant, slope).clamp(0.1, 1.0);

@@ -228,9 +228,12 @@ mod tests {
                 let u = Sampler::independent(i, 0, 5).next_1d();
                 counts[chooser.sample(&vantage, u).expect("all shine").0] += 1;
             }
-            let chance = |light: usize| match far(light) {
-                true => chooser.far_probability(light),
-                false => chooser.near_probability(&vantage, light),
+            let chance = |light: usize| {
+                if far(light) {
+                    chooser.far_probability(light)
+                } else {
+                    chooser.near_probability(&vantage, light)
+                }
             };
             let expected: Vec<f64> =
                 (0..LIGHTS).map(|light| f64::from(chance(light)) * COUNT as f64).collect();
