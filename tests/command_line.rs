@@ -325,4 +325,12 @@ fn a_run_is_repeated_from_another_folder() {
     assert_eq!((code, &*error), (0, ""));
     let (code, _, error) = run(folder.path(), "diff inner/a.exr b.exr --fail max=0 -q");
     assert_eq!((code, &*error), (0, ""));
+    let (code, _, error) = run(&inner, "render --from a.exr -o c.exr -q");
+    assert_eq!((code, &*error), (0, ""));
+    // Out of the folder of a picture, one goes up.
+    let deeper = inner.join("out");
+    fs::create_dir(&deeper).expect("a folder");
+    fs::copy(inner.join("a.exr"), deeper.join("a.exr")).expect("copied");
+    let (code, _, error) = run(&deeper, "render --from a.exr -o b.exr -q");
+    assert_eq!((code, &*error), (0, ""));
 }

@@ -121,3 +121,52 @@ fn motion_looks_the_same_by_all_structures_and_again_from_its_header() {
     dapple(&format!("render a.toml -o b.exr {FRAME} --aov samples,depth -q"));
     dapple("diff a.exr b.exr --fail max=0 -q");
 }
+
+#[test]
+fn what_the_first_moment_left_open_stays_as_it_was_found_there() {
+    // A light whose node has no size in the second half, and a camera that passes what it would
+    // focus on: no sky takes the light's place, and the lens stays as it is.
+    let mut file = File::square();
+    let light = json!({"lights": [{"type": "point", "intensity": 10}]});
+    file.document["extensions"] = json!({"KHR_lights_punctual": light});
+    let on = json!({"KHR_lights_punctual": {"light": 0}});
+    let node = file.push("nodes", json!({"translation": [0.5, 0.5, 1], "extensions": on}));
+    let times = file.floats(&[[0.0], [1.0]], "SCALAR");
+    let sizes = file.floats(&[[1.0; 3], [0.0; 3]], "VEC3");
+    let channel = json!({"sampler": 0, "target": {"node": node, "path": "scale"}});
+    let step = json!({"input": times, "output": sizes, "interpolation": "STEP"});
+    file.push("animations", json!({"samplers": [step], "channels": [channel]}));
+    let folder = folder(&file);
+    let view = "--look-from 0.5,0.5,3 --look-at 0.5,0.5,0 --aperture 0.01 --resolution 4x4 -q";
+    let words = format!("render a.gltf {view} --spp 64 --sampler independent");
+    dapple(folder.path(), &format!("{words} -o lit.exr --time 0"));
+    dapple(folder.path(), &format!("{words} -o half.exr --time 0 --shutter 2 --moments 2"));
+    let mean = |name: &str| {
+        let picture = exr::read(&folder.path().join(name)).expect("a picture");
+        let green = picture.channel("G").expect("has colours");
+        green.iter().sum::<f32>() / green.len() as f32
+    };
+    let (lit, half) = (mean("lit.exr"), mean("half.exr"));
+    assert!(lit > 0.1 && (half / lit - 0.5).abs() < 0.05, "{lit} {half}");
+}
+
+#[test]
+fn a_moment_that_fails_leaves_what_there_is() {
+    // The camera's node has no size from the middle on.
+    let mut file = scene(0);
+    let times = file.floats(&[[0.0], [2.0]], "SCALAR");
+    let sizes = file.floats(&[[1.0; 3], [0.0; 3]], "VEC3");
+    let channel = json!({"sampler": 0, "target": {"node": 1, "path": "scale"}});
+    let step = json!({"input": times, "output": sizes, "interpolation": "STEP"});
+    file.document["animations"][0] = json!({"samplers": [step], "channels": [channel]});
+    let folder = folder(&file);
+    let words = format!("render a.gltf -o a.exr {FRAME} --time 0 --shutter 4 --moments 2");
+    let binary = env!("CARGO_BIN_EXE_dapple");
+    let output = Command::new(binary).args(words.split_whitespace()).current_dir(&folder).output();
+    let output = output.expect("it runs");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{error}");
+    assert!(error.contains("stopped: saved with 128 to 128 of 256 samples, in 1 of 2"), "{error}");
+    assert!(error.contains("the node of a camera has no directions"), "{error}");
+    assert!(folder.path().join("a.exr").exists());
+}

@@ -87,7 +87,15 @@ pub fn settled(words: Vec<OsString>) -> Result<Settled, CliError> {
     let mut all = words;
     let (layer, from) = match (&args.from, &args.scene_file) {
         (Some(picture), scene) => {
-            let (layer, from, its_scene) = of_picture(picture)?;
+            let (layer, mut from, its_scene) = of_picture(picture)?;
+            // Another pose is another scene, which is what was asked for.
+            let given = |flag| typed.value_source(flag) == Some(ValueSource::CommandLine);
+            if ["time", "shutter", "moments", "animation", "scene", "variant"]
+                .map(given)
+                .contains(&true)
+            {
+                from.digest = None;
+            }
             if scene.is_none() {
                 all.insert(0, its_scene.into());
             }
@@ -168,6 +176,7 @@ fn of_picture(picture: &Path) -> Result<(Layer, Origin, String), CliError> {
 /// Where a file is that was named when a picture was made: seen from here, or else from the folder
 /// of the picture, or from those around it.
 fn found(file: &Path, picture: &Path) -> PathBuf {
+    let picture = std::path::absolute(picture).unwrap_or_else(|_| picture.to_owned());
     let folders = picture.ancestors().skip(1);
     let from_there = folders.map(|folder| folder.join(file)).find(|path| path.exists());
     match from_there {

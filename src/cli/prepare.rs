@@ -12,7 +12,7 @@ use crate::integrator::Transport;
 use crate::math::{DVec3, Vec3};
 use crate::render::{Aov, Settings};
 use crate::scene::defaults::{
-    AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds, nothing_to_see,
+    AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds, neutral_sky, nothing_to_see,
 };
 use crate::scene::{self, LoadError, LoadOptions, MissingTexture, Notice, Scene, World};
 
@@ -24,6 +24,8 @@ pub struct Job {
     pub camera: Camera,
     /// How.
     pub settings: Settings,
+    /// Whether what is all around was chosen for the user.
+    pub automatic_sky: bool,
     /// What the scene asks for and is not honoured, and what was decided for the user.
     pub notices: Vec<Notice>,
     /// Time to read and prepare the scene.
@@ -44,6 +46,54 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
     if let Some((flag, needed)) = args.lacking() {
         return Err(CliError::Usage(format!("{flag} is of no use without {needed}")));
     }
+    let (mut scene, mut notices) = scene_and_surroundings(args)?;
+    let file = args.scene_file().display().to_string();
+    let sky = automatic_sky(&scene, &file);
+    let automatic_sky = sky.is_some();
+    if let Some((sky, notice)) = sky {
+        scene.environment = Some(sky);
+        notices.push(notice);
+    }
+    notices.extend(nothing_to_see(&scene, &file));
+    let (camera, aspect) = camera(&scene, args, &mut notices)?;
+    let settings = settings(args, aspect)?;
+    let world = world(scene, args)?;
+    Ok(Job { world, camera, settings, automatic_sky, notices, elapsed: start.elapsed() })
+}
+
+/// The same scene posed at another time, `args.time`: what the `first` moment left to be worked out
+/// is as it was found there, but for a camera of the scene, which moves.
+///
+/// # Errors
+/// What is wrong with the scene at that time.
+pub fn moment(args: &RenderArgs, first: &Job) -> Result<Job, CliError> {
+    let start = Instant::now();
+    let (mut scene, notices) = scene_and_surroundings(args)?;
+    if first.automatic_sky {
+        scene.environment = Some(neutral_sky());
+    }
+    let mut camera = first.camera;
+    if args.look_from.is_none() && !first.world.scene.cameras.is_empty() {
+        if scene.cameras.len() != first.world.scene.cameras.len() {
+            let (file, time) = (args.scene_file().display(), args.time.unwrap_or_default());
+            let message = format!("{file}: at {time} s the node of a camera has no directions");
+            return Err(CliError::Input(message));
+        }
+        let now = match &args.camera {
+            Some(wanted) => chosen(&scene, args, wanted)?,
+            None => &scene.cameras[0],
+        };
+        camera.to_world = now.camera.to_world;
+    }
+    let told = |notice: &Notice| !first.notices.contains(notice);
+    let notices = notices.into_iter().filter(told).collect();
+    let (settings, automatic_sky) = (first.settings.clone(), first.automatic_sky);
+    let world = world(scene, args)?;
+    Ok(Job { world, camera, settings, automatic_sky, notices, elapsed: start.elapsed() })
+}
+
+/// The scene with the surroundings that flags give it, and what there is to say of both.
+fn scene_and_surroundings(args: &RenderArgs) -> Result<(Scene, Vec<Notice>), CliError> {
     let options = LoadOptions {
         strict: args.strict,
         missing_texture: match args.missing_texture {
@@ -57,7 +107,6 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
     };
     let mut scene = scene::load(args.scene_file(), &options)?;
     let mut notices = std::mem::take(&mut scene.notices);
-    let file = args.scene_file().display().to_string();
     if let Some(source) = &args.env {
         let (environment, remarks) = source.load(args.env_scale, args.env_rotate)?;
         scene.environment = Some(environment);
@@ -72,17 +121,14 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
     if args.strict && !notices.is_empty() {
         return Err(LoadError::Strict { notices }.into());
     }
-    if let Some((sky, notice)) = automatic_sky(&scene, &file) {
-        scene.environment = Some(sky);
-        notices.push(notice);
-    }
-    notices.extend(nothing_to_see(&scene, &file));
-    let (camera, aspect) = camera(&scene, args, &mut notices)?;
-    let settings = settings(args, aspect)?;
-    let world = World::with_lights(Arc::new(scene), args.bsdf, args.lights).map_err(|count| {
+    Ok((scene, notices))
+}
+
+fn world(scene: Scene, args: &RenderArgs) -> Result<World, CliError> {
+    World::with_lights(Arc::new(scene), args.bsdf, args.lights).map_err(|count| {
+        let file = args.scene_file().display();
         CliError::Input(format!("{file}: {count} triangles are too many; 4294967294 at most"))
-    })?;
-    Ok(Job { world, camera, settings, notices, elapsed: start.elapsed() })
+    })
 }
 
 /// The camera, and the aspect that it asks for.

@@ -15,7 +15,7 @@ use super::header::{self, describe};
 use super::outputs::{self, Output};
 use super::prepare::Job;
 use super::progress::{Reporter, note, say};
-use super::shutter::{self, Shutter};
+use super::shutter::Shutter;
 use super::values::ProgressStyle;
 use super::{CliError, dry_run, input, layers, memory, shell, table};
 use crate::accel;
@@ -37,7 +37,7 @@ pub fn run() -> Result<ExitCode, CliError> {
     }
     let interrupt = Interrupt::listen()?;
     let shutter = Shutter::new(args);
-    let job = shutter.job(args, 0)?;
+    let job = shutter.first(args)?;
     if !args.quiet {
         tell(args, &job);
         settled.made_of(&job).iter().for_each(note);
@@ -52,29 +52,36 @@ pub fn run() -> Result<ExitCode, CliError> {
     if args.dry_run {
         return dry_run::run(args, &job);
     }
-    let Exposed { mut rendered, built } = on_pool(args, &job, &interrupt.raised, args.progress)?;
+    let mut exposed = on_pool(args, &job, &interrupt.raised, args.progress)?;
+    let rendered = &mut exposed.rendered;
     if rendered.samples.1 == 0 {
         say("interrupted before the first samples: there is nothing to save");
         return Ok(interrupt.exit_code());
     }
     let words = shell::own_words();
-    describe(&mut rendered, args, &job, &words);
-    report_lost(&rendered, &words);
+    describe(rendered, args, &job, &words);
+    report_lost(rendered, &words);
     write(args, &rendered.picture)?;
     if !args.quiet {
-        say(&summary(args, &job, &rendered, built));
+        say(&summary(args, &job, &exposed));
     }
     if args.json {
-        table::print(&format!("{}\n", summary_json(args, &job, &rendered, built)))?;
+        table::print(&format!("{}\n", summary_json(args, &job, &exposed)))?;
     }
+    let Exposed { rendered, moments, stopped, .. } = exposed;
     if rendered.cancelled {
         let (fewest, most) = rendered.samples;
-        say(&format!("interrupted: saved with {fewest} to {most} of {} samples", args.spp));
+        let why = if stopped.is_some() { "stopped" } else { "interrupted" };
+        let of = match shutter.moments() {
+            1 => String::new(),
+            all => format!(", in {moments} of {all} moments"),
+        };
+        say(&format!("{why}: saved with {fewest} to {most} of {} samples{of}", args.spp));
         if rendered.without_samples > 0 {
             let (without, all) = (rendered.without_samples, job.settings.crop.area());
             say(&format!("{without} of {all} pixels have no sample: they are black"));
         }
-        return Ok(interrupt.exit_code());
+        return stopped.map_or_else(|| Ok(interrupt.exit_code()), Err);
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -108,9 +115,12 @@ pub fn picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
         let message = format!("{flag} has no place here: the picture is compared, not written");
         return Err(CliError::Usage(message));
     }
-    let job = Shutter::new(&args).job(&args, 0)?;
+    let job = Shutter::new(&args).first(&args)?;
     let cancel = AtomicBool::new(false);
-    let Exposed { mut rendered, .. } = on_pool(&args, &job, &cancel, ProgressStyle::None)?;
+    let Exposed { mut rendered, stopped, .. } = on_pool(&args, &job, &cancel, ProgressStyle::None)?;
+    if let Some(error) = stopped {
+        return Err(error);
+    }
     let named = ["render".to_owned(), scene.display().to_string()];
     let words: Vec<String> = named.into_iter().chain(words.iter().cloned()).collect();
     describe(&mut rendered, &args, &job, &words);
@@ -132,14 +142,22 @@ fn inputs(args: &RenderArgs) -> Vec<&Path> {
     std::iter::once(args.scene_file()).chain(environment).collect()
 }
 
-/// A picture, and how long it took to build structures for it.
+/// A picture, and what it took.
 struct Exposed {
     rendered: Rendered,
+    /// Time to read and prepare the scene, of all moments.
+    loaded: Duration,
+    /// Time to build structures, of all moments.
     built: Duration,
+    /// How many moments have samples.
+    moments: usize,
+    /// What ended it before the last moment.
+    stopped: Option<CliError>,
 }
 
 /// Builds the structure and renders, on as many threads as asked for; moment by moment if the
-/// shutter is open for some time, of which `job` is the first.
+/// shutter is open for some time, of which `job` is the first. Where a later one fails, what there
+/// is is the picture.
 fn on_pool(
     args: &RenderArgs,
     job: &Job,
@@ -154,9 +172,19 @@ fn on_pool(
         let reporter = Reporter::new(if args.quiet { ProgressStyle::None } else { style });
         let control = Control { cancel, progress: &|progress| reporter.update(progress) };
         let mut exposure = Exposure::new(&job.settings);
-        let mut built = Duration::ZERO;
-        for moment in 0..shutter.moments() {
-            let later = (moment > 0).then(|| shutter.job(args, moment)).transpose()?;
+        let (mut loaded, mut built) = (job.elapsed, Duration::ZERO);
+        let (mut moments, mut stopped) = (0, None);
+        let mut expose = |moment: usize| -> Result<(), CliError> {
+            let later = shutter.later(args, job, moment)?;
+            if let Some(later) = &later {
+                loaded += later.elapsed;
+                if !args.quiet {
+                    later.notices.iter().for_each(note);
+                }
+                if cancel.load(Ordering::Relaxed) {
+                    return Ok(());
+                }
+            }
             let now = later.as_ref().unwrap_or(job);
             let start = Instant::now();
             let accel = accel::build(&args.accel, now.world.triangles.clone(), args.isa)?;
@@ -164,14 +192,22 @@ fn on_pool(
             if args.verbose > 0 && moment == 0 {
                 say(&format!("built {} in {:.2} s", args.accel, built.as_secs_f64()));
             }
-            let camera = shutter::camera(args, &job.camera, now);
-            exposure.expose(&now.world, &camera, &*accel, shutter.end(moment), &control);
-            if cancel.load(Ordering::Relaxed) {
+            exposure.expose(&now.world, &now.camera, &*accel, shutter.end(moment), &control);
+            moments += 1;
+            Ok(())
+        };
+        for moment in 0..shutter.moments() {
+            match expose(moment) {
+                Err(error) if moment == 0 => return Err(error),
+                Err(error) => stopped = Some(error),
+                Ok(()) => {}
+            }
+            if stopped.is_some() || cancel.load(Ordering::Relaxed) {
                 break;
             }
         }
         reporter.finish();
-        Ok(Exposed { rendered: exposure.develop(), built })
+        Ok(Exposed { rendered: exposure.develop(), loaded, built, moments, stopped })
     })?
 }
 
@@ -207,12 +243,11 @@ fn debug(
         return Err(CliError::Usage(message));
     }
     let moment = shutter.moment_of(sample.2);
-    let later = (moment > 0).then(|| shutter.job(args, moment)).transpose()?;
+    let later = shutter.later(args, first, moment)?;
     let job = later.as_ref().unwrap_or(first);
-    let camera = shutter::camera(args, &first.camera, job);
     let path = input::on_threads(args.threads, || {
         let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
-        Ok::<_, CliError>(replay(&job.world, &camera, &*accel, &first.settings, sample))
+        Ok::<_, CliError>(replay(&job.world, &job.camera, &*accel, &job.settings, sample))
     })??;
     table::print(&path)?;
     Ok(ExitCode::SUCCESS)
@@ -250,7 +285,8 @@ fn replay_command(lost: &LostSample, words: &[String]) -> String {
 }
 
 /// The last line: what it took.
-fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -> String {
+fn summary(args: &RenderArgs, job: &Job, exposed: &Exposed) -> String {
+    let Exposed { rendered, loaded, built, .. } = exposed;
     let (width, height) = job.settings.resolution;
     let seconds = rendered.elapsed.as_secs_f64();
     let rays = rendered.rays.total() as f64;
@@ -273,12 +309,13 @@ fn summary(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -
         seconds,
         rays / seconds.max(1e-9) / 1e6,
         seconds * 1e6 / rendered.paths.max(1) as f64,
-        job.elapsed.as_secs_f64(),
+        loaded.as_secs_f64(),
         built.as_secs_f64(),
     )
 }
 
-fn summary_json(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Duration) -> String {
+fn summary_json(args: &RenderArgs, job: &Job, exposed: &Exposed) -> String {
+    let Exposed { rendered, loaded, built, moments, .. } = exposed;
     json!({
         "scene": args.scene_file(),
         "resolution": [job.settings.resolution.0, job.settings.resolution.1],
@@ -288,7 +325,8 @@ fn summary_json(args: &RenderArgs, job: &Job, rendered: &Rendered, built: Durati
         "rays": rendered.rays.total(),
         "shadow_rays": rendered.rays.shadow,
         "render_s": rendered.elapsed.as_secs_f64(),
-        "load_s": job.elapsed.as_secs_f64(),
+        "moments": moments,
+        "load_s": loaded.as_secs_f64(),
         "build_s": built.as_secs_f64(),
         "mrays_s": rendered.rays.total() as f64 / rendered.elapsed.as_secs_f64().max(1e-9) / 1e6,
         "lost_samples": rendered.lost_count,

@@ -3,12 +3,11 @@
 //! Each moment is a scene of its own, with a structure of its own, and gets an equal share of each
 //! pixel's samples; so every structure renders motion, and all of them the same. Moments are taken in
 //! the order of their reversed bits: the first few are spread over all of the time, and a picture
-//! that is interrupted is blurred throughout.
+//! that is interrupted after them is blurred throughout.
 
 use super::CliError;
 use super::args::RenderArgs;
-use super::prepare::{Job, prepare};
-use crate::camera::Camera;
+use super::prepare::{self, Job, prepare};
 
 /// How many moments there are if no one says.
 const MOMENTS: u32 = 32;
@@ -51,22 +50,27 @@ impl Shutter {
         (0..last).find(|&moment| sample < self.end(moment)).unwrap_or(last)
     }
 
-    /// The scene at a moment.
+    /// The scene at the first moment, and all that is worked out there.
     ///
     /// # Errors
     /// As [`prepare`].
-    pub fn job(&self, args: &RenderArgs, moment: usize) -> Result<Job, CliError> {
-        prepare(&RenderArgs { time: self.times[moment], ..args.clone() })
+    pub fn first(&self, args: &RenderArgs) -> Result<Job, CliError> {
+        prepare(&RenderArgs { time: self.times[0], ..args.clone() })
     }
-}
 
-/// The camera at a moment: the `first` moment's, moved to where the scene has it now. What is not
-/// the scene's own, like the camera that frames it all, stays where it is.
-pub fn camera(args: &RenderArgs, first: &Camera, now: &Job) -> Camera {
-    if args.look_from.is_none() && !now.world.scene.cameras.is_empty() {
-        Camera { to_world: now.camera.to_world, ..*first }
-    } else {
-        *first
+    /// The scene at a later moment; none for the first, which is there.
+    ///
+    /// # Errors
+    /// As [`prepare::moment`](super::prepare::moment).
+    pub fn later(
+        &self,
+        args: &RenderArgs,
+        first: &Job,
+        moment: usize,
+    ) -> Result<Option<Job>, CliError> {
+        let at =
+            || prepare::moment(&RenderArgs { time: self.times[moment], ..args.clone() }, first);
+        (moment > 0).then(at).transpose()
     }
 }
 

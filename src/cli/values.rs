@@ -19,7 +19,7 @@ pub enum CameraModel {
 /// What to show in place of a texture that cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MissingTextureArg {
-    /// Bright magenta.
+    /// Bright magenta; what holds no colours is left out.
     Magenta,
 }
 

@@ -88,7 +88,8 @@ pub fn render(
 pub struct Exposure<'a> {
     settings: &'a Settings,
     tiles: Vec<Mutex<Tile>>,
-    start: Instant,
+    /// When the first light fell.
+    start: Option<Instant>,
     /// Paths followed.
     done: AtomicU64,
     rays: RayCounts,
@@ -101,7 +102,7 @@ impl<'a> Exposure<'a> {
         Self {
             settings,
             tiles: cut(settings.crop).into_iter().map(Mutex::new).collect(),
-            start: Instant::now(),
+            start: None,
             done: AtomicU64::new(0),
             rays: RayCounts::default(),
             elapsed: Duration::ZERO,
@@ -145,9 +146,9 @@ impl<'a> Exposure<'a> {
             *lock(&rays) += stream.counts();
         };
         let total = settings.crop.area() as u64 * settings.spp;
-        let elapsed = || self.start.elapsed();
+        let since = *self.start.get_or_insert(start);
         let progress =
-            || Progress { done: done.load(Ordering::Relaxed), total, elapsed: elapsed() };
+            || Progress { done: done.load(Ordering::Relaxed), total, elapsed: since.elapsed() };
         with_ticks(&|| (control.progress)(progress()), || {
             if !tiles.is_empty() {
                 rayon::broadcast(|_| work());

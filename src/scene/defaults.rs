@@ -66,10 +66,11 @@ pub fn automatic_sky(scene: &Scene, file: &str) -> Option<(Environment, Notice)>
         return None;
     }
     let message = "no light: under a neutral sky, brightest above (--env)".to_owned();
-    Some((sky_image(), Notice { place: file.to_owned(), message }))
+    Some((neutral_sky(), Notice { place: file.to_owned(), message }))
 }
 
-fn sky_image() -> Environment {
+/// A neutral sky, brightest above: [`automatic_sky_radiance`].
+pub fn neutral_sky() -> Environment {
     const HEIGHT: usize = 64;
     const WIDTH: usize = 2 * HEIGHT;
     let pixel = |i: usize| {

@@ -12,7 +12,7 @@ pub enum MissingTexture {
     /// An error that lists all of them.
     #[default]
     Error,
-    /// Paint it magenta and say so in a notice.
+    /// Paint it magenta, or leave it out where it holds no colours, and say so in a notice.
     Magenta,
 }
 

@@ -49,7 +49,6 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode, CliError> {
         missing_texture: MissingTexture::Magenta,
         scene: args.scene.clone(),
         variant: args.variant.clone(),
-        animation: None,
         ..LoadOptions::default()
     };
     let scene = scene::load(&args.scene_file, &options)?;

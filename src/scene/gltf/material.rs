@@ -43,10 +43,10 @@ impl Reader<'_, '_> {
             material.emissive = self.color(object, "emissiveFactor", factor);
         }
         material.emissive_texture = self.member(object, "emissiveTexture", ColorSpace::Srgb)?;
+        self.extensions(&mut material)?;
         if let Some(extension) = object.extension("KHR_materials_pbrSpecularGlossiness")? {
             self.specular_glossiness(&extension, &mut material)?;
         }
-        self.extensions(&mut material)?;
         if let Some(mark) = object.extension("KHR_materials_unlit")? {
             let others = object.object("extensions")?;
             if others.is_some_and(|all| all.members().any(|(name, _)| is_of_light(name))) {

@@ -10,7 +10,8 @@ use crate::math::{Vec3, Vec4};
 use crate::scene::{ColorSpace, Material};
 
 impl Reader<'_, '_> {
-    /// Puts what the extension says in the place of the metallic-roughness values.
+    /// Puts what the extension says in the place of the metallic-roughness values, and of what other
+    /// extensions say of its reflection.
     pub(super) fn specular_glossiness(
         &mut self,
         extension: &Object,
@@ -30,6 +31,13 @@ impl Reader<'_, '_> {
         material.specular_color_texture = texture;
         material.glossiness_texture = texture;
         material.roughness = 1.0 - self.share(extension, "glossinessFactor", 1.0)?;
+        for other in ["KHR_materials_ior", "KHR_materials_specular"] {
+            if let Some(other) = self.object.extension(other)? {
+                let message = "is left out beside KHR_materials_pbrSpecularGlossiness";
+                self.notices.add(other.place(), message);
+            }
+        }
+        (material.specular, material.specular_texture) = (1.0, None);
         material.metallic = 0.0;
         material.metallic_roughness_texture = None;
         material.ior = 0.0;

@@ -176,6 +176,9 @@ fn changes(table: &Table) -> Result<Vec<Change>, LoadError> {
     }
     for (row, (key, range, _)) in NUMBERS.iter().enumerate() {
         let value = table.number_in(key, range.clone())?;
+        if *key == "ior" && value.is_some_and(|value| value > 0.0 && value < 1.0) {
+            return Err(table.fault_at(key, "must be at least 1, or 0 for infinity"));
+        }
         if *key == "priority" && value.is_some_and(|value| value.fract() != 0.0) {
             return Err(table.fault_at(key, "must be a whole number"));
         }
