@@ -55,7 +55,8 @@ pub fn measure(
 /// As a table.
 pub fn table(growth: &[Growth]) -> Table {
     let note = "Machines as `dapple generate assembly` makes them. The second figure of each build \
-                is nanoseconds over N log2 N: constant where the build grows like that. sah is both trees that it chooses from.";
+                is nanoseconds over N log2 N: constant where the build grows like that. \
+                sah is both trees that it chooses from.";
     let mut table = Table::new("Builds as scenes grow", note, &["triangles"]);
     for build in choices(OPTIONS[0].values) {
         table.heading.extend([format!("{build} s"), format!("{build} ns")]);

@@ -109,6 +109,13 @@ pub fn settled(words: Vec<OsString>) -> Result<Settled, CliError> {
     let layered = layer.words(&typed)?;
     let parsed = matches(layered.iter().chain(&all)).and_then(|all| args_of(&all));
     let args = parsed.map_err(|message| layer.blame(message))?;
+    if let Some((flag, needed)) = args.lacking() {
+        // Of what is typed, the command tells.
+        let error = layer.blame(format!("{flag} is of no use without {needed}"));
+        if matches!(error, CliError::Load(_)) {
+            return Err(error);
+        }
+    }
     Ok(Settled { args, from })
 }
 
@@ -274,6 +281,7 @@ mod tests {
             ),
             ("[render]\noutput = 'x.exr'\n", "s.toml:2: --output is no setting"),
             ("[render]\nspp = 'many'\n", "s.toml:2: invalid value 'many' for '--spp <N>'"),
+            ("[render]\nup = [0, 1, 0]\n", "s.toml:2: --up is of no use without --look-from"),
             ("[render]\nfov = nan\n", "s.toml:2: invalid value 'nan' for '--fov <DEGREES>'"),
             ("[render]\ncamera = '0'\nlook-from = [0, 0, 0]\n", "s.toml:2: the argument '--camera"),
         ] {

@@ -16,7 +16,7 @@
 //! point at `t` is within 2^-20 of the triangle's size from the triangle itself, however grazing
 //! the ray; a kd-tree with clipped triangles needs that. And the hit must lie in the triangle's own
 //! box as the slab test sees it (see [`super::slab`]): `t` is clamped into that interval. This
-//! makes all boxes around it agree. A ray along an axis whose hit is more than 2^36 directions away
+//! makes all boxes around it agree. A ray in a plane of the axes whose hit is more than 2^36 directions away
 //! may have to miss for that: [`SlabRay::is_beyond`].
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64x4, mask64x4};

@@ -194,8 +194,14 @@ impl Dielectric {
         if self.ior >= INFINITE_IOR {
             return fresnel::schlick_weight(cos);
         }
+        let least = self.of_index();
+        unit((exact - least) / (1.0 - least))
+    }
+
+    /// The reflectance of the index at normal incidence.
+    fn of_index(&self) -> f32 {
         let root = (self.ior - 1.0) / (self.ior + 1.0);
-        unit((exact - root * root) / (1.0 - root * root))
+        root * root
     }
 
     /// What makes up for the light that one bounce on a rough boundary loses.
@@ -203,13 +209,13 @@ impl Dielectric {
         if self.plain {
             return Vec3::splat(1.0 / albedo.exact);
         }
-        let root = (self.ior - 1.0) / (self.ior + 1.0);
+        let least = self.of_index();
         let slope = if self.ior >= INFINITE_IOR {
             Vec3::ZERO
         } else {
-            (Vec3::splat(self.f90) - self.f0) / (1.0 - root * root)
+            (Vec3::splat(self.f90) - self.f0) / (1.0 - least)
         };
-        let constant = self.f0 - slope * (root * root);
+        let constant = self.f0 - slope * least;
         let of = |constant, slope| 1.0 / albedo.of(constant, slope).clamp(0.1, 1.0);
         Vec3::new(of(constant.x, slope.x), of(constant.y, slope.y), of(constant.z, slope.z))
     }

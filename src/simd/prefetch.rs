@@ -2,8 +2,8 @@
 //!
 //! The only unsafe code of the project. With sixteen rays in flight it makes the walk of the wide
 //! hierarchies faster by 10 % where the tree fits the second-level cache (70 thousand triangles)
-//! and 1.9 to 2.3 times as fast where it does not (870 thousand); `kd-prefetch`, over the plain stack,
-//! 2.1 times there.
+//! and 1.9 to 2.3 times as fast where it does not (870 thousand); `kd-prefetch`, over the plain
+//! stack, 2.1 times there.
 
 /// Starts to fetch `bytes` bytes of a slice's memory, from place `at` on; never changes a result.
 /// What lies beyond its end is asked for in vain.

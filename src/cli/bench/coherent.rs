@@ -24,7 +24,8 @@ use crate::simd::Isa;
 /// memory and construction of compressed paths (3), partitioned packets and single rays (4), what a
 /// node spared is worth, entry points by fixed tiles and by adaptive ones, and rays to lights of
 /// limited range, to spot lights and to lights with an area. Structures take turns, picture by
-/// picture, and the median of the rounds counts. First all answers are compared to those of bvh-packet.
+/// picture, and the median of the rounds counts. First all answers are compared to those of
+/// bvh-packet.
 ///
 /// Without files, the scenes are a machine of 871,414 triangles from afar, a city of 9,200, a
 /// kitchen of 103,000 and a landscape of 644,000, as `dapple generate` makes them with their flights:

@@ -176,11 +176,8 @@ fn changes(table: &Table) -> Result<Vec<Change>, LoadError> {
     }
     for (row, (key, range, _)) in NUMBERS.iter().enumerate() {
         let value = table.number_in(key, range.clone())?;
-        if *key == "ior" && value.is_some_and(|value| value > 0.0 && value < 1.0) {
-            return Err(table.fault_at(key, "must be at least 1, or 0 for infinity"));
-        }
-        if *key == "priority" && value.is_some_and(|value| value.fract() != 0.0) {
-            return Err(table.fault_at(key, "must be a whole number"));
+        if let Some(message) = value.and_then(|value| gap(key, value)) {
+            return Err(table.fault_at(key, message));
         }
         changes.extend(value.map(|value| Change::Number(row, value)));
     }
@@ -188,6 +185,15 @@ fn changes(table: &Table) -> Result<Vec<Change>, LoadError> {
     changes.extend(alpha_mode(table)?.map(Change::Mode));
     table.finish()?;
     Ok(changes)
+}
+
+/// What is wrong with a value inside of its key's range; none for most.
+fn gap(key: &str, value: f32) -> Option<&'static str> {
+    match key {
+        "ior" if value > 0.0 && value < 1.0 => Some("must be at least 1, or 0 for infinity"),
+        "priority" if value.fract() != 0.0 => Some("must be a whole number"),
+        _ => None,
+    }
 }
 
 fn alpha_mode(table: &Table) -> Result<Option<AlphaMode>, LoadError> {

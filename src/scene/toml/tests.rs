@@ -104,6 +104,7 @@ fn overrides_reach_alpha_priority_and_light() {
         ("alpha-mode = 'cut'", "none of opaque, mask and blend"),
         ("alpha-mode = 'blend'\nalpha-cutoff = 0.5", "needs alpha-mode"),
         ("priority = 0.5", "must be a whole number"),
+        ("ior = 0.5", "must be at least 1, or 0"),
     ] {
         let error = changed(keys).expect_err(keys);
         assert!(error.contains(message), "{error}");
