@@ -4,12 +4,13 @@
 //!
 //! | floor | modules |
 //! |---|---|
-//! | 6 | `cli` |
-//! | 5 | [`render`], [`mod@bench`] |
-//! | 4 | [`integrator`] |
-//! | 3 | [`scene`] |
-//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`film`] |
-//! | 1 | [`geom`], [`sampling`] |
+//! | 7 | `cli` |
+//! | 6 | [`render`], [`mod@bench`] |
+//! | 5 | [`integrator`] |
+//! | 4 | [`world`], [`formats`] |
+//! | 3 | [`scene`], [`generate`] |
+//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`texture`] |
+//! | 1 | [`geom`], [`sampling`], [`film`] |
 //! | 0 | [`files`], [`math`], [`simd`] |
 //!
 //! A picture is a function of the scene, the settings and the version alone: the acceleration
@@ -22,6 +23,8 @@ pub mod camera;
 pub mod cli;
 pub mod files;
 pub mod film;
+pub mod formats;
+pub mod generate;
 pub mod geom;
 pub mod integrator;
 pub mod light;
@@ -31,3 +34,5 @@ pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod simd;
+pub mod texture;
+pub mod world;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use dapple::film::exr;
-use dapple::scene::npy;
+use dapple::formats::npy;
 
 const DAPPLE: &str = env!("CARGO_BIN_EXE_dapple");
 

@@ -3,9 +3,11 @@
 mod gltf_file;
 
 use dapple::camera::Projection;
+use dapple::formats::{LoadError, LoadOptions};
 use dapple::material::BsdfForm;
 use dapple::math::{Vec2, Vec3, Vec4};
-use dapple::scene::{Attributes, LoadError, LoadOptions, Scene, World};
+use dapple::scene::Scene;
+use dapple::world::{Attributes, World};
 use gltf_file::{File, message};
 use serde_json::{Value, json};
 

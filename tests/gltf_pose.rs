@@ -133,8 +133,8 @@ fn animated() -> File {
     file
 }
 
-fn at(file: &File, time: f32) -> Result<Scene, dapple::scene::LoadError> {
-    let options = dapple::scene::LoadOptions { time: Some(time), ..Default::default() };
+fn at(file: &File, time: f32) -> Result<Scene, dapple::formats::LoadError> {
+    let options = dapple::formats::LoadOptions { time: Some(time), ..Default::default() };
     file.load_with(&options)
 }
 
@@ -184,7 +184,7 @@ fn an_animation_is_chosen_by_name_or_number() {
     other["channels"].as_array_mut().expect("a list").truncate(1);
     other["name"] = json!("slide");
     file.push("animations", other);
-    let options = |animation: &str| dapple::scene::LoadOptions {
+    let options = |animation: &str| dapple::formats::LoadOptions {
         animation: Some(animation.to_owned()),
         time: Some(2.0),
         ..Default::default()

@@ -9,7 +9,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use dapple::scene::{LoadError, LoadOptions, Scene, gltf};
+use dapple::formats::{LoadError, LoadOptions, gltf};
+use dapple::scene::Scene;
 use serde_json::{Value, json};
 
 mod gltf_flaws;

@@ -6,7 +6,8 @@
 use std::fs;
 use std::path::Path;
 
-use dapple::scene::{LoadError, LoadOptions, MissingTexture, Scene, gltf, load};
+use dapple::formats::{LoadError, LoadOptions, MissingTexture, gltf, load};
+use dapple::scene::Scene;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 

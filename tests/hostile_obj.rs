@@ -8,10 +8,11 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use dapple::scene::obj::{check_mtl, check_obj};
-use dapple::scene::{
-    EnvironmentImage, Image, LoadError, LoadOptions, MissingTexture, npy, obj, ply, toml,
+use dapple::formats::obj::{check_mtl, check_obj};
+use dapple::formats::{
+    EnvironmentImage, LoadError, LoadOptions, MissingTexture, npy, obj, ply, toml,
 };
+use dapple::texture::Image;
 use proptest::prelude::*;
 
 type Check = fn(&[u8]) -> Result<(), String>;

@@ -13,8 +13,9 @@ use dapple::material::BsdfForm;
 use dapple::math::Vec3;
 use dapple::render::{Control, Rendered, Settings, render};
 use dapple::sampling::SamplePattern;
-use dapple::scene::{LightChoice, Material, Scene, World};
+use dapple::scene::{Material, Scene};
 use dapple::simd::Isa;
+use dapple::world::{LightChoice, World};
 use stage::{lambert, mean, rectangle, scene, settings, sphere};
 
 /// A room of side 4 that is open towards the camera, a ball in it.

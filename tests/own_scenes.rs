@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use dapple::accel::build;
+use dapple::formats::{EnvironmentImage, LoadOptions, load, obj};
 use dapple::geom::TriangleSource;
-use dapple::scene::{AlphaMode, EnvironmentImage, LoadOptions, Triangles, load, obj};
+use dapple::scene::{AlphaMode, Triangles};
 use dapple::simd::Isa;
 
 fn folder() -> PathBuf {

@@ -7,10 +7,8 @@ use std::sync::Arc;
 use dapple::camera::Camera;
 use dapple::light::{Environment, Punctual, PunctualKind};
 use dapple::math::{Affine3A, MaterialId, MeshId, TextureId, Vec2, Vec3};
-use dapple::scene::{
-    AlphaMode, ColorSpace, Filter, Image, Instance, Material, Scene, Texels, Texture, TextureRef,
-    Transform, Wrap,
-};
+use dapple::scene::{AlphaMode, Instance, Material, Scene, TextureRef, Transform};
+use dapple::texture::{ColorSpace, Filter, Image, Texels, Texture, Wrap};
 use stage::{assert_mean, flat_camera, lambert, mean, rectangle, run, scene, settings, sphere};
 
 fn in_white_world(part: (dapple::geom::Mesh, Material)) -> Scene {

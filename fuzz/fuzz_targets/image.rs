@@ -4,7 +4,8 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use dapple::scene::{EnvironmentImage, Image};
+use dapple::formats::EnvironmentImage;
+use dapple::texture::Image;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

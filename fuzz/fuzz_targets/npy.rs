@@ -6,5 +6,5 @@ use std::path::Path;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = dapple::scene::npy::read_f32_from(bytes, bytes.len() as u64, Path::new("a.npy"), 8);
+    let _ = dapple::formats::npy::read_f32_from(bytes, bytes.len() as u64, Path::new("a.npy"), 8);
 });

@@ -4,5 +4,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = dapple::scene::obj::check_obj(bytes);
+    let _ = dapple::formats::obj::check_obj(bytes);
 });

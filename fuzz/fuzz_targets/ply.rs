@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use dapple::scene::{LoadOptions, MissingTexture, ply};
+use dapple::formats::{LoadOptions, MissingTexture, ply};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let options = LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };

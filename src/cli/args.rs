@@ -12,13 +12,15 @@ use super::values::{
 use crate::accel::AccelSpec;
 use crate::film::tonemap::Tonemap;
 use crate::film::{PixelFilter, Window};
+use crate::formats::EnvironmentSource;
 use crate::light::Sun;
+use crate::light::{Sky, sun_direction};
 use crate::material::BsdfForm;
 use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
-use crate::scene::{EnvironmentSource, LightChoice, Sky, sun_direction};
 use crate::simd::Isa;
+use crate::world::LightChoice;
 
 /// Render a scene.
 ///

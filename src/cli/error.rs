@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crate::accel::BuildError;
 use crate::film::FilmError;
-use crate::scene::LoadError;
-use crate::scene::npy::NpyError;
+use crate::formats::LoadError;
+use crate::formats::npy::NpyError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]

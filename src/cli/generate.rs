@@ -13,7 +13,7 @@ use super::progress::say;
 use super::{CliError, Quiet, table};
 use crate::camera::flight;
 use crate::files::{self, Flush};
-use crate::scene::generate::{Generator, TRIANGLES};
+use crate::generate::{Generator, TRIANGLES};
 
 /// Make a scene by rule from a seed, of exactly as many triangles as asked for.
 #[derive(clap::Args, Debug)]

@@ -5,9 +5,9 @@ use toml::{Table, Value};
 use super::args::RenderArgs;
 use super::prepare::Job;
 use super::shell;
+use crate::formats::EnvironmentSource;
 use crate::math::Vec3;
 use crate::render::Rendered;
-use crate::scene::EnvironmentSource;
 
 /// Puts into the header what the picture was made of; `words` are those of the command line after
 /// `dapple`.

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::{CliError, Quiet, progress};
 use crate::accel::BuildError;
+use crate::formats::{self, LoadOptions, MissingTexture, npy};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::Vec3;
+use crate::scene::Triangles;
 use crate::scene::defaults::nothing_to_see;
-use crate::scene::{self, LoadOptions, MissingTexture, Triangles, npy};
 
 /// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order. What
 /// there is to say of the scene is said, unless it is to be quiet.
@@ -19,7 +20,7 @@ pub fn triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSource>, C
     // Textures shade; rays do not meet them.
     let options =
         LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
-    let scene = scene::load(path, &options)?;
+    let scene = formats::load(path, &options)?;
     let file = path.display().to_string();
     if !quiet.quiet {
         scene.notices.iter().chain(&nothing_to_see(&scene, &file)).for_each(progress::note);

@@ -11,8 +11,9 @@ use super::CliError;
 use super::args::RenderArgs;
 use super::prepare::Job;
 use crate::film::exr;
-use crate::scene::toml::{self, Setting, SettingValue};
-use crate::scene::{EnvironmentSource, LoadError, Notice};
+use crate::formats::toml::{self, Setting, SettingValue};
+use crate::formats::{EnvironmentSource, LoadError};
+use crate::scene::Notice;
 
 /// Flags that belong on a command line: they say what becomes of the picture, or what is told.
 const NO_SETTINGS: [&str; 11] = [

@@ -8,13 +8,15 @@ use super::args::RenderArgs;
 use super::values::{CameraModel, MissingTextureArg};
 use crate::camera::{Camera, Projection, ThinLens};
 use crate::film::Window;
+use crate::formats::{self, LoadError, LoadOptions, MissingTexture};
 use crate::integrator::Transport;
 use crate::math::{DVec3, Vec3};
 use crate::render::{Aov, Settings};
 use crate::scene::defaults::{
     AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds, neutral_sky, nothing_to_see,
 };
-use crate::scene::{self, LoadError, LoadOptions, MissingTexture, Notice, Scene, World};
+use crate::scene::{NamedCamera, Notice, Scene};
+use crate::world::World;
 
 /// All that a render needs, but for the structure.
 pub struct Job {
@@ -105,7 +107,7 @@ fn scene_and_surroundings(args: &RenderArgs) -> Result<(Scene, Vec<Notice>), Cli
         animation: args.animation.clone(),
         time: args.time,
     };
-    let mut scene = scene::load(args.scene_file(), &options)?;
+    let mut scene = formats::load(args.scene_file(), &options)?;
     let mut notices = std::mem::take(&mut scene.notices);
     if let Some(source) = &args.env {
         let (environment, remarks) = source.load(args.env_scale, args.env_rotate)?;
@@ -210,9 +212,9 @@ fn chosen<'s>(
     scene: &'s Scene,
     args: &RenderArgs,
     wanted: &str,
-) -> Result<&'s scene::NamedCamera, LoadError> {
+) -> Result<&'s NamedCamera, LoadError> {
     let names = || scene.cameras.iter().map(|camera| camera.name.as_str());
-    let number = scene::chosen(names(), wanted)
+    let number = formats::chosen(names(), wanted)
         .ok_or_else(|| LoadError::no_such(args.scene_file(), "camera", wanted, names()))?;
     Ok(&scene.cameras[number])
 }

@@ -20,8 +20,8 @@ use super::values::ProgressStyle;
 use super::{CliError, dry_run, input, layers, memory, shell, table};
 use crate::accel;
 use crate::film::{Picture, exr, png};
+use crate::formats::EnvironmentSource;
 use crate::render::{Control, Exposure, LostSample, Rendered, film_bytes, replay};
-use crate::scene::EnvironmentSource;
 
 /// Runs the command.
 pub fn run() -> Result<ExitCode, CliError> {

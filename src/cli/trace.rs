@@ -14,8 +14,8 @@ use super::values::threads;
 use super::{CliError, Quiet, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;
+use crate::formats::npy;
 use crate::math::Ray;
-use crate::scene::npy;
 use crate::simd::Isa;
 
 /// Shoot a file of rays at a scene and time it.

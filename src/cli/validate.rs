@@ -13,9 +13,9 @@ use crate::bench::agreement::{
     Difference, LONGEST_SLICE, answers_in_time, first_difference, mixed_rays,
 };
 use crate::bench::ray_sets::{Target, to_rows};
+use crate::formats::npy;
 use crate::geom::TriangleSource;
 use crate::math::Ray;
-use crate::scene::npy;
 use crate::simd::Isa;
 
 /// Check that structures answer as brute force does, to the bit.

@@ -7,7 +7,7 @@
 //! unnoticed, through a hole.
 
 use crate::math::MaterialId;
-use crate::scene::World;
+use crate::world::World;
 
 /// How many solids may lie around a point; of more, those of the least priority are forgotten.
 const DEPTH: usize = 4;

@@ -1,7 +1,7 @@
 //! Through a surface or back from it: by its geometry, to which shading normals may not agree.
 
 use crate::math::Vec3;
-use crate::scene::Surface;
+use crate::world::Surface;
 
 /// On which side of its surface scattered light goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,7 +22,7 @@ use crate::light::Vantage;
 use crate::material::{Bsdf, BsdfSample, Wavelength};
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Surface, World};
+use crate::world::{Surface, World};
 
 /// How light is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]

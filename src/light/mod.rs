@@ -2,7 +2,7 @@
 //!
 //! Three kinds: an [`Environment`] infinitely far away, perhaps with a [`Sun`], [`Punctual`] lights
 //! without extent, and triangles that emit ([`sample_triangle`]). Which of them a scene has is
-//! known one floor up, in [`crate::scene`]; with what probability each is chosen where there are
+//! known one floor up, in `world`; with what probability each is chosen where there are
 //! many tells a [`LightTree`].
 
 mod area;
@@ -13,6 +13,7 @@ mod preetham;
 mod punctual;
 #[cfg(test)]
 mod sampler_tests;
+mod sky;
 mod sun;
 mod tree;
 
@@ -22,5 +23,6 @@ pub use cone::Cone;
 pub use environment::{Environment, EnvironmentSample};
 pub use preetham::Preetham;
 pub use punctual::{Illumination, Punctual, PunctualKind};
+pub use sky::{Sky, sun_direction};
 pub use sun::Sun;
 pub use tree::LightTree;

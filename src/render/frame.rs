@@ -13,7 +13,7 @@ use crate::camera::{Camera, CameraRays};
 use crate::film::{Picture, Window};
 use crate::integrator::PathTracer;
 use crate::sampling::BLOCK;
-use crate::scene::World;
+use crate::world::World;
 
 /// How a render talks to its caller while it runs.
 pub struct Control<'a> {

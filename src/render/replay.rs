@@ -8,7 +8,7 @@ use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
 use crate::camera::Camera;
 use crate::integrator::{PathSample, PathTracer};
 use crate::math::Ray;
-use crate::scene::{AlphaFilter, World};
+use crate::world::{AlphaFilter, World};
 
 /// Follows the path of one sample of the pixel at column `x`, row `y` of the frame, the very one
 /// that [`super::render`] would follow, and tells of every vertex: a line for each segment, what it

@@ -16,8 +16,8 @@ use fearless_simd::Level;
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::integrator::{Path, PathSample, PathTracer};
 use crate::math::{Ray, Vec3};
-use crate::scene::AlphaFilter;
 use crate::simd::vectorized;
+use crate::world::AlphaFilter;
 
 /// How many rays were shot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

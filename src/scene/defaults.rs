@@ -88,10 +88,10 @@ pub fn neutral_sky() -> Environment {
 mod tests {
     use std::sync::Arc;
 
+    use super::super::{Instance, Material, Transform};
     use super::*;
     use crate::geom::Mesh;
     use crate::math::{Affine3A, MaterialId, MeshId};
-    use crate::scene::{Instance, Material, Transform};
 
     /// A triangle of side `size` at `at`, beside a vertex far away that nothing uses.
     fn scene(size: f32, at: Vec3) -> Scene {

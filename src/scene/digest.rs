@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::Arc;
 
-use super::{Image, Scene, Texels};
+use super::Scene;
+use crate::texture::{Image, Texels};
 
 /// A running hash over bytes, eight at a time; good enough to tell scenes apart, not to guard
 /// against someone who wants two to look alike.
@@ -90,10 +91,11 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Material;
     use super::*;
     use crate::light::Environment;
     use crate::math::Vec3;
-    use crate::scene::{ColorSpace, Filter, Material, Texture, Wrap};
+    use crate::texture::{ColorSpace, Filter, Texture, Wrap};
 
     #[test]
     fn a_change_of_any_material_changes_the_digest() {

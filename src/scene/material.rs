@@ -1,38 +1,8 @@
 //! Materials as files describe them: factors and textures.
 
-use super::MaterialLayers;
-use super::texture_range::Range;
-use crate::math::{TextureId, Vec2, Vec3, Vec4};
-
-/// A texture as a material uses it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TextureRef {
-    /// The texture.
-    pub texture: TextureId,
-    /// Which of the mesh's two sets of coordinates.
-    pub uv_set: u8,
-    /// Applied to the coordinates before the look-up, see [`TextureRef::transform`].
-    pub scale: Vec2,
-    /// Cosine and sine of the angle by which the coordinates turn.
-    pub rotation: Vec2,
-    /// What is added last.
-    pub offset: Vec2,
-}
-
-impl TextureRef {
-    /// The texture by the first set of coordinates, as they are.
-    pub fn new(texture: TextureId) -> Self {
-        Self { texture, uv_set: 0, scale: Vec2::ONE, rotation: Vec2::X, offset: Vec2::ZERO }
-    }
-
-    /// Where to look, of the mesh's coordinates: scaled, then turned, then moved, all about the
-    /// origin (KHR_texture_transform; there v points down and the angle is counter-clockwise).
-    #[inline]
-    pub fn transform(&self, uv: Vec2) -> Vec2 {
-        let (Vec2 { x: cos, y: sin }, uv) = (self.rotation, uv * self.scale);
-        Vec2::new(cos * uv.x + sin * uv.y, cos * uv.y - sin * uv.x) + self.offset
-    }
-}
+use super::{MaterialLayers, TextureRef};
+use crate::math::{Vec3, Vec4};
+use crate::texture::TextureRange;
 
 /// What happens where a surface is not wholly opaque (glTF 2.0, 3.9.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,14 +122,14 @@ impl Default for Material {
 }
 
 /// Reflectance of what has no material: that of a new material in Blender.
-pub(super) const GREY: f32 = 0.8;
+pub const DEFAULT_GREY: f32 = 0.8;
 
 impl Material {
     /// What a thing has that has no material: a Lambertian grey.
     pub fn grey() -> Self {
         Self {
             name: "(none)".to_owned(),
-            base_color: Vec4::new(GREY, GREY, GREY, 1.0),
+            base_color: Vec4::new(DEFAULT_GREY, DEFAULT_GREY, DEFAULT_GREY, 1.0),
             metallic: 0.0,
             specular: 0.0,
             ..Self::default()
@@ -189,26 +159,26 @@ impl Material {
     }
 
     /// All places for textures, used or not.
-    pub(super) fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
+    pub fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
         self.ranged_slots_mut().map(|(slot, _)| slot)
     }
 
     /// The same with what a texture's values may be there.
-    pub(super) fn ranged_slots_mut(
+    pub fn ranged_slots_mut(
         &mut self,
-    ) -> impl Iterator<Item = (&mut Option<TextureRef>, Range)> {
-        let base = if self.unlit { Range::Light } else { Range::Unit };
+    ) -> impl Iterator<Item = (&mut Option<TextureRef>, TextureRange)> {
+        let base = if self.unlit { TextureRange::Light } else { TextureRange::Unit };
         [
             (&mut self.base_color_texture, base),
-            (&mut self.metallic_roughness_texture, Range::Unit),
-            (&mut self.glossiness_texture, Range::Unit),
-            (&mut self.normal_texture, Range::Any),
-            (&mut self.bump_texture, Range::Any),
-            (&mut self.emissive_texture, Range::Light),
-            (&mut self.alpha_texture, Range::Unit),
-            (&mut self.specular_texture, Range::Unit),
-            (&mut self.specular_color_texture, Range::Unit),
-            (&mut self.transmission_texture, Range::Unit),
+            (&mut self.metallic_roughness_texture, TextureRange::Unit),
+            (&mut self.glossiness_texture, TextureRange::Unit),
+            (&mut self.normal_texture, TextureRange::Any),
+            (&mut self.bump_texture, TextureRange::Any),
+            (&mut self.emissive_texture, TextureRange::Light),
+            (&mut self.alpha_texture, TextureRange::Unit),
+            (&mut self.specular_texture, TextureRange::Unit),
+            (&mut self.specular_color_texture, TextureRange::Unit),
+            (&mut self.transmission_texture, TextureRange::Unit),
         ]
         .into_iter()
         .chain(self.layers.iter_mut().flat_map(|layers| layers.ranged_slots_mut()))

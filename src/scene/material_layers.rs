@@ -1,8 +1,8 @@
 //! What lies on a material, or stretches its reflection, as files describe it.
 
 use super::TextureRef;
-use super::texture_range::Range;
 use crate::math::{Vec2, Vec3};
+use crate::texture::TextureRange;
 
 /// KHR_materials_clearcoat, sheen, anisotropy and iridescence. Fields are named as the specifications name them;
 /// a factor multiplies its texture.
@@ -80,18 +80,18 @@ impl MaterialLayers {
     }
 
     /// All places for textures, used or not, and what a texture's values may be there.
-    pub(super) fn ranged_slots_mut(
+    pub fn ranged_slots_mut(
         &mut self,
-    ) -> impl Iterator<Item = (&mut Option<TextureRef>, Range)> {
+    ) -> impl Iterator<Item = (&mut Option<TextureRef>, TextureRange)> {
         [
-            (&mut self.clearcoat_texture, Range::Unit),
-            (&mut self.clearcoat_roughness_texture, Range::Unit),
-            (&mut self.clearcoat_normal_texture, Range::Any),
-            (&mut self.sheen_color_texture, Range::Unit),
-            (&mut self.sheen_roughness_texture, Range::Unit),
-            (&mut self.anisotropy_texture, Range::Unit),
-            (&mut self.iridescence_texture, Range::Unit),
-            (&mut self.iridescence_thickness_texture, Range::Unit),
+            (&mut self.clearcoat_texture, TextureRange::Unit),
+            (&mut self.clearcoat_roughness_texture, TextureRange::Unit),
+            (&mut self.clearcoat_normal_texture, TextureRange::Any),
+            (&mut self.sheen_color_texture, TextureRange::Unit),
+            (&mut self.sheen_roughness_texture, TextureRange::Unit),
+            (&mut self.anisotropy_texture, TextureRange::Unit),
+            (&mut self.iridescence_texture, TextureRange::Unit),
+            (&mut self.iridescence_thickness_texture, TextureRange::Unit),
         ]
         .into_iter()
     }

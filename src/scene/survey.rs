@@ -53,7 +53,7 @@ impl Survey {
             survey.flattened += u64::from(is_flattened(instance));
         }
         let mut images = HashSet::new();
-        for image in scene.textures.iter().map(super::Texture::image) {
+        for image in scene.textures.iter().map(crate::texture::Texture::image) {
             if images.insert(Arc::as_ptr(image)) {
                 survey.texture_bytes += image.heap_bytes() as u64;
             }
@@ -125,9 +125,9 @@ fn is_flattened(instance: &Instance) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Material, Transform};
     use super::*;
     use crate::math::{Affine3A, MaterialId, MeshId, Vec3};
-    use crate::scene::{Material, Transform};
 
     #[test]
     fn figures_and_faults_of_a_scene_with_all_of_them() {

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use base64::Engine;
-use dapple::scene::{LoadError, LoadOptions, Scene, gltf};
+use dapple::formats::{LoadError, LoadOptions, gltf};
+use dapple::scene::Scene;
 use serde_json::{Value, json};
 
 /// A document under construction, its one buffer inside.

@@ -15,8 +15,9 @@ use dapple::material::BsdfForm;
 use dapple::math::{Affine3A, MaterialId, MeshId, Vec3, Vec4};
 use dapple::render::{Aov, Control, Rendered, Settings, render};
 use dapple::sampling::SamplePattern;
-use dapple::scene::{Instance, Material, Scene, Transform, World};
+use dapple::scene::{Instance, Material, Scene, Transform};
 use dapple::simd::Isa;
+use dapple::world::World;
 
 /// A diffuse material.
 pub fn lambert(reflectance: f32) -> Material {

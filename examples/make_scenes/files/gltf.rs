@@ -2,10 +2,10 @@
 
 use std::ops::{Deref, DerefMut};
 
-use dapple::scene::generate::Document;
+use dapple::generate::Document;
 use serde_json::{Map, Value, json};
 
-pub use dapple::scene::generate::{perspective, rounded};
+pub use dapple::generate::{perspective, rounded};
 
 use super::shapes::Shape;
 

@@ -9,7 +9,7 @@ use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use crate::accel::BuildError;
 use crate::bench::structures::{self, Settings};
-use crate::scene::generate::Generator;
+use crate::generate::Generator;
 use crate::simd::Isa;
 
 /// All structures with their defaults: paper, memory and rates, a row each.

@@ -13,8 +13,8 @@ use super::{builder, memory_limit, ray_bytes};
 use crate::accel::BuildError;
 use crate::bench::coherent::{self, Settings, paper};
 use crate::camera::flight::{self, Pose};
+use crate::generate::Generator;
 use crate::geom::TriangleSource;
-use crate::scene::generate::Generator;
 use crate::simd::Isa;
 
 /// Packets, entry points and compressed paths over flights: the tables of Barczak's paper, its

@@ -13,7 +13,7 @@ use crate::bench::kd::{self, Row, SETS, Settings};
 use crate::bench::kd_growth::{self, Growth};
 use crate::bench::measure::Measured;
 use crate::bench::ray_sets::RaySet;
-use crate::scene::generate::Generator;
+use crate::generate::Generator;
 use crate::simd::Isa;
 
 /// All kd-trees: bytes, rates, nodes, leaves and tests a ray; then builds by layouts; with --report

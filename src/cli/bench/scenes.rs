@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::super::CliError;
 use crate::bench::mbvh::paper;
 use crate::files::{self, Flush};
-use crate::scene::generate::Generator;
+use crate::generate::Generator;
 
 /// A scene.
 #[derive(Clone, Debug)]

@@ -104,7 +104,7 @@ impl Report<'_> {
     }
 
     fn textures(&self) -> Vec<Value> {
-        let texture = |texture: &crate::scene::Texture| {
+        let texture = |texture: &crate::texture::Texture| {
             let [width, height] = texture.size();
             json!({
                 "name": texture.name(),

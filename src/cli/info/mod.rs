@@ -8,13 +8,12 @@ use std::process::ExitCode;
 
 use super::{CliError, Quiet, table};
 use crate::camera::Projection;
+use crate::formats::{self, LoadOptions, MissingTexture};
 use crate::light::{Punctual, PunctualKind};
 use crate::math::Vec3;
 use crate::scene::defaults::bounds;
-use crate::scene::{
-    self, AlphaMode, ColorSpace, LoadOptions, Material, MaterialLayers, MissingTexture, Scene,
-    Survey, Texels,
-};
+use crate::scene::{AlphaMode, Material, MaterialLayers, Scene, Survey};
+use crate::texture::{ColorSpace, Texels};
 
 /// Tell what a scene holds, what of it is not honoured, and what looks like a mistake.
 ///
@@ -51,7 +50,7 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode, CliError> {
         variant: args.variant.clone(),
         ..LoadOptions::default()
     };
-    let scene = scene::load(&args.scene_file, &options)?;
+    let scene = formats::load(&args.scene_file, &options)?;
     let survey = Survey::of(&scene);
     let faults = survey.faults(&scene);
     let file = args.scene_file.display().to_string();

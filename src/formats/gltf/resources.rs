@@ -1,0 +1,241 @@
+//! What a document refers to, brought into memory: buffers, and images for textures. All that is
+//! missing or broken is found before any of it is reported.
+//!
+//! Images may be of any format that dapple reads, whatever their `mimeType`; those of floats (hdr,
+//! exr, tiff) hold linear colours, also where glTF would have sRGB.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::json::{Fault, Object};
+use super::notices::Notices;
+use super::read::Storage;
+use super::texture::{ImageDeclaration, ImageSource, TextureDeclaration};
+use crate::files::memory;
+use crate::formats::{Broken, MissingTexture, uri};
+use crate::texture::{ColorSpace, Image, Texture};
+
+/// A buffer as the document declares it.
+#[derive(Clone, Debug)]
+pub struct BufferDeclaration {
+    /// A file or data URI; none: the container's binary chunk.
+    pub uri: Option<String>,
+    /// Bytes.
+    pub length: u64,
+}
+
+/// Reads the buffers' declarations.
+pub fn buffers(root: &Object) -> Result<Vec<BufferDeclaration>, Fault> {
+    let buffer = |object: &Object| {
+        let length = object.required_whole("byteLength")?;
+        if length == 0 {
+            return Err(object.fault_at("byteLength", "must be at least 1"));
+        }
+        Ok(BufferDeclaration { uri: object.text("uri")?.map(str::to_owned), length })
+    };
+    root.objects("buffers")?.iter().map(buffer).collect()
+}
+
+/// The bytes of those buffers that are `needed`; `binary` is the container's chunk. What is
+/// missing goes to `broken`.
+pub fn load_buffers<'a>(
+    declarations: &[BufferDeclaration],
+    needed: &[bool],
+    binary: Option<&'a [u8]>,
+    folder: &Path,
+    broken: &mut Vec<Broken>,
+) -> Vec<Option<Cow<'a, [u8]>>> {
+    let mut buffers = Vec::with_capacity(declarations.len());
+    for (i, (declaration, &needed)) in declarations.iter().zip(needed).enumerate() {
+        let bytes = if needed { load_buffer(declaration, i, binary, folder) } else { Ok(None) };
+        buffers.push(bytes.unwrap_or_else(|reason| {
+            broken.push(Broken {
+                name: shown(declaration.uri.as_deref().unwrap_or_default()),
+                place: format!("/buffers/{i}"),
+                reason,
+                texture: false,
+            });
+            None
+        }));
+    }
+    buffers
+}
+
+fn load_buffer<'a>(
+    declaration: &BufferDeclaration,
+    index: usize,
+    binary: Option<&'a [u8]>,
+    folder: &Path,
+) -> Result<Option<Cow<'a, [u8]>>, String> {
+    let bytes: Cow<[u8]> = match (&declaration.uri, binary) {
+        (Some(uri), _) => uri::read(folder, uri)?.into(),
+        (None, Some(chunk)) if index == 0 => chunk.into(),
+        (None, _) => return Err("has neither a URI nor the binary chunk of a GLB".to_owned()),
+    };
+    if (bytes.len() as u64) < declaration.length {
+        return Err(format!("holds {} bytes of {}", bytes.len(), declaration.length));
+    }
+    Ok(Some(bytes))
+}
+
+/// A name for messages: the text of data URIs is long and says nothing.
+fn shown(uri: &str) -> String {
+    if uri.get(..5).is_some_and(|head| head.eq_ignore_ascii_case("data:")) {
+        String::new()
+    } else {
+        uri.to_owned()
+    }
+}
+
+/// What to call an image: the file that it is in, else what the document calls it.
+fn name_of(image: &ImageDeclaration) -> String {
+    let file = match &image.source {
+        ImageSource::Uri(uri) => shown(uri),
+        ImageSource::View(_) => String::new(),
+    };
+    if file.is_empty() { image.name.clone() } else { file }
+}
+
+/// Memory that decoded images may always take, and beyond it for each byte of their files.
+const FREE_BYTES: u64 = 4 << 30;
+const EXPANSION: u64 = 256;
+
+/// Makes the textures in `slots`, which are indices into `textures`. Each image is decoded once.
+/// What is missing or broken goes to `broken`, or is noted, and colours are magenta; `None` is what
+/// holds no colours, to be left out.
+pub fn load_textures(
+    slots: &[(usize, ColorSpace)],
+    textures: &[TextureDeclaration],
+    images: &[ImageDeclaration],
+    storage: &Storage,
+    folder: &Path,
+    missing: MissingTexture,
+    broken: &mut Vec<Broken>,
+    notices: &mut Notices,
+) -> Vec<Option<Texture>> {
+    let mut decoded = decode_images(slots, textures, images, storage, folder);
+    for (&image, result) in &decoded {
+        if let Err(reason) = result {
+            let place = &images[image].place;
+            report(name_of(&images[image]), place, reason, missing, broken, notices);
+        }
+    }
+    let mut texture = |&(index, color_space): &(usize, ColorSpace)| {
+        let TextureDeclaration { place, image, compressed, wrap, filter } = &textures[index];
+        match image.and_then(|image| decoded.get_mut(&image)) {
+            Some(Ok(found)) => {
+                let name = image.map(|image| name_of(&images[image])).unwrap_or_default();
+                Some(Texture::new(found.clone(), color_space, *wrap, *filter).named(name))
+            }
+            found => {
+                if found.is_none() {
+                    let reason = if *compressed {
+                        "is of KTX2 alone (KHR_texture_basisu), which dapple does not read"
+                    } else {
+                        "has no image that dapple can read"
+                    };
+                    report(String::new(), place, reason, missing, broken, notices);
+                }
+                (color_space == ColorSpace::Srgb).then(Texture::magenta)
+            }
+        }
+    };
+    slots.iter().map(&mut texture).collect()
+}
+
+fn report(
+    name: String,
+    place: &str,
+    reason: &str,
+    missing: MissingTexture,
+    broken: &mut Vec<Broken>,
+    notices: &mut Notices,
+) {
+    match missing {
+        MissingTexture::Error => {
+            let (place, reason) = (place.to_owned(), reason.to_owned());
+            broken.push(Broken { name, place, reason, texture: true });
+        }
+        MissingTexture::Magenta => {
+            let name = if name.is_empty() { name } else { format!("{name:?}: ") };
+            notices.add(place, format!("{name}{reason}: colours are magenta, others left out"));
+        }
+    }
+}
+
+type Decoded = Result<Arc<Image>, String>;
+
+fn decode_images(
+    slots: &[(usize, ColorSpace)],
+    textures: &[TextureDeclaration],
+    images: &[ImageDeclaration],
+    storage: &Storage,
+    folder: &Path,
+) -> BTreeMap<usize, Decoded> {
+    let mut used: Vec<usize> =
+        slots.iter().filter_map(|&(texture, _)| textures[texture].image).collect();
+    used.sort_unstable();
+    used.dedup();
+    let files: Vec<_> = used
+        .iter()
+        .map(|&image| match &images[image].source {
+            ImageSource::Uri(uri) => Ok((Cow::Owned(uri::read(folder, uri)?), uri.as_str())),
+            ImageSource::View(view) => match storage.view(*view) {
+                Ok(bytes) => Ok((Cow::Borrowed(bytes), "")),
+                Err(fault) => Err(format!("{} {}", fault.place, fault.message)),
+            },
+        })
+        .collect();
+
+    // Sizes are known before anything is decoded, so that many small files are no bomb either.
+    let sizes = files
+        .iter()
+        .flatten()
+        .map(|(bytes, name)| (bytes.len() as u64, Image::decoded_bytes(bytes, name).unwrap_or(0)));
+    let (encoded, total) = sizes.fold((0_u64, 0_u64), |sum, size| {
+        (sum.0.saturating_add(size.0), sum.1.saturating_add(size.1))
+    });
+    let too_many = if total > FREE_BYTES.saturating_add(encoded.saturating_mul(EXPANSION)) {
+        Some(format!("all images together take {total} bytes, far beyond their files"))
+    } else {
+        memory::claim(total).err().map(|error| format!("all images together: {error}"))
+    };
+    let decode = |file: Result<(Cow<[u8]>, &str), String>| {
+        let (bytes, name) = file?;
+        if let Some(reason) = &too_many {
+            return Err(reason.clone());
+        }
+        Image::decode(&bytes, name).map(Arc::new).map_err(|error| error.to_string())
+    };
+    let decoded: Vec<Decoded> = files.into_par_iter().map(decode).collect();
+    used.into_iter().zip(decoded).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffers_come_from_data_or_the_container_and_must_be_long_enough() {
+        let declaration =
+            |uri: Option<&str>, length| BufferDeclaration { uri: uri.map(str::to_owned), length };
+        let declarations = [
+            declaration(None, 2),
+            declaration(Some("data:;base64,AAEC"), 4),
+            declaration(None, 1),
+            declaration(Some("missing.bin"), 1),
+        ];
+        let mut broken = Vec::new();
+        let needed = [true, true, true, false];
+        let folder = Path::new("nowhere");
+        let loaded = load_buffers(&declarations, &needed, Some(b"abc"), folder, &mut broken);
+        assert_eq!(loaded[0].as_deref(), Some(&b"abc"[..]));
+        assert_eq!(broken.len(), 2);
+        assert_eq!(broken[0].reason, "holds 3 bytes of 4");
+        assert_eq!((broken[0].name.as_str(), broken[1].place.as_str()), ("", "/buffers/2"));
+    }
+}

@@ -1,0 +1,25 @@
+//! Files to scenes: glTF, OBJ, PLY and TOML, the images that they name, and arrays of NumPy.
+
+mod choice;
+mod environment;
+mod error;
+pub mod gltf;
+mod load;
+mod model;
+pub mod npy;
+pub mod obj;
+mod options;
+pub mod ply;
+mod read;
+mod repair;
+mod texture_range;
+pub mod toml;
+mod triangulate;
+mod uri;
+
+pub use choice::chosen;
+pub use environment::{EnvironmentImage, EnvironmentSource};
+pub use error::{Broken, LoadError};
+pub use load::load;
+pub use options::{LoadOptions, MissingTexture};
+pub use read::read_file;

@@ -1,0 +1,49 @@
+//! How to load a scene.
+
+use std::path::Path;
+
+use super::LoadError;
+
+/// What to do about a texture that is missing or broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MissingTexture {
+    /// An error that lists all of them.
+    #[default]
+    Error,
+    /// Paint it magenta, or leave it out where it holds no colours, and say so in a notice.
+    Magenta,
+}
+
+/// How to load a scene.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Whether any notice is an error.
+    pub strict: bool,
+    /// What to do about a texture that is missing or broken.
+    pub missing_texture: MissingTexture,
+    /// Which of a file's scenes, by its name or else its number from 0; none: the file's default.
+    pub scene: Option<String>,
+    /// Which of the file's variants of materials (KHR_materials_variants), by its name or else its
+    /// number from 0; none: the materials that it has without.
+    pub variant: Option<String>,
+    /// Which of the file's animations is posed, by its name or else its number from 0; none: the
+    /// first.
+    pub animation: Option<String>,
+    /// The time at which animations are posed, seconds; none: all is in its rest pose.
+    pub time: Option<f32>,
+}
+
+impl LoadOptions {
+    /// For formats that hold one scene alone: refuses to choose among several.
+    ///
+    /// # Errors
+    /// [`LoadError::NoSuch`].
+    pub(super) fn refuse_choices(&self, path: &Path) -> Result<(), LoadError> {
+        let choices =
+            [("scene", &self.scene), ("variant", &self.variant), ("animation", &self.animation)];
+        match choices.iter().find_map(|(what, wanted)| Some((*what, wanted.as_deref()?))) {
+            Some((what, wanted)) => Err(LoadError::no_such(path, what, wanted, [])),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! TOML scenes: glTF, OBJ and PLY files placed together, with a camera, light and settings.
+//!
+//! | table | keys |
+//! |---|---|
+//! | `[[place]]` | `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion), `scale`, or a `matrix` by columns; `scene`, `variant`, `animation`, `time` (at which it then stands still under `--shutter`); `material."name"` |
+//! | `[material."name"]` | changes of materials of that name in all files, `"*"`: of all materials |
+//! | `[[camera]]` | `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name` |
+//! | `[environment]` | `file` or `color`; `scale`, `rotate` |
+//! | `[sky]` | `turbidity`, `sun-elevation` and `sun-azimuth` or `sun-direction`, `sun-diameter` (0: none), `ground-albedo`, `scale` |
+//! | `[sun]` | where it stands as in `[sky]`; `color`, `irradiance`, `diameter` |
+//! | `[[light]]` | `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and spot lights), `range`, `inner`, `outer` |
+//! | `[render]` | the flags of `dapple render` by their names; read by the command line |
+//!
+//! Angles are in degrees, lengths in metres, directions need not be of unit length. Paths are
+//! relative to the file and stay in its folder. A key that none of these is, is an error.
+
+mod camera;
+mod light;
+mod material;
+mod place;
+mod reader;
+mod settings;
+
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use self::camera::CameraDeclaration;
+use self::light::Surroundings;
+use self::material::Overrides;
+use self::place::{Placement, Stage};
+pub use self::reader::unknown_key;
+use self::reader::{Source, Table};
+pub use self::settings::{Setting, SettingValue, settings, settings_of_text};
+use super::{LoadError, LoadOptions, read_file};
+use crate::light::{Environment, Punctual, Sun};
+use crate::math::Vec3;
+use crate::scene::defaults::bounds;
+use crate::scene::{NamedCamera, Scene};
+
+/// The longest file: it holds no geometry.
+const MAX_BYTES: usize = 16 << 20;
+
+/// Whether a file is a TOML scene, by its ending.
+pub fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+/// Loads a file and those that it places.
+///
+/// # Errors
+/// As [`parse`], or if it cannot be read.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+    parse(path, &read_file(path)?, options)
+}
+
+/// Reads a file's contents; `path` is for messages and for the folder of the files beside it.
+///
+/// # Errors
+/// [`LoadError`] with the line; all files that are missing at once.
+pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, LoadError> {
+    options.refuse_choices(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    with_root(path, bytes, |root| Declarations::read(root, folder)?.compose(path, folder, options))
+}
+
+/// Reads the text of a file alone, without those that it names: what a fuzzer calls.
+///
+/// # Errors
+/// As [`parse`].
+pub fn check(bytes: &[u8]) -> Result<(), LoadError> {
+    let (path, folder) = (Path::new("fuzz.toml"), Path::new("/nowhere"));
+    with_root(path, bytes, |root| Declarations::read(root, folder).map(drop))?;
+    settings::read(path, folder, bytes).map(drop)
+}
+
+/// Parses the text and lends its outermost table.
+fn with_root<T>(
+    path: &Path,
+    bytes: &[u8],
+    read: impl for<'d> FnOnce(&Table<'d>) -> Result<T, LoadError>,
+) -> Result<T, LoadError> {
+    if bytes.len() > MAX_BYTES {
+        let message = format!("is larger than {} MiB, which no TOML scene is", MAX_BYTES >> 20);
+        return Err(LoadError::invalid(path, "", message));
+    }
+    let text = std::str::from_utf8(bytes)
+        .map_err(|_| LoadError::invalid(path, "", "is not text in UTF-8"))?;
+    let source = Source::new(path, text);
+    let parsed = DeTable::parse(text).map_err(|error| {
+        let at = error.span().map_or(0, |span| span.start);
+        source.fault(at, error.message())
+    })?;
+    read(&Table::new(&source, parsed.get_ref(), "", 0))
+}
+
+/// All that the text says.
+struct Declarations<'d> {
+    placements: Vec<Placement<'d>>,
+    /// Of materials in all files.
+    overrides: Overrides,
+    cameras: Vec<CameraDeclaration<'d>>,
+    lights: Vec<Punctual>,
+    surroundings: Option<Surroundings>,
+    sun: Option<Sun>,
+}
+
+impl<'d> Declarations<'d> {
+    /// Reads all; that a file is not there is found, but no file is read.
+    fn read(root: &Table<'d>, folder: &Path) -> Result<Self, LoadError> {
+        root.table("render")?; // the command line's
+        let each = |table: &Table<'d>| light::punctual(table);
+        let (surroundings, sun) = surroundings(root, folder)?;
+        let all = Self {
+            placements: root
+                .tables("place")?
+                .into_iter()
+                .map(Placement::read)
+                .collect::<Result<_, _>>()?,
+            overrides: match root.table("material")? {
+                Some(tables) => Overrides::read(&tables)?,
+                None => Overrides::default(),
+            },
+            cameras: root
+                .tables("camera")?
+                .into_iter()
+                .map(CameraDeclaration::read)
+                .collect::<Result<_, _>>()?,
+            lights: root.tables("light")?.iter().map(each).collect::<Result<_, _>>()?,
+            surroundings,
+            sun,
+        };
+        root.finish()?;
+        Ok(all)
+    }
+
+    /// Loads what is placed and puts it together.
+    fn compose(
+        self,
+        path: &Path,
+        folder: &Path,
+        options: &LoadOptions,
+    ) -> Result<Scene, LoadError> {
+        let mut stage = Stage::new(folder, options);
+        stage.broken.extend(self.surroundings.iter().filter_map(Surroundings::broken).cloned());
+        for placement in &self.placements {
+            stage.load(placement)?;
+        }
+        if !stage.broken.is_empty() {
+            let (file, broken) = (path.display().to_string(), stage.broken);
+            return Err(LoadError::References { file, broken });
+        }
+        let names = stage.material_names();
+        if let Some((name, line)) = self.overrides.unmatched(&names) {
+            let message = crate::formats::choice::absent("material", name, &names);
+            return Err(LoadError::line(path, line, message));
+        }
+        for placement in &self.placements {
+            stage.place(placement, &self.overrides)?;
+        }
+        let mut scene = stage.scene;
+        let bounds = bounds(&scene);
+        let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
+        let own: Vec<NamedCamera> =
+            self.cameras.iter().map(|camera| camera.place(centre)).collect::<Result<_, _>>()?;
+        scene.cameras.splice(0..0, own);
+        scene.lights.extend(self.lights);
+        if let Some(surroundings) = &self.surroundings {
+            let (environment, mut notices) = surroundings.load()?;
+            scene.notices.append(&mut notices);
+            scene.environment = Some(environment);
+        }
+        if let Some(sun) = self.sun {
+            let behind = scene.environment.take();
+            let behind = behind.unwrap_or_else(|| Environment::constant(Vec3::ZERO));
+            scene.environment = Some(behind.with_sun(sun));
+        }
+        Ok(scene)
+    }
+}
+
+/// The environment or the sky, and a sun before it.
+fn surroundings(
+    root: &Table,
+    folder: &Path,
+) -> Result<(Option<Surroundings>, Option<Sun>), LoadError> {
+    let behind = match (root.table("environment")?, root.table("sky")?) {
+        (Some(_), Some(sky)) => return Err(sky.fault("there is an [environment] already")),
+        (Some(table), None) => Some(Surroundings::read(&table, folder)?),
+        (None, Some(table)) => Some(Surroundings::read_sky(&table)?),
+        (None, None) => None,
+    };
+    let Some(table) = root.table("sun")? else { return Ok((behind, None)) };
+    if behind.as_ref().is_some_and(Surroundings::has_sun) {
+        return Err(table.fault("the [sky] has a sun: give it sun-diameter = 0"));
+    }
+    let sun = light::sun(&table)?;
+    Ok((behind, Some(sun)))
+}
+
+#[cfg(test)]
+mod tests;

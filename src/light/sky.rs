@@ -1,0 +1,116 @@
+//! Sun and sky as surroundings.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use super::{Environment, Preetham, Sun};
+use crate::math::Vec3;
+
+/// A unit of radiance is so many kcd/m², so that a day's picture needs no `--exposure`.
+const UNIT: f32 = 10.0;
+
+/// A clear day's sky with its sun, over even ground, by [`Preetham`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// Of [`Preetham::TURBIDITY`].
+    pub turbidity: f32,
+    /// Unit direction to the sun, not below the horizon.
+    pub sun: Vec3,
+    /// The share of light that the ground sends back, all that is seen below the horizon.
+    pub ground_albedo: f32,
+    /// Degrees that the sun's disc is across; none: there is no disc, nor its light.
+    pub sun_diameter: Option<f32>,
+}
+
+impl Default for Sky {
+    /// A fine day's afternoon: turbidity 3, the sun 45° high over the viewer's right shoulder where
+    /// he looks along -Z, ground like dry earth.
+    fn default() -> Self {
+        Self {
+            turbidity: 3.0,
+            sun: sun_direction(45.0, 135.0),
+            ground_albedo: 0.2,
+            sun_diameter: Some(Sun::DIAMETER),
+        }
+    }
+}
+
+/// The unit direction at an elevation above the horizon and an azimuth, degrees: 0 is -Z, 90 is +X,
+/// as on a compass whose north is -Z.
+pub fn sun_direction(elevation: f32, azimuth: f32) -> Vec3 {
+    let (up, across) = libm::sincosf(elevation.to_radians());
+    let (east, north) = libm::sincosf(azimuth.to_radians());
+    Vec3::new(across * east, up, -across * north)
+}
+
+impl Sky {
+    /// The surroundings, times `scale`. A radiance of one is 10 kcd/m².
+    pub fn environment(&self, scale: f32) -> Environment {
+        const HEIGHT: usize = 512;
+        const WIDTH: usize = 2 * HEIGHT;
+        let model = Preetham::new(self.turbidity, self.sun);
+        let scale = scale / UNIT;
+        let (mut pixels, mut falling) = (vec![[0.0; 3]; WIDTH * HEIGHT], Vec3::ZERO);
+        // Rows straddle the horizon, which lies half a row below the last one of the sky.
+        let step = PI / (HEIGHT - 1) as f32;
+        for y in 0..HEIGHT / 2 {
+            let (sine, cosine) = libm::sincosf(y as f32 * step);
+            for x in 0..WIDTH {
+                let turn = ((x as f32 + 0.5) / WIDTH as f32 - 0.5) * (2.0 * PI);
+                let (s, c) = libm::sincosf(turn);
+                let radiance = model.radiance(Vec3::new(sine * s, cosine, -sine * c)) * scale;
+                pixels[y * WIDTH + x] = radiance.to_array();
+                falling += radiance * (sine * cosine);
+            }
+        }
+        falling *= step * 2.0 * PI / WIDTH as f32;
+        let irradiance = model.sun_irradiance() * scale;
+        if self.sun_diameter.is_some() {
+            falling += irradiance * self.sun.y.max(0.0);
+        }
+        let ground = falling * self.ground_albedo * FRAC_1_PI;
+        pixels[WIDTH * HEIGHT / 2..].fill(ground.to_array());
+        let sky = Environment::image(WIDTH, HEIGHT, pixels, 1.0, 0.0);
+        match self.sun_diameter {
+            Some(diameter) => sky.with_sun(Sun::new(self.sun, diameter, irradiance)),
+            None => sky,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_those_of_a_compass() {
+        let near = |a: Vec3, b: Vec3| a.distance(b) < 1e-6;
+        assert!(near(sun_direction(0.0, 0.0), Vec3::NEG_Z));
+        assert!(near(sun_direction(0.0, 90.0), Vec3::X));
+        assert!(near(sun_direction(90.0, 17.0), Vec3::Y));
+    }
+
+    #[test]
+    fn the_ground_sends_back_its_share_of_sun_and_sky() {
+        let sky = Sky { ground_albedo: 0.5, ..Sky::default() };
+        let environment = sky.environment(1.0);
+        // What falls on the ground, by numbers.
+        let (mut sum, mut count) = (Vec3::ZERO, 0);
+        for i in 0..256 {
+            for j in 0..256 {
+                let u = (crate::math::Vec2::new(i as f32, j as f32) + 0.5) / 256.0;
+                if let Some(sample) = environment.sample(u) {
+                    sum += sample.radiance * (sample.direction.y.max(0.0) / sample.pdf);
+                }
+                count += 1;
+            }
+        }
+        let falling = sum / count as f32;
+        let ground = environment.radiance(Vec3::new(0.1, -0.9, 0.1).normalize());
+        assert!((ground / (falling * 0.5 * FRAC_1_PI) - 1.0).abs().max_element() < 0.02);
+        // A day outdoors: the paper at 45° and turbidity 3 gives some 80 klx in all.
+        assert!((5.0..11.0).contains(&falling.y), "{falling}");
+        let dark = Sky { sun_diameter: None, ..sky }.environment(2.0);
+        assert!(dark.radiance(Vec3::NEG_Y).y < ground.y);
+        assert_eq!(dark.radiance(Vec3::Y), environment.radiance(Vec3::Y) * 2.0);
+    }
+}

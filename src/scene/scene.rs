@@ -1,0 +1,72 @@
+//! A scene: everything that a picture is made of.
+
+use std::sync::Arc;
+
+use super::{Instance, Material};
+use crate::camera::Camera;
+use crate::geom::Mesh;
+use crate::light::{Environment, Punctual};
+use crate::texture::Texture;
+
+/// A camera and what the file calls it.
+#[derive(Clone, Debug)]
+pub struct NamedCamera {
+    /// The file's name for it, or empty.
+    pub name: String,
+    /// Width over height that the file asks for.
+    pub aspect: Option<f32>,
+    /// The camera.
+    pub camera: Camera,
+}
+
+/// Something that the file asks for and that is not honoured, or that looks like a mistake.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// File and place in it: a line, or a JSON pointer.
+    pub place: String,
+    /// What is the matter.
+    pub message: String,
+}
+
+/// An extension that a file uses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsedExtension {
+    /// Its name.
+    pub name: String,
+    /// Whether all of it is done.
+    pub honoured: bool,
+}
+
+/// What a file has to choose from, and what it asks for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Contents {
+    /// Names of its scenes, of which one is loaded; empty where they have none.
+    pub scenes: Vec<String>,
+    /// Names of its variants of materials.
+    pub variants: Vec<String>,
+    /// Extensions of its format, by their names.
+    pub extensions: Vec<UsedExtension>,
+}
+
+/// Everything that a picture is made of.
+#[derive(Debug, Default)]
+pub struct Scene {
+    /// Unique meshes.
+    pub meshes: Vec<Arc<Mesh>>,
+    /// Placed meshes; flat triangle ids count through them in this order.
+    pub instances: Vec<Instance>,
+    /// Materials; instances refer to them.
+    pub materials: Vec<Material>,
+    /// Textures; materials refer to them.
+    pub textures: Vec<Texture>,
+    /// Lights without extent.
+    pub lights: Vec<Punctual>,
+    /// What shines from infinitely far away.
+    pub environment: Option<Environment>,
+    /// Cameras in the file's order.
+    pub cameras: Vec<NamedCamera>,
+    /// What could not be honoured.
+    pub notices: Vec<Notice>,
+    /// What else the file holds.
+    pub contents: Contents,
+}

@@ -1,0 +1,300 @@
+//! Images from the bytes of their files, within limits, straight into the memory that they keep.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use bytemuck::Pod;
+use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
+
+use super::image::{Image, Texels};
+use crate::files::memory::{self, TooMuch};
+use crate::film::{FilmError, exr};
+
+/// Why an image could not be decoded; says what, not which file.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageError {
+    /// The decoder's own words, or those of a limit.
+    #[error("{0}")]
+    Decode(#[from] image::ImageError),
+    /// The same of an OpenEXR file.
+    #[error("{0}")]
+    Exr(String),
+    /// The first bytes are those of no format that dapple reads, nor does the name tell.
+    #[error("not an image that dapple reads (png, jpeg, webp, tga, bmp, gif, tiff, hdr, exr)")]
+    UnknownFormat,
+    /// A float image with infinities or NaNs in it.
+    #[error("texel {x}, {y} is infinite or not a number")]
+    NotFinite {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// No texels.
+    #[error("the image has no texels")]
+    Empty,
+    /// Its header claims more than there is.
+    #[error("{0}: make it smaller")]
+    Memory(#[from] TooMuch),
+    /// Its header claims more than any image may have.
+    #[error("{0} by {1} texels are too many: at most 16384 a side")]
+    TooLarge(u64, u64),
+}
+
+/// The largest width and height that are decoded.
+const MAX_SIZE: u32 = 16384;
+
+/// The most memory that a decoder may take.
+const MAX_BYTES: u64 = 1 << 30;
+
+impl Image {
+    /// Decodes a file's bytes. The format is told by the first bytes; only where these are silent
+    /// (tga has no signature) by the ending of `name`. Where an OpenEXR file has alpha, colours are
+    /// divided by it, as textures have them.
+    ///
+    /// # Errors
+    /// [`ImageError`]; among others beyond 16384 texels a side, 1 GiB, or what memory is left.
+    pub fn decode(bytes: &[u8], name: &str) -> Result<Self, ImageError> {
+        if is_exr(bytes) {
+            return decode_exr(bytes, name);
+        }
+        let (decoder, format) = decoder(bytes, name)?;
+        let (width, height) = decoder.dimensions();
+        if width == 0 || height == 0 {
+            return Err(ImageError::Empty);
+        }
+        memory::claim(peak_bytes(&decoder, format))?;
+        let texels = match decoder.color_type() {
+            ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+                Texels::Rgba8(read(decoder, u8::MAX)?)
+            }
+            ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
+                Texels::Rgba16(read(decoder, u16::MAX)?)
+            }
+            ColorType::Rgb32F | ColorType::Rgba32F => {
+                Texels::Rgba32F(finite(read(decoder, 1.0)?, width)?)
+            }
+            _ => return Err(ImageError::UnknownFormat),
+        };
+        Ok(Self::new(width, height, texels))
+    }
+
+    /// The memory that the texels of a file would take, by its header alone.
+    ///
+    /// # Errors
+    /// As for [`Image::decode`], as far as the header tells.
+    pub fn decoded_bytes(bytes: &[u8], name: &str) -> Result<u64, ImageError> {
+        if is_exr(bytes) {
+            let (width, height) = exr_size(bytes)?;
+            return Ok(width * height * size_of::<[f32; 4]>() as u64);
+        }
+        Ok(kept_bytes(&decoder(bytes, name)?.0))
+    }
+}
+
+fn is_exr(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01])
+}
+
+fn exr_size(bytes: &[u8]) -> Result<(u64, u64), ImageError> {
+    let (width, height) = exr::size(bytes).map_err(ImageError::Exr)?;
+    if width.max(height) > u64::from(MAX_SIZE) {
+        return Err(ImageError::TooLarge(width, height));
+    }
+    Ok((width, height))
+}
+
+fn decode_exr(bytes: &[u8], name: &str) -> Result<Image, ImageError> {
+    exr_size(bytes)?;
+    let source = Cursor::new(bytes);
+    let decoded = exr::decode_rgba(source, bytes.len() as u64, Path::new(name));
+    let (width, height, mut texels) = decoded.map_err(|error| match error {
+        FilmError::Invalid { message, .. } => ImageError::Exr(message),
+        other => ImageError::Exr(other.to_string()),
+    })?;
+    for [r, g, b, a] in texels.iter_mut().filter(|texel| texel[3] > 0.0 && texel[3] < 1.0) {
+        (*r, *g, *b) = (*r / *a, *g / *a, *b / *a);
+    }
+    let texels = finite(texels, width as u32)?;
+    Ok(Image::new(width as u32, height as u32, Texels::Rgba32F(texels)))
+}
+
+/// A decoder within the limits, and what it decodes.
+fn decoder<'a>(
+    bytes: &'a [u8],
+    name: &str,
+) -> Result<(impl ImageDecoder + use<'a>, ImageFormat), ImageError> {
+    let format = image::guess_format(bytes)
+        .or_else(|_| ImageFormat::from_path(name))
+        .map_err(|_| ImageError::UnknownFormat)?;
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIZE);
+    limits.max_image_height = Some(MAX_SIZE);
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits.clone());
+    let decoder = reader.into_decoder()?;
+    limits.reserve(decoder.total_bytes())?;
+    Ok((decoder, format))
+}
+
+/// Bytes of the texels once they are read.
+fn kept_bytes(decoder: &impl ImageDecoder) -> u64 {
+    let (width, height) = decoder.dimensions();
+    let color = decoder.color_type();
+    let value = u64::from(color.bytes_per_pixel() / color.channel_count());
+    u64::from(width) * u64::from(height) * 4 * value
+}
+
+/// Bytes on the way there: some decoders hold all of the image in a form of their own.
+fn peak_bytes(decoder: &impl ImageDecoder, format: ImageFormat) -> u64 {
+    let (width, height) = decoder.dimensions();
+    let own = match format {
+        ImageFormat::Png | ImageFormat::Bmp | ImageFormat::Hdr => 0,
+        _ => decoder.total_bytes().max(u64::from(width) * u64::from(height) * 8),
+    };
+    kept_bytes(decoder) + own
+}
+
+/// All texels, of four values each; alpha is `opaque` where the file has none.
+fn read<T: Pod>(decoder: impl ImageDecoder, opaque: T) -> Result<Vec<[T; 4]>, ImageError> {
+    let (width, height) = decoder.dimensions();
+    let channels = usize::from(decoder.color_type().channel_count());
+    let mut texels = vec![[T::zeroed(); 4]; width as usize * height as usize];
+    let read = texels.len() * channels;
+    let values = texels.as_flattened_mut();
+    decoder.read_image(bytemuck::cast_slice_mut(&mut values[..read]))?;
+    spread(values, channels, opaque);
+    Ok(texels)
+}
+
+/// Spreads values of so many channels, which stand close together at the front, to four each.
+fn spread<T: Copy>(values: &mut [T], channels: usize, opaque: T) {
+    if channels == 4 {
+        return;
+    }
+    // From the last on, so that none is written over before it is read.
+    for i in (0..values.len() / 4).rev() {
+        let from = &values[i * channels..];
+        let texel = match channels {
+            1 => [from[0], from[0], from[0], opaque],
+            2 => [from[0], from[0], from[0], from[1]],
+            _ => [from[0], from[1], from[2], opaque],
+        };
+        values[4 * i..4 * i + 4].copy_from_slice(&texel);
+    }
+}
+
+fn finite(texels: Vec<[f32; 4]>, width: u32) -> Result<Vec<[f32; 4]>, ImageError> {
+    let odd = |texel: &[f32; 4]| texel.iter().any(|value| !value.is_finite());
+    match texels.iter().position(odd) {
+        Some(at) => Err(ImageError::NotFinite { x: at as u32 % width, y: at as u32 / width }),
+        None => Ok(texels),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{DynamicImage, ImageBuffer};
+
+    use super::*;
+    use crate::film::{Picture, Window};
+
+    fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        image.write_to(&mut Cursor::new(&mut bytes), format).expect("encodes");
+        bytes
+    }
+
+    fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
+        encoded(&image.into(), ImageFormat::Png)
+    }
+
+    #[test]
+    fn all_numbers_of_channels_become_four() {
+        let buffer = |channels: usize| (0..2 * channels as u16).map(|v| v * 1000 + 7).collect();
+        let deep: [DynamicImage; 4] = [
+            DynamicImage::ImageLuma16(ImageBuffer::from_raw(2, 1, buffer(1)).expect("two")),
+            DynamicImage::ImageLumaA16(ImageBuffer::from_raw(2, 1, buffer(2)).expect("two")),
+            DynamicImage::ImageRgb16(ImageBuffer::from_raw(2, 1, buffer(3)).expect("two")),
+            DynamicImage::ImageRgba16(ImageBuffer::from_raw(2, 1, buffer(4)).expect("two")),
+        ];
+        for image in deep {
+            let expected = image.to_rgba16().pixels().map(|pixel| pixel.0).collect();
+            let bytes = png(image.clone());
+            let decoded = Image::decode(&bytes, "").expect("decodes");
+            assert!(decoded == Image::new(2, 1, Texels::Rgba16(expected)), "{:?}", image.color());
+            assert_eq!(Image::decoded_bytes(&bytes, "").expect("tells"), 16);
+
+            let shallow = DynamicImage::from(image.to_luma8());
+            for image in [shallow, image.to_luma_alpha8().into(), image.to_rgb8().into()] {
+                let expected = image.to_rgba8().pixels().map(|pixel| pixel.0).collect();
+                let decoded = Image::decode(&png(image), "").expect("decodes");
+                assert!(decoded == Image::new(2, 1, Texels::Rgba8(expected)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_png_that_claims_to_be_huge_is_refused_before_it_is_allocated() {
+        let grey = image::GrayImage::from_raw(1, 1, vec![7]).expect("one texel");
+        let mut bytes = png(grey);
+        bytes[16..20].copy_from_slice(&60000_u32.to_be_bytes()); // the width in IHDR
+        assert!(Image::decode(&bytes, "a.png").is_err());
+    }
+
+    #[test]
+    fn bytes_of_no_format_are_named_so() {
+        let error = Image::decode(b"hello", "a.txt").expect_err("is no image");
+        assert!(matches!(error, ImageError::UnknownFormat), "{error}");
+    }
+
+    #[test]
+    fn radiance_files_are_floats() {
+        let texels = vec![4.0, 0.5, 0.0, 0.25, 0.25, 0.25];
+        let image = image::Rgb32FImage::from_raw(2, 1, texels).expect("two texels");
+        let bytes = encoded(&image.into(), ImageFormat::Hdr);
+        let decoded = Image::decode(&bytes, "a.hdr").expect("decodes");
+        let expected = vec![[4.0, 0.5, 0.0, 1.0], [0.25, 0.25, 0.25, 1.0]];
+        assert!(decoded == Image::new(2, 1, Texels::Rgba32F(expected)));
+        assert_eq!(Image::decoded_bytes(&bytes, "a.hdr").expect("tells"), 32);
+    }
+
+    fn exr_of(channels: &[(&str, [f32; 2])]) -> Vec<u8> {
+        let window = Window::of_size(2, 1);
+        let mut picture = Picture::new(window, window);
+        for (name, values) in channels {
+            picture.set_channel(*name, values.to_vec());
+        }
+        exr::encode(&picture).expect("encodes")
+    }
+
+    #[test]
+    fn open_exr_files_are_floats_and_their_alpha_is_taken_out() {
+        let coloured = exr_of(&[
+            ("R", [8.0, 0.5]),
+            ("G", [1.0, 0.25]),
+            ("B", [0.0, 0.125]),
+            ("A", [1.0, 0.5]),
+            ("depth.Z", [f32::INFINITY; 2]),
+        ]);
+        let decoded = Image::decode(&coloured, "a.exr").expect("decodes");
+        let expected = vec![[8.0, 1.0, 0.0, 1.0], [1.0, 0.5, 0.25, 0.5]];
+        assert!(decoded == Image::new(2, 1, Texels::Rgba32F(expected)));
+        assert_eq!(Image::decoded_bytes(&coloured, "a.exr").expect("tells"), 32);
+
+        let grey = exr_of(&[("Y", [3.0, 0.5])]);
+        let decoded = Image::decode(&grey, "a.png").expect("the first bytes tell");
+        let expected = vec![[3.0, 3.0, 3.0, 1.0], [0.5, 0.5, 0.5, 1.0]];
+        assert!(decoded == Image::new(2, 1, Texels::Rgba32F(expected)));
+
+        let broken = exr_of(&[("Y", [3.0, f32::NAN])]);
+        let error = Image::decode(&broken, "a.exr").expect_err("is NaN");
+        assert!(matches!(error, ImageError::NotFinite { x: 1, y: 0 }), "{error}");
+        let error = Image::decode(&exr_of(&[("Z", [1.0; 2])]), "a.exr").expect_err("no colours");
+        assert_eq!(error.to_string(), "no channels R, G, B and no Y; it has Z");
+        for length in 0..coloured.len() {
+            assert!(Image::decode(&coloured[..length], "a.exr").is_err(), "{length}");
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Textures: an image, how to read colours out of it, and what lies beyond its edges.
+
+use std::fmt;
+use std::sync::{Arc, LazyLock};
+
+use super::image::{Image, Texels};
+use crate::math::{Vec2, Vec4};
+
+/// What the numbers in an image mean. Alpha is linear in both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorSpace {
+    /// Colours by the transfer function of IEC 61966-2-1.
+    Srgb,
+    /// Proportional to light, or no light at all: normals, roughness.
+    Linear,
+}
+
+/// What lies beyond an image's edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The outermost texels.
+    Clamp,
+    /// The image mirrored, then the image again.
+    Mirror,
+}
+
+/// How to look between texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// The texel that the point lies in.
+    Nearest,
+    /// The four texels around, weighted; decoded before they are mixed.
+    #[default]
+    Bilinear,
+}
+
+/// An image as a material looks it up.
+#[derive(Clone)]
+pub struct Texture {
+    /// What its file calls it; for messages.
+    name: String,
+    image: Arc<Image>,
+    color_space: ColorSpace,
+    wrap: [Wrap; 2],
+    filter: Filter,
+    /// Of a stored red, green or blue, the linear value; as long as the texels have values.
+    decode: &'static [f32],
+    /// The same for alpha.
+    decode_alpha: &'static [f32],
+}
+
+impl fmt::Debug for Texture {
+    /// Without the tables, which follow from the rest.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { image, color_space, wrap, filter, .. } = self;
+        write!(f, "Texture({image:?}, {color_space:?}, {wrap:?}, {filter:?})")
+    }
+}
+
+impl Texture {
+    /// A texture that shares `image`; `wrap` is along u and v.
+    ///
+    /// Images of floats hold linear colours always; `color_space` does not touch them.
+    pub fn new(
+        image: Arc<Image>,
+        color_space: ColorSpace,
+        wrap: [Wrap; 2],
+        filter: Filter,
+    ) -> Self {
+        let (decode, decode_alpha): (&'static [f32], &'static [f32]) =
+            match (image.texels(), color_space) {
+                (Texels::Rgba8(_), ColorSpace::Srgb) => (&*SRGB_8, &*LINEAR_8),
+                (Texels::Rgba8(_), ColorSpace::Linear) => (&*LINEAR_8, &*LINEAR_8),
+                (Texels::Rgba16(_), ColorSpace::Srgb) => (&*SRGB_16, &*LINEAR_16),
+                (Texels::Rgba16(_), ColorSpace::Linear) => (&*LINEAR_16, &*LINEAR_16),
+                (Texels::Rgba32F(_), _) => (&[], &[]),
+            };
+        let name = String::new();
+        Self { name, image, color_space, wrap, filter, decode, decode_alpha }
+    }
+
+    /// The same called `name`.
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// The same of another image of the same kind of texels.
+    pub(super) fn with_image(&self, image: Arc<Image>) -> Self {
+        Self { image, ..self.clone() }
+    }
+
+    /// What its file calls it; empty if nothing.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One colour everywhere that nobody takes for intended.
+    pub fn magenta() -> Self {
+        let image = Image::new(1, 1, Texels::Rgba8(vec![[255, 0, 255, 255]]));
+        Self::new(Arc::new(image), ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Nearest)
+    }
+
+    /// The image.
+    pub fn image(&self) -> &Arc<Image> {
+        &self.image
+    }
+
+    /// What the image's numbers mean.
+    pub fn color_space(&self) -> ColorSpace {
+        self.color_space
+    }
+
+    /// Width and height in texels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.image.width(), self.image.height()]
+    }
+
+    /// Linear red, green, blue and alpha (not premultiplied) at `uv`: (0, 0) is the corner of the
+    /// image's first texel, (1, 1) that of its last. NaN counts as 0.
+    pub fn sample(&self, uv: Vec2) -> Vec4 {
+        let (width, height) = (self.image.width(), self.image.height());
+        match self.filter {
+            Filter::Nearest => {
+                let x = nearest(self.wrap[0].into_unit(uv.x), width);
+                let y = nearest(self.wrap[1].into_unit(uv.y), height);
+                self.texel(x, y)
+            }
+            Filter::Bilinear => {
+                let (x, fx) = around(self.wrap[0], uv.x, width);
+                let (y, fy) = around(self.wrap[1], uv.y, height);
+                let above = mix(self.texel(x[0], y[0]), self.texel(x[1], y[0]), fx);
+                let below = mix(self.texel(x[0], y[1]), self.texel(x[1], y[1]), fx);
+                mix(above, below, fy)
+            }
+        }
+    }
+
+    /// The linear value of one texel; `x` and `y` lie within the image.
+    #[inline]
+    pub fn texel(&self, x: u32, y: u32) -> Vec4 {
+        let at = y as usize * self.image.width() as usize + x as usize;
+        let decode = |r: usize, g: usize, b: usize, a: usize| {
+            let color = self.decode;
+            Vec4::new(color[r], color[g], color[b], self.decode_alpha[a])
+        };
+        match self.image.texels() {
+            Texels::Rgba8(texels) => {
+                let [r, g, b, a] = texels[at].map(usize::from);
+                decode(r, g, b, a)
+            }
+            Texels::Rgba16(texels) => {
+                let [r, g, b, a] = texels[at].map(usize::from);
+                decode(r, g, b, a)
+            }
+            Texels::Rgba32F(texels) => Vec4::from_array(texels[at]),
+        }
+    }
+}
+
+impl Wrap {
+    /// Brings a coordinate into 0..=1.
+    #[inline]
+    fn into_unit(self, u: f32) -> f32 {
+        match self {
+            Self::Repeat => fraction(u),
+            Self::Clamp if u >= 0.0 => u.min(1.0),
+            Self::Clamp => 0.0,
+            Self::Mirror => {
+                let t = 2.0 * fraction(0.5 * u);
+                if t > 1.0 { 2.0 - t } else { t }
+            }
+        }
+    }
+}
+
+/// `u - floor(u)` in 0..=1, and 0 for NaN, infinity and wherever f32 has no fractions any more.
+#[inline]
+fn fraction(u: f32) -> f32 {
+    if u.abs() < 8388608.0 {
+        let whole = u as i32 as f32; // towards zero
+        let rest = u - whole;
+        if rest < 0.0 { rest + 1.0 } else { rest }
+    } else {
+        0.0
+    }
+}
+
+/// The texel that holds `unit` of 0..=1.
+#[inline]
+fn nearest(unit: f32, size: u32) -> u32 {
+    ((unit * size as f32) as u32).min(size - 1)
+}
+
+/// The two texels whose centres are about `u`, and how far it is from the first to the second.
+#[inline]
+fn around(wrap: Wrap, u: f32, size: u32) -> ([u32; 2], f32) {
+    // Shifted by one texel, so that it is positive and truncation rounds down.
+    let x = wrap.into_unit(u) * size as f32 + 0.5;
+    let whole = (x as u32).min(size);
+    let part = (x - whole as f32).clamp(0.0, 1.0);
+    let last = size - 1;
+    // `whole` counts from 1: 0 is left of the first texel's centre, `size` right of the last's.
+    let (beyond_left, beyond_right) = match wrap {
+        Wrap::Repeat => (last, 0),
+        Wrap::Clamp | Wrap::Mirror => (0, last),
+    };
+    let left = if whole == 0 { beyond_left } else { whole - 1 };
+    let right = if whole == size { beyond_right } else { whole };
+    ([left, right], part)
+}
+
+#[inline]
+fn mix(a: Vec4, b: Vec4, t: f32) -> Vec4 {
+    a + (b - a) * t
+}
+
+/// The transfer function of sRGB (IEC 61966-2-1), encoded 0..=1 to linear.
+pub fn srgb_to_linear(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { libm::powf((encoded + 0.055) / 1.055, 2.4) }
+}
+
+static LINEAR_8: LazyLock<Vec<f32>> = LazyLock::new(|| table(u8::MAX.into(), |x| x));
+static SRGB_8: LazyLock<Vec<f32>> = LazyLock::new(|| table(u8::MAX.into(), srgb_to_linear));
+static LINEAR_16: LazyLock<Vec<f32>> = LazyLock::new(|| table(u16::MAX, |x| x));
+static SRGB_16: LazyLock<Vec<f32>> = LazyLock::new(|| table(u16::MAX, srgb_to_linear));
+
+fn table(last: u16, decode: fn(f32) -> f32) -> Vec<f32> {
+    (0..=last).map(|i| decode(f32::from(i) / f32::from(last))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A texture of one row, red rising by `step`.
+    fn ramp(width: u8, step: u8, wrap: Wrap, filter: Filter) -> Texture {
+        let texels = (0..width).map(|i| [i * step, 0, 0, 255]).collect();
+        let image = Image::new(width.into(), 1, Texels::Rgba8(texels));
+        Texture::new(Arc::new(image), ColorSpace::Linear, [wrap; 2], filter)
+    }
+
+    fn red(texture: &Texture, u: f32) -> f32 {
+        (texture.sample(Vec2::new(u, 0.5)).x * 255.0 * 16.0).round() / 16.0
+    }
+
+    #[test]
+    fn bilinear_meets_the_texels_at_their_centres() {
+        let texture = ramp(4, 10, Wrap::Clamp, Filter::Bilinear);
+        for (u, expected) in [(0.125, 0.0), (0.375, 10.0), (0.5, 15.0), (0.875, 30.0)] {
+            assert_eq!(red(&texture, u), expected, "at {u}");
+        }
+    }
+
+    #[test]
+    fn wrap_modes_differ_at_the_edge_only() {
+        let at_edge = |wrap| red(&ramp(4, 10, wrap, Filter::Bilinear), 0.0);
+        assert_eq!(at_edge(Wrap::Repeat), 15.0); // half way from 30 to 0
+        assert_eq!(at_edge(Wrap::Clamp), 0.0);
+        assert_eq!(at_edge(Wrap::Mirror), 0.0);
+
+        let beyond = |wrap| red(&ramp(4, 10, wrap, Filter::Nearest), 1.3);
+        assert_eq!(beyond(Wrap::Repeat), 10.0);
+        assert_eq!(beyond(Wrap::Clamp), 30.0);
+        assert_eq!(beyond(Wrap::Mirror), 20.0);
+        let before = |wrap| red(&ramp(4, 10, wrap, Filter::Nearest), -0.3);
+        assert_eq!(before(Wrap::Repeat), 20.0);
+        assert_eq!(before(Wrap::Clamp), 0.0);
+        assert_eq!(before(Wrap::Mirror), 10.0);
+    }
+
+    #[test]
+    fn no_coordinate_leads_out_of_the_image() {
+        let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, -1e-30, 0.99999994];
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            for filter in [Filter::Nearest, Filter::Bilinear] {
+                for u in odd {
+                    let value = ramp(3, 100, wrap, filter).sample(Vec2::new(u, -u));
+                    assert!(value.is_finite(), "{wrap:?} {filter:?} {u}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn srgb_is_decoded_and_alpha_is_not() {
+        let image = Arc::new(Image::new(1, 1, Texels::Rgba8(vec![[188, 0, 255, 128]])));
+        let texture = Texture::new(image, ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Bilinear);
+        let value = texture.sample(Vec2::ZERO);
+        assert!((value.x - 0.502_886_5).abs() < 1e-6); // ((188/255 + 0.055) / 1.055)^2.4
+        assert_eq!(value.z, 1.0);
+        assert_eq!(value.w, 128.0 / 255.0);
+    }
+
+    #[test]
+    fn sixteen_bits_keep_what_eight_would_lose() {
+        let image = Arc::new(Image::new(1, 1, Texels::Rgba16(vec![[1, 257, 0, 65535]])));
+        let texture = Texture::new(image, ColorSpace::Linear, [Wrap::Repeat; 2], Filter::Nearest);
+        let expected = Vec4::new(1.0 / 65535.0, 257.0 / 65535.0, 0.0, 1.0);
+        assert_eq!(texture.sample(Vec2::ZERO), expected);
+    }
+}
