@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap_mangen::Man;
 
+use super::settings::Table;
 use super::{CliError, Quiet, table};
 
 /// Print the manual page of dapple, or of one of its commands.
@@ -12,17 +13,25 @@ use super::{CliError, Quiet, table};
 Examples:
   dapple man > dapple.1
   dapple man render > dapple-render.1
-  dapple man bench kd | man -l -")]
+  dapple man bench kd | man -l -
+  dapple man --settings > settings.md")]
 pub struct ManArgs {
     /// The command, and the command of that
     #[arg(value_name = "COMMAND")]
     words: Vec<String>,
+    /// Print the settings of `render` as Markdown tables instead
+    #[arg(long, conflicts_with = "words")]
+    settings: bool,
     #[command(flatten)]
     quiet: Quiet,
 }
 
 /// Prints the page of `command`, or of that below it which the words name.
 pub fn run(args: &ManArgs, command: clap::Command) -> Result<ExitCode, CliError> {
+    if args.settings {
+        table::print(&Table::default().to_markdown())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let mut named = command;
     // Names the commands below by the words that lead there.
     named.build();

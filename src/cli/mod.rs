@@ -3,31 +3,26 @@
 //! A command is a file: its flags, and `run`. It is registered in `Command` and in `dispatch`.
 
 mod accels;
-mod args;
 mod bench;
 mod completions;
 mod diff;
-mod dry_run;
 mod error;
 mod generate;
 mod golden;
 mod golden_page;
-mod header;
 mod info;
 mod input;
-mod layers;
+mod job;
 mod man;
 mod memory;
 mod outputs;
-mod prepare;
 mod progress;
 mod render;
+mod settings;
 mod shell;
-mod shutter;
 mod table;
 mod trace;
 mod validate;
-mod values;
 
 use std::process::ExitCode;
 
@@ -50,7 +45,7 @@ struct Cli {
 // The order is that of the help.
 #[derive(Subcommand)]
 enum Command {
-    Render(Box<args::RenderArgs>),
+    Render(settings::Typed),
     Info(info::InfoArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
@@ -95,13 +90,12 @@ pub fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
-        // What was typed, over what the scene brings, is read again there.
-        Command::Render(_) => render::run(),
+        Command::Render(typed) => render::run(&typed),
         Command::Info(args) => info::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => {
             let picture = |scene: &GoldenScene| {
-                render::picture(&scene.file, &scene.render)
+                render::render_picture(&scene.file, &scene.render)
                     .map_err(|error| RenderError::new(error.exit_code(), &error))
             };
             Ok(golden::run(&args, &picture)?)

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 
-use super::values::ProgressStyle;
+use super::settings::parse::ProgressStyle;
 use crate::render::Progress;
 use crate::scene::Notice;
 

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::outputs::{self, Output};
-use super::values::threads;
+use super::settings::parse::threads;
 use super::{CliError, Quiet, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::outputs::{self, Output};
-use super::values::threads;
+use super::settings::parse::threads;
 use super::{CliError, Quiet, input, memory, shell, table, trace};
 use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, VARIANTS, build};
 use crate::bench::agreement::{

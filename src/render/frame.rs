@@ -78,14 +78,14 @@ pub fn render(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Rendered {
-    let mut exposure = Exposure::new(settings);
-    exposure.expose(world, camera, accel, settings.spp, control);
-    exposure.develop()
+    let mut film = FilmAccumulator::new(settings);
+    film.accumulate(world, camera, accel, settings.spp, control);
+    film.finish()
 }
 
 /// A film while light falls on it: what moves may be elsewhere from one part of its samples to the
 /// next.
-pub struct Exposure<'a> {
+pub struct FilmAccumulator<'a> {
     settings: &'a Settings,
     tiles: Vec<Mutex<Tile>>,
     /// When the first light fell.
@@ -96,7 +96,7 @@ pub struct Exposure<'a> {
     elapsed: Duration,
 }
 
-impl<'a> Exposure<'a> {
+impl<'a> FilmAccumulator<'a> {
     /// No samples yet.
     pub fn new(settings: &'a Settings) -> Self {
         Self {
@@ -111,7 +111,7 @@ impl<'a> Exposure<'a> {
 
     /// Takes every pixel on to its sample `end`, exclusively, on the threads of the current rayon
     /// pool; see [`render`].
-    pub fn expose(
+    pub fn accumulate(
         &mut self,
         world: &World,
         camera: &Camera,
@@ -159,7 +159,7 @@ impl<'a> Exposure<'a> {
     }
 
     /// The picture of what there is.
-    pub fn develop(self) -> Rendered {
+    pub fn finish(self) -> Rendered {
         let tiles: Vec<Tile> = self
             .tiles
             .into_iter()

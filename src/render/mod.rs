@@ -15,7 +15,7 @@ mod settings;
 mod stream;
 mod tile;
 
-pub use frame::{Control, Exposure, Progress, Rendered, render};
+pub use frame::{Control, FilmAccumulator, Progress, Rendered, render};
 pub use layers::film_bytes;
 pub use replay::replay;
 pub use settings::{Aov, Settings};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::super::progress::say;
-use super::super::values::resolution;
+use super::super::settings::parse::resolution;
 use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;

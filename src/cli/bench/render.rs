@@ -6,11 +6,12 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::super::prepare::{Job, prepare};
+use super::super::job::Job;
 use super::super::progress::say;
-use super::super::render::parse;
+use super::super::settings::parse::threads;
+use super::super::settings::resolve_words;
 use super::super::validate::specs;
-use super::super::{CliError, Quiet, input, memory, values::threads};
+use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, scenes};
 use crate::accel::{Accel, AccelSpec, build};
@@ -125,7 +126,7 @@ fn measure(
         ["--aov", &layers],
     ];
     let words = words.concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
-    let job = scene.with_file(|path| prepare(&parse(path, &words)?))?;
+    let job = scene.with_file(|path| Job::prepare(resolve_words(path, &words)?.args))?;
     // One to compare with, and one under way.
     let what = format!("two pictures of {}", args.resolution);
     memory::require(&what, film_bytes(&job.settings) * 2)?;
@@ -134,10 +135,10 @@ fn measure(
     for spec in specs {
         tell(&format!("building {spec}"));
         let start = Instant::now();
-        accels.push(build(spec, job.world.triangles.clone(), args.isa)?);
+        accels.push(build(spec, job.first.world.triangles.clone(), args.isa)?);
         structures.push((spec.to_string(), start.elapsed().as_secs_f64()));
     }
-    let name = (scene.name(), job.world.triangles.len());
+    let name = (scene.name(), job.first.world.triangles.len());
     let scene = renders::measure(name, &structures, args.rounds, |which| {
         tell(&format!("rendering by {}", structures[which].0));
         rendered(&job, &*accels[which])
@@ -147,7 +148,7 @@ fn measure(
 
 fn rendered(job: &Job, accel: &dyn Accel) -> Rendered {
     let control = Control { cancel: &AtomicBool::new(false), progress: &|_| {} };
-    let rendered = render(&job.world, &job.camera, accel, &job.settings, &control);
+    let rendered = render(&job.first.world, &job.first.camera, accel, &job.settings, &control);
     Rendered {
         picture: rendered.picture,
         rays: rendered.rays.total(),
