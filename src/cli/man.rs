@@ -4,8 +4,10 @@ use std::process::ExitCode;
 
 use clap_mangen::Man;
 
-use super::settings::Table;
-use super::{CliError, Quiet, table};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::settings::Table;
+use crate::cli::text;
 
 /// Print the manual page of dapple, or of one of its commands.
 #[derive(clap::Args, Debug)]
@@ -29,7 +31,7 @@ pub struct ManArgs {
 /// Prints the page of `command`, or of that below it which the words name.
 pub fn run(args: &ManArgs, command: clap::Command) -> Result<ExitCode, CliError> {
     if args.settings {
-        table::print(&Table::default().to_markdown())?;
+        text::print(&Table::default().to_markdown())?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut named = command;
@@ -44,6 +46,6 @@ pub fn run(args: &ManArgs, command: clap::Command) -> Result<ExitCode, CliError>
     // Writing to memory cannot fail.
     let source = concat!("dapple ", env!("CARGO_PKG_VERSION"));
     let _ = Man::new(named).source(source).render(&mut page);
-    table::print(&String::from_utf8_lossy(&page))?;
+    text::print(&String::from_utf8_lossy(&page))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -6,17 +6,18 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::super::job::Job;
-use super::super::progress::say;
-use super::super::settings::parse::threads;
-use super::super::settings::resolve_words;
-use super::super::validate::specs;
-use super::super::{CliError, Quiet, input, memory};
 use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, scenes};
 use crate::accel::{Accel, AccelSpec, build};
 use crate::bench::bars::bars;
 use crate::bench::renders::{self, Rendered, Scene};
+use crate::cli::error::CliError;
+use crate::cli::flags::{Quiet, parse_accels};
+use crate::cli::job::Job;
+use crate::cli::progress::say;
+use crate::cli::settings::parse::threads;
+use crate::cli::settings::resolve_words;
+use crate::cli::{input, memory};
 use crate::geom::TriangleSource;
 use crate::render::{Aov, Control, film_bytes, render};
 use crate::simd::Isa;
@@ -68,13 +69,13 @@ const DEPTH: u32 = 20;
 
 /// Runs the command.
 pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
-    let specs = specs(&args.accel)?;
+    let specs = parse_accels(&args.accel)?;
     if specs.iter().any(|spec| spec.variant.id == "brute") {
         let message = "--accel: brute force takes forever here; leave it out".to_owned();
         return Err(CliError::Usage(message));
     }
     args.output.probe()?;
-    let measured = input::on_threads(args.threads, || {
+    let measured = input::run_on_threads(args.threads, || {
         let measure = |scene: &BenchScene| measure(args, &specs, scene);
         scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;

@@ -12,11 +12,11 @@ mod view;
 
 use std::time::{Duration, Instant};
 
-use super::error::CliError;
-use super::input::on_threads;
-use super::settings::RenderArgs;
 use crate::accel::{self, Accel, BuildError};
 use crate::camera::Camera;
+use crate::cli::error::CliError;
+use crate::cli::input;
+use crate::cli::settings::RenderArgs;
 use crate::film::Window;
 use crate::integrator::Transport;
 use crate::render::Settings;
@@ -126,7 +126,7 @@ impl Job {
     /// # Errors
     /// If they cannot be started.
     pub fn on_threads<R: Send>(&self, work: impl FnOnce() -> R + Send) -> Result<R, CliError> {
-        on_threads(self.args.threads, work)
+        input::run_on_threads(self.args.threads, work)
     }
 }
 
@@ -160,8 +160,8 @@ fn settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::settings::resolve_words;
     use super::*;
+    use crate::cli::settings::resolve_words;
 
     fn prepared(scene: &str, words: &[&str]) -> Result<Job, CliError> {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::super::error::CliError;
-use super::super::settings::RenderArgs;
-use super::super::settings::parse::MissingTextureArg;
+use crate::cli::error::CliError;
+use crate::cli::settings::RenderArgs;
+use crate::cli::settings::parse::MissingTextureArg;
 use crate::formats::{self, LoadError, LoadOptions, MissingTexture};
 use crate::scene::{Notice, Scene};
 use crate::world::World;

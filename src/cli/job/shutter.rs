@@ -5,7 +5,7 @@
 //! the order of their reversed bits: the first few are spread over all of the time, and a picture
 //! that is interrupted after them is blurred throughout.
 
-use super::super::settings::RenderArgs;
+use crate::cli::settings::RenderArgs;
 
 /// How many moments there are if no one says.
 const MOMENTS: u32 = 32;
@@ -56,8 +56,8 @@ impl Shutter {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::settings::resolve_words;
     use super::*;
+    use crate::cli::settings::resolve_words;
 
     fn shutter(words: &str) -> Shutter {
         let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();

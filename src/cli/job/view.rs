@@ -1,9 +1,9 @@
 //! The camera of a picture.
 
-use super::super::error::CliError;
-use super::super::settings::RenderArgs;
-use super::super::settings::parse::CameraModel;
 use crate::camera::{Camera, Projection, ThinLens};
+use crate::cli::error::CliError;
+use crate::cli::settings::RenderArgs;
+use crate::cli::settings::parse::CameraModel;
 use crate::formats::{self, LoadError};
 use crate::math::{DVec3, Vec3};
 use crate::scene::defaults::{AUTOMATIC_YFOV, automatic_camera, bounds};

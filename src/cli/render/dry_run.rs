@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::super::error::CliError;
-use super::super::job::Job;
-use super::super::table;
+use crate::cli::error::CliError;
+use crate::cli::job::Job;
+use crate::cli::text;
 use crate::files::memory;
 use crate::film::Window;
 use crate::render::{Control, Settings, film_bytes, render};
@@ -23,7 +23,7 @@ pub fn run(job: &Job) -> Result<ExitCode, CliError> {
         let start = Instant::now();
         let accel = job.build(&job.first.world)?;
         let build_s = start.elapsed().as_secs_f64();
-        let settings = sparse(&job.settings);
+        let settings = thin_out(&job.settings);
         let cancel = AtomicBool::new(false);
         let control = Control { cancel: &cancel, progress: &|_| {} };
         let tried = render(&job.first.world, &job.first.camera, &*accel, &settings, &control);
@@ -45,13 +45,13 @@ pub fn run(job: &Job) -> Result<ExitCode, CliError> {
             paths,
             moments: job.shutter.moments(),
         };
-        table::print(&if job.args.json { estimate.as_json() } else { estimate.in_words() })?;
+        text::print(&if job.args.json { estimate.to_json() } else { estimate.to_text() })?;
         Ok(ExitCode::SUCCESS)
     })?
 }
 
 /// The same frame with few and far pixels, a sample each.
-fn sparse(settings: &Settings) -> Settings {
+fn thin_out(settings: &Settings) -> Settings {
     let (width, height) = settings.resolution;
     let pixels = f64::from(width) * f64::from(height);
     let shrink = (PATHS as f64 / pixels).sqrt().min(1.0);
@@ -75,7 +75,7 @@ impl Estimate<'_> {
         self.bytes.iter().map(|(_, bytes)| bytes).sum()
     }
 
-    fn in_words(&self) -> String {
+    fn to_text(&self) -> String {
         let mega = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
         let parts: Vec<String> =
             self.bytes.iter().map(|&(name, bytes)| format!("{name} {}", mega(bytes))).collect();
@@ -97,12 +97,12 @@ impl Estimate<'_> {
             parts.join(", "),
             self.job.first.elapsed.as_secs_f64(),
             self.build_s,
-            duration(self.render_s),
+            format_duration(self.render_s),
             if threads == 1 { "" } else { "s" },
         )
     }
 
-    fn as_json(&self) -> String {
+    fn to_json(&self) -> String {
         let bytes: serde_json::Map<String, serde_json::Value> =
             self.bytes.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect();
         let json = json!({
@@ -124,7 +124,7 @@ impl Estimate<'_> {
 }
 
 /// With two digits, in the unit that one would say.
-fn duration(seconds: f64) -> String {
+fn format_duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{s:.1} s"),
         s if s < 5400.0 => format!("{:.0} min", s / 60.0),
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn times_are_said_in_their_unit() {
-        let said = [2.34, 120.0, 7200.0].map(duration);
+        let said = [2.34, 120.0, 7200.0].map(format_duration);
         assert_eq!(said, ["2.3 s", "2 min", "2.0 h"]);
     }
 }

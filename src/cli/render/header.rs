@@ -1,8 +1,8 @@
 //! What a picture's header tells of how it was made.
 
-use super::super::job::Job;
-use super::super::settings::Table;
-use super::super::shell;
+use crate::cli::job::Job;
+use crate::cli::settings::Table;
+use crate::cli::shell;
 use crate::render::Rendered;
 
 /// Writes into the header how the picture was made; `words` are those of the command line after
@@ -10,7 +10,7 @@ use crate::render::Rendered;
 pub fn describe(rendered: &mut Rendered, job: &Job, words: &[String]) {
     let strings = [
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("command", format!("dapple {}", shell::line(words))),
+        ("command", format!("dapple {}", shell::join(words))),
         ("settings", Table::default().to_toml(&job.args)),
         ("seed", job.settings.seed.to_string()),
         ("spp", job.settings.spp.to_string()),
@@ -27,7 +27,7 @@ pub fn describe(rendered: &mut Rendered, job: &Job, words: &[String]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::render_picture;
+    use crate::cli::render::render_picture;
 
     #[test]
     fn a_golden_picture_tells_the_words_that_made_it() {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-use super::super::error::CliError;
+use crate::cli::error::CliError;
 
 /// The first signal ends the render early, a second one the process.
 pub struct Interrupt {

@@ -3,11 +3,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::super::error::CliError;
-use super::super::job::Job;
-use super::super::memory;
-use super::super::progress::{Reporter, note, say};
-use super::super::settings::parse::ProgressStyle;
+use crate::cli::error::CliError;
+use crate::cli::job::Job;
+use crate::cli::memory;
+use crate::cli::progress::{Reporter, note, say};
+use crate::cli::settings::parse::ProgressStyle;
 use crate::render::{Control, FilmAccumulator, Rendered, film_bytes};
 
 /// A picture, and what it took.

@@ -2,10 +2,10 @@
 
 use serde_json::json;
 
-use super::super::job::Job;
-use super::super::progress::{note, say};
-use super::super::shell;
 use super::moments::Outcome;
+use crate::cli::job::Job;
+use crate::cli::progress::{note, say};
+use crate::cli::shell;
 use crate::files::memory;
 use crate::geom::TriangleSource;
 use crate::render::{LostSample, Rendered};
@@ -47,7 +47,7 @@ pub fn print_lost(rendered: &Rendered, words: &[String]) {
 fn replay_command(lost: &LostSample, words: &[String]) -> String {
     let place = format!("{},{},{}", lost.x, lost.y, lost.sample);
     let (command, rest) = words.split_at(words.len().min(1));
-    let (command, rest) = (shell::line(command), shell::line(rest));
+    let (command, rest) = (shell::join(command), shell::join(rest));
     format!("dapple {command} --debug-sample {place} {rest}")
 }
 

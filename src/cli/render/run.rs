@@ -4,17 +4,17 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
-use super::super::error::CliError;
-use super::super::job::Job;
-use super::super::outputs::{self, Output};
-use super::super::progress::{note, say};
-use super::super::settings::parse::ProgressStyle;
-use super::super::settings::{self, RenderArgs, Request, Table, Typed};
-use super::super::{shell, table};
 use super::header::describe;
 use super::interrupt::Interrupt;
 use super::moments::{self, Outcome};
 use super::{dry_run, report};
+use crate::cli::error::CliError;
+use crate::cli::job::Job;
+use crate::cli::outputs::{self, Output};
+use crate::cli::progress::{note, say};
+use crate::cli::settings::parse::ProgressStyle;
+use crate::cli::settings::{self, RenderArgs, Request, Table, Typed};
+use crate::cli::{shell, text};
 use crate::film::{Picture, exr, png};
 use crate::formats::EnvironmentSource;
 use crate::render::replay;
@@ -42,7 +42,7 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
         return print_path(&job, sample);
     }
     if job.args.print_config {
-        table::print(&format!("[render]\n{}", Table::default().to_toml(&job.args)))?;
+        text::print(&format!("[render]\n{}", Table::default().to_toml(&job.args)))?;
         return Ok(ExitCode::SUCCESS);
     }
     if job.args.dry_run {
@@ -66,7 +66,7 @@ fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<Exi
         say(&report::summary(job, &outcome));
     }
     if job.args.json {
-        table::print(&format!("{}\n", report::summary_json(job, &outcome)))?;
+        text::print(&format!("{}\n", report::summary_json(job, &outcome)))?;
     }
     if !outcome.rendered.cancelled {
         return Ok(ExitCode::SUCCESS);
@@ -135,13 +135,13 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> 
         let accel = job.build(&now.world)?;
         Ok::<_, CliError>(replay(&now.world, &now.camera, &*accel, &job.settings, sample))
     })??;
-    table::print(&path)?;
+    text::print(&path)?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Writes all outputs; where one fails the others are there still.
 fn write(args: &RenderArgs, picture: &Picture) -> Result<(), CliError> {
-    outputs::all(outputs(args).into_iter().map(|output| {
+    outputs::try_all(outputs(args).into_iter().map(|output| {
         let written = match output.ending {
             "png" => png::write(output.path, picture, args.tonemap, args.exposure),
             _ => exr::write(output.path, picture),

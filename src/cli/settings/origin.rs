@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::CliError;
+use crate::cli::error::CliError;
 use crate::film::exr;
 use crate::formats::EnvironmentSource;
 use crate::formats::toml::{self, Setting as Line, SettingValue};

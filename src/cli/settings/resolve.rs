@@ -6,12 +6,12 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::super::error::CliError;
 use super::args::RenderArgs;
 use super::command::Typed;
 use super::origin::{self, Origin};
 use super::setting::{Assignment, Form, Role, Setting};
 use super::table::Table;
+use crate::cli::error::CliError;
 use crate::formats::LoadError;
 use crate::formats::toml::{self, Setting as Line, SettingValue};
 
