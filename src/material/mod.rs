@@ -31,12 +31,8 @@ mod sheen;
 mod tests;
 mod thin_film;
 
-use std::fmt;
-use std::str::FromStr;
-
-use thiserror::Error;
-
 use crate::math::{Vec2, Vec3};
+use crate::names::choices;
 
 pub use dielectric::Dielectric;
 pub use dispersion::Wavelength;
@@ -105,38 +101,7 @@ pub enum BsdfForm {
     Conserving,
 }
 
-impl BsdfForm {
-    /// All, in the order of `--bsdf`'s help.
-    pub const ALL: [Self; 2] = [Self::AppendixB, Self::Conserving];
-
-    /// As `--bsdf` spells it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::AppendixB => "appendix-b",
-            Self::Conserving => "conserving",
-        }
-    }
-}
-
-/// A name that is no [`BsdfForm`].
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("no bsdf form '{0}'; there are appendix-b and conserving")]
-pub struct UnknownForm(String);
-
-impl FromStr for BsdfForm {
-    type Err = UnknownForm;
-
-    fn from_str(name: &str) -> Result<Self, UnknownForm> {
-        let found = Self::ALL.into_iter().find(|form| form.name() == name);
-        found.ok_or_else(|| UnknownForm(name.to_owned()))
-    }
-}
-
-impl fmt::Display for BsdfForm {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
+choices!(BsdfForm, "BSDF form", [AppendixB => "appendix-b", Conserving => "conserving"]);
 
 /// A direction drawn by [`Bsdf::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use sources::{Source, sources};
 
 /// Rooms by floor, from the bottom; see the crate's documentation.
 const FLOORS: [&[&str]; 8] = [
-    &["files", "math", "simd"],
+    &["files", "math", "names", "simd"],
     &["geom", "sampling", "film"],
     &["accel", "material", "light", "camera", "texture"],
     &["scene", "generate"],
