@@ -110,19 +110,13 @@ impl Document {
         let mut slots = Slots::new(textures.len());
         let materials = material::read(&root, &mut slots, notices)?;
         let variants = variants::names(&root)?;
-        let shown = match variant {
-            None => None,
-            Some(wanted) => match chosen(variants.iter().map(String::as_str), wanted) {
-                None => return Err(Refusal::Variant(variants)),
-                found => found,
-            },
-        };
+        let shown = choose_variant(&variants, variant)?;
         let choice = Variants { count: variants.len(), materials: materials.len(), shown };
         let meshes = mesh::read(&root, accessors.len(), choice, notices)?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
-        let skins = skin::read(&root, root.array("nodes")?.len(), accessors.len())?;
         let nodes_count = root.array("nodes")?.len();
+        let skins = skin::read(&root, nodes_count, accessors.len())?;
         let animations = animation::read(&root, nodes_count, accessors.len(), notices)?;
         let counts = Counts {
             nodes: nodes_count,
@@ -177,6 +171,15 @@ impl Document {
         };
         let number = chosen(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
         Some(&self.scenes[number].roots)
+    }
+}
+
+/// The number of the variant that is wanted, if any is.
+fn choose_variant(variants: &[String], wanted: Option<&str>) -> Result<Option<usize>, Refusal> {
+    let Some(wanted) = wanted else { return Ok(None) };
+    match chosen(variants.iter().map(String::as_str), wanted) {
+        None => Err(Refusal::Variant(variants.to_vec())),
+        found => Ok(found),
     }
 }
 
