@@ -5,7 +5,10 @@ use std::fmt::Write;
 use crate::names::near;
 
 /// Which of the things called `names` is called `wanted`, or else has that number, counted from 0.
-pub fn chosen<'a>(names: impl IntoIterator<Item = &'a str>, wanted: &str) -> Option<usize> {
+pub fn find_by_name_or_number<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+    wanted: &str,
+) -> Option<usize> {
     let mut count = 0;
     let mut named = None;
     for name in names {
@@ -57,9 +60,9 @@ mod tests {
         for (wanted, found) in
             [("1", Some(0)), ("0", Some(0)), ("left", Some(2)), ("3", Some(3)), ("4", None)]
         {
-            assert_eq!(chosen(names, wanted), found, "{wanted}");
+            assert_eq!(find_by_name_or_number(names, wanted), found, "{wanted}");
         }
-        assert_eq!(chosen(names, "Left"), None);
+        assert_eq!(find_by_name_or_number(names, "Left"), None);
     }
 
     #[test]

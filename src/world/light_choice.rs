@@ -93,7 +93,7 @@ impl Chooser {
 }
 
 /// What the tree has to know of punctual lights; of those infinitely far away it knows nothing.
-pub(super) fn of_punctual(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
+pub(super) fn punctual_bounds(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
     let lights = scene.lights.iter().zip(weights);
     let bounds = lights.map(|(light, &weight)| {
         let of = |angle, power| LightBounds::point(light.position, light.direction, angle, power);
@@ -111,7 +111,7 @@ pub(super) fn of_punctual(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
 }
 
 /// What the tree has to know of an emitting triangle.
-pub(super) fn of_triangle(
+pub(super) fn triangle_bounds(
     triangles: &Triangles,
     (instance, index): (InstanceId, u32),
     sides: Sides,

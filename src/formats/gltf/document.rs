@@ -16,7 +16,7 @@ use super::resources::{self, BufferDeclaration};
 use super::skin::{self, Skin};
 use super::texture::{self, ImageDeclaration, Slots, TextureDeclaration};
 use super::variants::{self, Variants};
-use crate::formats::chosen;
+use crate::formats::find_by_name_or_number;
 use crate::scene::{Contents, Material, UsedExtension};
 
 /// One of the scenes of a document.
@@ -169,7 +169,8 @@ impl Document {
             let scene = self.scenes.get(self.default_scene.unwrap_or(0));
             return Some(scene.map_or(&self.roots, |scene| &scene.roots));
         };
-        let number = chosen(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
+        let number =
+            find_by_name_or_number(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
         Some(&self.scenes[number].roots)
     }
 }
@@ -177,7 +178,7 @@ impl Document {
 /// The number of the variant that is wanted, if any is.
 fn choose_variant(variants: &[String], wanted: Option<&str>) -> Result<Option<usize>, Refusal> {
     let Some(wanted) = wanted else { return Ok(None) };
-    match chosen(variants.iter().map(String::as_str), wanted) {
+    match find_by_name_or_number(variants.iter().map(String::as_str), wanted) {
         None => Err(Refusal::Variant(variants.to_vec())),
         found => Ok(found),
     }
