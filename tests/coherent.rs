@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::{Accel, AnyHit, Batch, ClosestHit, Counts, Event, HitFilter, build};
-use dapple::bench::ray_sets::Random;
 use dapple::geom::{Shaft, Triangle, TriangleList, TriangleSource};
 use dapple::math::{Aabb, Ray, Vec3};
-use dapple::simd::Isa;
+use dapple::testing::Random;
 
 const SPECS: &[&str] = &[
     "bvh-packet",

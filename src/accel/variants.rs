@@ -89,6 +89,14 @@ pub struct AccelSpec {
     pub options: Options,
 }
 
+impl Default for AccelSpec {
+    /// `auto`: the first of the table.
+    fn default() -> Self {
+        let variant = &VARIANTS[0];
+        Self { variant, options: Options::defaults(variant.options) }
+    }
+}
+
 impl FromStr for AccelSpec {
     type Err = SpecError;
 

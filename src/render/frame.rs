@@ -24,6 +24,14 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
+impl Default for Control<'static> {
+    /// Nothing is told, and nothing ends the render early.
+    fn default() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { cancel: &NEVER, progress: &|_| {} }
+    }
+}
+
 /// How far a render is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {

@@ -25,7 +25,7 @@ use crate::geom::TriangleSource;
 use crate::simd::Isa;
 
 pub use json::json;
-pub use lights::{Kind, Light};
+pub use lights::Light;
 pub use tables::{plots, tables};
 
 /// Tiles along a side of a picture, as the paper found best.

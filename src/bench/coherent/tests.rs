@@ -1,5 +1,6 @@
 //! Tables over a small scene.
 
+use super::lights::Kind;
 use super::*;
 use crate::bench::table::Table;
 use crate::geom::{Triangle, TriangleList};
