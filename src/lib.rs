@@ -11,7 +11,7 @@
 //! | 3 | [`scene`], [`generate`] |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`texture`] |
 //! | 1 | [`geom`], [`sampling`], [`film`] |
-//! | 0 | [`files`], [`math`], [`simd`] |
+//! | 0 | [`files`], [`math`], [`names`], [`simd`] |
 //!
 //! A picture is a function of the scene, the settings and the version alone: the acceleration
 //! structure, the number of threads and the instruction set change the time that it takes and not
@@ -30,6 +30,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod names;
 pub mod render;
 pub mod sampling;
 pub mod scene;

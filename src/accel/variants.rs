@@ -8,6 +8,7 @@ use fearless_simd::Level;
 
 use super::{Accel, BuildError, OptionSpec, Options, SpecError, brute, bvh, kd};
 use crate::geom::TriangleSource;
+use crate::names::near;
 use crate::simd::Isa;
 
 /// A row of the table: all that the rest of the program knows about a structure.
@@ -116,10 +117,10 @@ impl fmt::Display for AccelSpec {
 
 /// Up to three ids like the one that was meant, the most similar first.
 fn near_ids(id: &str) -> Vec<&'static str> {
-    let mut scored: Vec<_> =
-        VARIANTS.iter().map(|v| (strsim::jaro_winkler(id, v.id), v.id)).collect();
-    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-    scored.into_iter().filter(|(score, _)| *score > 0.7).take(3).map(|(_, id)| id).collect()
+    near(id, VARIANTS.iter().map(|variant| variant.id))
+        .into_iter()
+        .map(|number| VARIANTS[number].id)
+        .collect()
 }
 
 /// Builds a structure over triangles, on the threads of the current pool.

@@ -36,7 +36,7 @@ pub fn settings(args: &RenderArgs, job: &Job) -> String {
     let (settings, transport) = (&job.settings, &job.settings.transport);
     let whole = |numbers: &[i64]| Value::from(numbers.to_vec());
     let vector = |v: Vec3| Value::from(v.to_array().map(short).to_vec());
-    let aovs: Vec<&str> = settings.aovs.iter().map(|aov| aov.id()).collect();
+    let aovs: Vec<&str> = settings.aovs.iter().map(|aov| aov.name()).collect();
     let all = [
         ("accel", Some(args.accel.to_string().into())),
         ("animation", args.animation.clone().map(Value::from)),

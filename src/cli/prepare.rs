@@ -13,7 +13,7 @@ use crate::integrator::Transport;
 use crate::math::{DVec3, Vec3};
 use crate::render::{Aov, Settings};
 use crate::scene::defaults::{
-    AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds, neutral_sky, nothing_to_see,
+    AUTOMATIC_YFOV, automatic_camera, automatic_sky, bounds, describe_empty_scene, neutral_sky,
 };
 use crate::scene::{NamedCamera, Notice, Scene};
 use crate::world::World;
@@ -56,7 +56,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Job, CliError> {
         scene.environment = Some(sky);
         notices.push(notice);
     }
-    notices.extend(nothing_to_see(&scene, &file));
+    notices.extend(describe_empty_scene(&scene, &file));
     let (camera, aspect) = camera(&scene, args, &mut notices)?;
     let settings = settings(args, aspect)?;
     let world = world(scene, args)?;
@@ -82,7 +82,7 @@ pub fn moment(args: &RenderArgs, first: &Job) -> Result<Job, CliError> {
             return Err(CliError::Input(message));
         }
         let now = match &args.camera {
-            Some(wanted) => chosen(&scene, args, wanted)?,
+            Some(wanted) => find_by_name_or_number(&scene, args, wanted)?,
             None => &scene.cameras[0],
         };
         camera.to_world = now.camera.to_world;
@@ -150,7 +150,7 @@ fn camera(
         check_view(eye, target, args)?;
         (Camera::look_at(eye, target, up, fov.unwrap_or(AUTOMATIC_YFOV.to_radians())), None)
     } else if let Some(wanted) = &args.camera {
-        let named = chosen(scene, args, wanted)?;
+        let named = find_by_name_or_number(scene, args, wanted)?;
         (named.camera, named.aspect.or(named.camera.aspect()))
     } else if let Some(named) = scene.cameras.first() {
         if scene.cameras.len() > 1 {
@@ -208,13 +208,13 @@ fn check_view(eye: Vec3, target: Vec3, args: &RenderArgs) -> Result<(), CliError
 }
 
 /// A camera by its name, or else by its number.
-fn chosen<'s>(
+fn find_by_name_or_number<'s>(
     scene: &'s Scene,
     args: &RenderArgs,
     wanted: &str,
 ) -> Result<&'s NamedCamera, LoadError> {
     let names = || scene.cameras.iter().map(|camera| camera.name.as_str());
-    let number = formats::chosen(names(), wanted)
+    let number = formats::find_by_name_or_number(names(), wanted)
         .ok_or_else(|| LoadError::no_such(args.scene_file(), "camera", wanted, names()))?;
     Ok(&scene.cameras[number])
 }

@@ -172,7 +172,7 @@ impl<'w> PathTracer<'w> {
         }
         let surface = world.surface(ray, hit);
         self.absorb(path, &surface, hit.t);
-        if let Some(radiance) = world.emitted(&surface) {
+        if let Some(radiance) = world.emitted_radiance(&surface) {
             let asked = || world.emitter_pdf(&surface, &path.vantage, ray.direction(), hit.t);
             let weight =
                 if path.pdf == f32::INFINITY { 1.0 } else { power_heuristic(path.pdf, asked()) };

@@ -38,7 +38,7 @@ pub use base::BaseBsdf;
 pub use bsdf::Bsdf;
 pub use dielectric::Dielectric;
 pub use dispersion::Wavelength;
-pub use form::{BsdfForm, UnknownForm};
+pub use form::BsdfForm;
 pub use lambert::Lambert;
 pub use layered::Layered;
 pub use layers::Layers;

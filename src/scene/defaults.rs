@@ -45,7 +45,7 @@ pub fn automatic_camera(scene: &Scene, aspect: f32, file: &str) -> (Camera, Noti
 }
 
 /// What to say of a scene without a triangle; none if it has one.
-pub fn nothing_to_see(scene: &Scene, file: &str) -> Option<Notice> {
+pub fn describe_empty_scene(scene: &Scene, file: &str) -> Option<Notice> {
     let has_triangles =
         |instance: &super::Instance| !scene.meshes[instance.mesh.index()].indices.is_empty();
     if scene.instances.iter().any(has_triangles) {
@@ -140,8 +140,8 @@ mod tests {
 
     #[test]
     fn a_scene_without_triangles_is_told_of() {
-        assert_eq!(nothing_to_see(&scene(1.0, Vec3::ZERO), "a.obj"), None);
-        let notice = nothing_to_see(&Scene::default(), "a.obj").expect("it is empty");
+        assert_eq!(describe_empty_scene(&scene(1.0, Vec3::ZERO), "a.obj"), None);
+        let notice = describe_empty_scene(&Scene::default(), "a.obj").expect("it is empty");
         assert!(notice.message.starts_with("no triangles"), "{notice:?}");
     }
 

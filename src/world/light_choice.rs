@@ -1,13 +1,9 @@
 //! Which light to ask: by its power alone, or by what it may send to the point that asks.
 
-use std::fmt;
-use std::str::FromStr;
-
-use thiserror::Error;
-
 use crate::geom::TriangleSource;
 use crate::light::{LightBounds, LightTree, PunctualKind, Sides, Vantage};
 use crate::math::{InstanceId, TriangleId, Vec3};
+use crate::names::choices;
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON};
 use crate::scene::{Scene, Triangles};
 
@@ -21,38 +17,7 @@ pub enum LightChoice {
     Tree,
 }
 
-impl LightChoice {
-    /// All, in the order of `--lights`'s help.
-    pub const ALL: [Self; 2] = [Self::Power, Self::Tree];
-
-    /// As `--lights` spells it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Power => "power",
-            Self::Tree => "tree",
-        }
-    }
-}
-
-/// A name that is no [`LightChoice`].
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("no choice of lights '{0}'; there are power and tree")]
-pub struct UnknownChoice(String);
-
-impl FromStr for LightChoice {
-    type Err = UnknownChoice;
-
-    fn from_str(name: &str) -> Result<Self, UnknownChoice> {
-        let found = Self::ALL.into_iter().find(|choice| choice.name() == name);
-        found.ok_or_else(|| UnknownChoice(name.to_owned()))
-    }
-}
-
-impl fmt::Display for LightChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
+choices!(LightChoice, "choice of lights", [Power => "power", Tree => "tree"]);
 
 /// Chooses lights by their running number.
 #[derive(Debug)]
@@ -128,7 +93,7 @@ impl Chooser {
 }
 
 /// What the tree has to know of punctual lights; of those infinitely far away it knows nothing.
-pub(super) fn of_punctual(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
+pub(super) fn punctual_bounds(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
     let lights = scene.lights.iter().zip(weights);
     let bounds = lights.map(|(light, &weight)| {
         let of = |angle, power| LightBounds::point(light.position, light.direction, angle, power);
@@ -146,7 +111,7 @@ pub(super) fn of_punctual(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
 }
 
 /// What the tree has to know of an emitting triangle.
-pub(super) fn of_triangle(
+pub(super) fn triangle_bounds(
     triangles: &Triangles,
     (instance, index): (InstanceId, u32),
     sides: Sides,
@@ -173,7 +138,7 @@ mod tests {
             assert_eq!(choice.to_string().parse(), Ok(choice));
         }
         let error = "chance".parse::<LightChoice>().unwrap_err();
-        assert_eq!(error.to_string(), "no choice of lights 'chance'; there are power and tree");
+        assert_eq!(error.to_string(), "no choice of lights `chance`; there are power and tree");
     }
 
     /// Two lights somewhere and one nowhere: whichever way, probabilities are those of the samples.

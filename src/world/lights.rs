@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use super::interpolation::Interpolation;
-use super::light_choice::{Chooser, LightChoice, of_punctual, of_triangle};
+use super::light_choice::{Chooser, LightChoice, punctual_bounds, triangle_bounds};
 use super::lookup::emission;
 use crate::geom::TriangleSource;
 use crate::light::{Environment, LightBounds, Sides, Vantage};
@@ -83,14 +83,14 @@ impl Lights {
         }
         let punctual = scene.lights.len();
         let bounds = || {
-            let mut bounds = of_punctual(scene, &weights);
+            let mut bounds = punctual_bounds(scene, &weights);
             bounds.extend(environment.map(|_| LightBounds::NOWHERE));
             let of_triangles = emitters.iter().zip(&weights[first_triangle..]);
             bounds.extend(of_triangles.map(|(emitter, &weight)| {
                 let instance = &scene.instances[emitter.instance.index()];
                 let both = scene.materials[instance.material.index()].double_sided;
                 let sides = if both { Sides::Both } else { Sides::Front };
-                of_triangle(triangles, (emitter.instance, emitter.index), sides, weight)
+                triangle_bounds(triangles, (emitter.instance, emitter.index), sides, weight)
             }));
             bounds
         };

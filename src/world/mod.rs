@@ -18,7 +18,7 @@ mod world;
 
 pub use alpha::AlphaFilter;
 pub use interpolation::Attributes;
-pub use light_choice::{LightChoice, UnknownChoice};
+pub use light_choice::LightChoice;
 pub use lights::Lights;
 pub use sample_light::LightSample;
 pub use surface::Surface;

@@ -61,7 +61,7 @@ impl World {
 
     /// What a `surface` sends back along a ray that hit it; `None` where it does not emit.
     #[inline]
-    pub fn emitted(&self, surface: &Surface) -> Option<Vec3> {
+    pub fn emitted_radiance(&self, surface: &Surface) -> Option<Vec3> {
         let material = self.material(surface.material);
         if material.unlit {
             // Found by following paths alone: it is no light, but looks its colour from everywhere.

@@ -119,7 +119,7 @@ impl<'a> Builder<'a> {
             let material = self.palette.id(primitive);
             let (id, bounds) = match pose.weights {
                 Some(weights) => {
-                    self.mesh(&primitive.posed(weights), material, pose, &mesh.name, notices)?
+                    self.mesh(&primitive.pose(weights), material, pose, &mesh.name, notices)?
                 }
                 None => self.mesh(primitive, material, pose, &mesh.name, notices)?,
             };
@@ -131,7 +131,7 @@ impl<'a> Builder<'a> {
                 return Err(Fault::new(node(), message));
             }
             self.note_missing_sets(primitive, id, material, notices);
-            let transform = Transform::new(placement::narrowed(&at.to_world));
+            let transform = Transform::new(placement::narrow(&at.to_world));
             self.scene.instances.push(Instance { mesh: id, material, transform });
         }
         Ok(())

@@ -92,7 +92,7 @@ impl Primitive {
     }
 
     /// The same with other weights of its morph targets, as a node may ask.
-    pub fn posed(&self, weights: &[f32]) -> Self {
+    pub fn pose(&self, weights: &[f32]) -> Self {
         let mut posed = self.clone();
         posed.geometry.targets = weighted(&self.morphs, weights);
         posed

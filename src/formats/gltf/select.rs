@@ -11,7 +11,7 @@ use super::nodes::{self, Node, Placed};
 use super::notices::Notices;
 use super::palette::Palette;
 use super::texture::ImageSource;
-use crate::formats::{LoadError, LoadOptions, chosen};
+use crate::formats::{LoadError, LoadOptions, find_by_name_or_number};
 use crate::texture::ColorSpace;
 
 /// What the chosen scene shows.
@@ -105,7 +105,7 @@ fn choose_animation(
     let count = document.animations.len();
     let wanted = match options.animation.as_deref() {
         None => 0,
-        Some(wanted) => chosen(names(), wanted)
+        Some(wanted) => find_by_name_or_number(names(), wanted)
             .ok_or_else(|| LoadError::no_such(path, "animation", wanted, names()))?,
     };
     match (options.time, count) {

@@ -128,7 +128,7 @@ impl<'d> Declarations<'d> {
             return Err(LoadError::References { file, broken });
         }
         let names = stage.material_names();
-        if let Some((name, line)) = self.overrides.unmatched(&names) {
+        if let Some((name, line)) = self.overrides.find_unmatched(&names) {
             let message = crate::formats::choice::absent("material", name, &names);
             return Err(LoadError::line(path, line, message));
         }

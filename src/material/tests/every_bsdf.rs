@@ -19,7 +19,7 @@ fn names_are_read_back() {
         assert_eq!(form.to_string().parse(), Ok(form));
     }
     let error = "phong".parse::<BsdfForm>().unwrap_err();
-    assert_eq!(error.to_string(), "no bsdf form 'phong'; there are appendix-b and conserving");
+    assert_eq!(error.to_string(), "no BSDF form `phong`; there are appendix-b and conserving");
 }
 
 #[test]
