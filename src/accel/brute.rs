@@ -15,8 +15,8 @@ use fearless_simd::{Level, Simd, SimdBase, SimdMask, f32x8};
 use rayon::prelude::*;
 
 use super::{
-    Batch, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse, Variant,
-    test_triangle,
+    Batch, BuildInput, BuildReport, Counters, Event, MemoryReport, PreparedRay, Query, Traverse,
+    Variant, test_triangle,
 };
 use crate::geom::{TriangleSource, own_box};
 use crate::math::TriangleId;
@@ -72,19 +72,19 @@ impl Brute {
         simd: S,
         first: usize,
         blocks: &[Boxes],
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         counters: &mut C,
     ) -> ControlFlow<()> {
         for (i, boxes) in blocks.iter().enumerate() {
             counters.count(Event::BoxTest);
-            let mut lanes = boxes.entered(simd, shot, query.t_max());
+            let mut lanes = boxes.entered(simd, prepared, query.t_max());
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
                 let id = TriangleId::from_index((first + i) * 8 + lane);
                 counters.count(Event::TriangleTest);
-                test_triangle(simd, shot, id, &self.source.triangle(id), query, counters)?;
+                test_triangle(simd, prepared, id, &self.source.triangle(id), query, counters)?;
             }
         }
         ControlFlow::Continue(())
@@ -94,17 +94,17 @@ impl Brute {
     fn group<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shots: &[Shot<'_>],
+        prepared_rays: &[PreparedRay<'_>],
         answers: &mut [Q::Answer],
         counters: &mut C,
     ) {
         let mut queries: Vec<(Q, bool)> =
-            shots.iter().map(|shot| (Q::new(&shot.ray), false)).collect();
+            prepared_rays.iter().map(|prepared| (Q::new(&prepared.ray), false)).collect();
         for (group, blocks) in self.boxes.chunks(BLOCKS).enumerate() {
-            for (shot, (query, done)) in shots.iter().zip(&mut queries) {
+            for (prepared, (query, done)) in prepared_rays.iter().zip(&mut queries) {
                 if !*done {
                     let first = group * BLOCKS;
-                    *done = self.test(simd, first, blocks, shot, query, counters).is_break();
+                    *done = self.test(simd, first, blocks, prepared, query, counters).is_break();
                 }
             }
         }
@@ -132,8 +132,8 @@ fn pack(source: &dyn TriangleSource, block: usize) -> Boxes {
 impl Boxes {
     /// Bit `i` is set if the ray enters box `i` at or before `t_max`.
     #[inline(always)]
-    fn entered<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> u32 {
-        let slab = &shot.slab;
+    fn entered<S: Simd>(&self, simd: S, prepared: &PreparedRay<'_>, t_max: f32) -> u32 {
+        let slab = &prepared.slab;
         let plane = |axis: usize, upper: usize, inverse: f32| {
             let planes = f32x8::load_array_ref(simd, &self.0[upper * 3 + axis]);
             (planes - slab.origin[axis]) * inverse
@@ -155,13 +155,13 @@ impl Traverse for Brute {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         (): &mut (),
         counters: &mut C,
     ) {
         // Break and end mean the same here: there is nothing left to do.
-        let _ = self.test(simd, 0, &self.boxes, shot, query, counters);
+        let _ = self.test(simd, 0, &self.boxes, prepared, query, counters);
     }
 
     #[inline(always)]
@@ -179,11 +179,11 @@ impl Traverse for Brute {
         let counts: Vec<C> = groups
             .map(|(group, (rays, answers))| {
                 let mut counters = C::default();
-                let shots: Vec<Shot<'_>> = (rays.iter().enumerate())
-                    .map(|(i, ray)| Shot::new(ray, group * RAYS + i, batch.filter()))
+                let prepared_rays: Vec<PreparedRay<'_>> = (rays.iter().enumerate())
+                    .map(|(i, ray)| PreparedRay::new(ray, group * RAYS + i, batch.filter()))
                     .collect();
                 crate::simd::vectorized!(self.level, simd =>
-                    self.group::<_, Q, C>(simd, &shots, answers, &mut counters));
+                    self.group::<_, Q, C>(simd, &prepared_rays, answers, &mut counters));
                 counters
             })
             .collect();

@@ -42,7 +42,9 @@ pub use batch::{AnyHit, Batch, ClosestHit, HitFilter};
 pub use counters::{Counters, Counts, Event, NotCounted};
 pub use error::{BuildError, SpecError};
 pub use options::{OptionSpec, Options, Value, Values};
-pub use query::{Any, Closest, Query, Shot, Terms, test_block, test_each, test_triangle};
+pub use query::{
+    Any, Closest, HitCriteria, PreparedRay, Query, test_block, test_each, test_triangle,
+};
 pub use report::{BuildReport, MemoryReport, Phases, PoolUse};
 pub use traverse::Traverse;
 pub use variants::{AccelSpec, BuildInput, VARIANTS, Variant, build};

@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd};
 
 use super::{
     Accel, Any, AnyHit, Batch, BuildReport, Closest, ClosestHit, Counters, Counts, MemoryReport,
-    NotCounted, PoolUse, Query, Shot, Tracer,
+    NotCounted, PoolUse, PreparedRay, Query, Tracer,
 };
 use crate::geom::Shaft;
 
@@ -24,7 +24,7 @@ pub trait Traverse: Send + Sync {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         scratch: &mut Self::Scratch,
         counters: &mut C,
@@ -55,8 +55,8 @@ pub trait Traverse: Send + Sync {
     ) {
         for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
             let mut query = Q::new(ray);
-            let shot = Shot::new(ray, index, batch.filter());
-            self.walk(simd, &shot, &mut query, scratch, counters);
+            let prepared = PreparedRay::new(ray, index, batch.filter());
+            self.walk(simd, &prepared, &mut query, scratch, counters);
             *answer = query.answer();
         }
     }

@@ -12,7 +12,7 @@ use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, ids_of, triangles_of};
 use super::link::Link;
 use super::{BinaryTree, Parts, build_tree_by, sah};
 use crate::accel::{
-    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, Query, Shot,
+    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
     Traverse, Variant, test_block, test_each,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
@@ -146,10 +146,15 @@ impl Node {
 
     /// Where the ray enters each child, and minus where it leaves it: `[in, in, -out, -out]`.
     #[inline(always)]
-    pub(super) fn intervals<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> [f32; 4] {
-        let slab = &shot.slab;
+    pub(super) fn intervals<S: Simd>(
+        &self,
+        simd: S,
+        prepared: &PreparedRay<'_>,
+        t_max: f32,
+    ) -> [f32; 4] {
+        let slab = &prepared.slab;
         let mut worst =
-            f32x4::from_fn(simd, |lane| if lane < 2 { shot.ray.t_min() } else { -t_max });
+            f32x4::from_fn(simd, |lane| if lane < 2 { prepared.ray.t_min() } else { -t_max });
         for axis in 0..3 {
             let near = self.planes[axis][slab.negative[axis]];
             let far = self.planes[axis][1 - slab.negative[axis]];
@@ -186,7 +191,7 @@ impl Bvh2 {
         &self,
         simd: S,
         mut link: Link,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         Scratch { stack, fetched }: &mut Scratch,
         counters: &mut C,
@@ -195,12 +200,12 @@ impl Bvh2 {
         loop {
             if link.is_leaf() {
                 let block = self.block(link.place(), fetched, counters);
-                test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)?;
+                test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, prepared, block, query, counters)?;
             } else {
                 counters.count(Event::InnerNode);
                 counters.count(Event::BoxTest);
                 let node = &self.nodes[link.place()];
-                let [in0, in1, out0, out1] = node.intervals(simd, shot, query.t_max());
+                let [in0, in1, out0, out1] = node.intervals(simd, prepared, query.t_max());
                 match (in0 <= -out0, in1 <= -out1) {
                     (true, true) => {
                         let first = usize::from(in1 < in0);
@@ -240,14 +245,14 @@ impl Bvh2 {
     #[inline(never)]
     fn walk_all<Q: Query, C: Counters>(
         &self,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         fetched: &mut Fetched<WIDTH>,
         counters: &mut C,
     ) {
         for leaf in 0..self.report.leaves {
             let block = self.block(leaf, fetched, counters);
-            if test_each(shot, block, query, counters).is_break() {
+            if test_each(prepared, block, query, counters).is_break() {
                 return;
             }
         }
@@ -267,16 +272,16 @@ impl Traverse for Bvh2 {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         scratch: &mut Scratch,
         counters: &mut C,
     ) {
         let Some(root) = self.root else { return };
-        if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
-            return self.walk_all(shot, query, &mut scratch.fetched, counters);
+        if self.parts.is_some_and(|parts| !parts.covers(&prepared.ray)) {
+            return self.walk_all(prepared, query, &mut scratch.fetched, counters);
         }
-        let _final = self.walk_below(simd, root, shot, query, scratch, counters);
+        let _final = self.walk_below(simd, root, prepared, query, scratch, counters);
     }
 
     fn level(&self) -> Level {

@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 
 use super::cut::{Cut, RAYS};
 use super::rays::Rays;
-use crate::accel::{Batch, Counters, Query, Shot, Traverse};
+use crate::accel::{Batch, Counters, PreparedRay, Query, Traverse};
 use crate::geom::{Heading, Shaft};
 use crate::math::{Ray, Vec3};
 
@@ -236,8 +236,8 @@ pub fn shoot_singles<S: Simd, T: Traverse, Q: Query, C: Counters>(
         let index = index as usize;
         let ray = &batch.rays()[index];
         let mut query = Q::new(ray);
-        let shot = Shot::new(ray, index, batch.filter());
-        structure.walk(simd, &shot, &mut query, scratch, counters);
+        let prepared = PreparedRay::new(ray, index, batch.filter());
+        structure.walk(simd, &prepared, &mut query, scratch, counters);
         answers[index] = query.answer();
     }
 }

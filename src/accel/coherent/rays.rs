@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdBase};
 
 use super::cut::RAYS;
-use crate::accel::{Batch, ClosestHit, Counters, Event, Query, Terms};
+use crate::accel::{Batch, ClosestHit, Counters, Event, HitCriteria, Query};
 use crate::geom::{FilterTriangle, Heading, RayBundle, Shaft, Triangle};
 use crate::math::{Ray, TriangleId, Vec3};
 
@@ -228,11 +228,11 @@ impl Rays {
             let at = number * LANES + lane;
             let index = self.members[at] as usize;
             let t_min = ask.batch.rays()[index].t_min();
-            let terms = Terms { t_min, index, filter: ask.batch.filter() };
+            let criteria = HitCriteria { t_min, index, filter: ask.batch.filter() };
             let (t, u, v) = (verdicts.t[lane], verdicts.u[lane], verdicts.v[lane]);
             let query = &mut ask.queries[at];
             let before = query.t_max();
-            if query.offer(&terms, ClosestHit { t, u, v, triangle: id }).is_break() {
+            if query.offer(&criteria, ClosestHit { t, u, v, triangle: id }).is_break() {
                 bundle.end_at(lane, f32::NEG_INFINITY);
                 found.ended |= 1 << lane;
                 found.count += 1;

@@ -61,7 +61,7 @@ use super::{BUILD, REFINE};
 use crate::accel::coherent::{Branch, Narrowing, PC, Pool, Regions, SIZE, Start, Step, View};
 use crate::accel::{
     Accel, Batch, BuildError, BuildInput, BuildReport, Counters, MemoryReport, OptionSpec, PoolUse,
-    Query, Shot, Traverse, Value, Values, Variant,
+    PreparedRay, Query, Traverse, Value, Values, Variant,
 };
 use crate::geom::Shaft;
 
@@ -200,12 +200,12 @@ impl Traverse for Coherent {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         scratch: &mut Scratch,
         counters: &mut C,
     ) {
-        self.bvh.walk(simd, shot, query, &mut scratch.single, counters);
+        self.bvh.walk(simd, prepared, query, &mut scratch.single, counters);
     }
 
     #[inline(always)]

@@ -12,7 +12,7 @@ use super::Coherent;
 use super::place::{Place, Places};
 use crate::accel::bvh::binary;
 use crate::accel::coherent::{Branches, Hierarchy, Pool, Step, Within};
-use crate::accel::{Batch, Counters, Event, Query, Shot};
+use crate::accel::{Batch, Counters, Event, PreparedRay, Query};
 use crate::geom::RayBundle;
 use crate::math::{Ray, larger};
 
@@ -72,9 +72,10 @@ impl Coherent {
             }
             let mut query = Q::new(ray);
             if let Some(from) = from {
-                let shot = Shot::new(ray, index, batch.filter());
+                let prepared = PreparedRay::new(ray, index, batch.filter());
                 let (start, scratch) = ((each, from), (&mut *single, &mut *steps));
-                let _final = self.walk_branches(simd, start, &shot, &mut query, scratch, counters);
+                let _final =
+                    self.walk_branches(simd, start, &prepared, &mut query, scratch, counters);
             }
             *answer = query.answer();
         }
@@ -86,7 +87,7 @@ impl Coherent {
         &self,
         simd: S,
         (&EachFrom { places, branches, .. }, from): (&EachFrom<'_>, Step<Place>),
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         (single, steps): (&mut binary::Scratch, &mut Aside),
         counters: &mut C,
@@ -102,7 +103,7 @@ impl Coherent {
                 counters.count(Event::InnerNode);
                 counters.count(Event::BoxTest);
                 let boxes = Node::of([places.bounds(a.place), places.bounds(b.place)]);
-                let [in0, in1, out0, out1] = boxes.intervals(simd, shot, query.t_max());
+                let [in0, in1, out0, out1] = boxes.intervals(simd, prepared, query.t_max());
                 match (in0 <= -out0, in1 <= -out1) {
                     (true, true) => {
                         let (near, far) = if in1 < in0 { (b, a) } else { (a, b) };
@@ -117,7 +118,7 @@ impl Coherent {
             }
             if at.is_plain() {
                 let link = places.link(at.place);
-                self.bvh.walk_below(simd, link, shot, query, single, counters)?;
+                self.bvh.walk_below(simd, link, prepared, query, single, counters)?;
             }
         }
         ControlFlow::Continue(())

@@ -18,7 +18,7 @@ use super::stack::{Sorting, Stack};
 use super::{Scratch, Wide, node};
 use crate::accel::bvh::leaves::Fetched;
 use crate::accel::bvh::link::Link;
-use crate::accel::{Batch, Counters, Query, Shot};
+use crate::accel::{Batch, Counters, PreparedRay, Query};
 use crate::math::Ray;
 use crate::simd::order::key_limit;
 use crate::simd::{Lanes, Vectors};
@@ -55,7 +55,7 @@ fn run_alike(a: &Ray, b: &Ray) -> bool {
 
 /// A ray under way.
 struct Flight<'a, Q> {
-    shot: Shot<'a>,
+    prepared: PreparedRay<'a>,
     query: Q,
     /// Taken off the stack for its next turn.
     key: u32,
@@ -84,7 +84,7 @@ where
         };
         let (rays, rows) = (batch.rays(), self.arena.rows());
         let start = |index: usize, stack: usize| Flight {
-            shot: Shot::new(&rays[index], index, batch.filter()),
+            prepared: PreparedRay::new(&rays[index], index, batch.filter()),
             query: Q::new(&rays[index]),
             key: 1,
             link: root,
@@ -97,7 +97,7 @@ where
         while !flights.is_empty() {
             let mut turn = 0;
             while turn < flights.len() {
-                let Flight { shot, query, key, link, top, stack } = &mut flights[turn];
+                let Flight { prepared, query, key, link, top, stack } = &mut flights[turn];
                 let own = *stack;
                 let stack = &mut stacks[own];
                 let limit = key_limit(query.t_max());
@@ -106,7 +106,7 @@ where
                 }
                 let ended = *key == 0 || {
                     let step = (simd, rows, &mut *fetched, &mut *counters);
-                    self.step(step, shot, query, *link, (stack, top)).is_break()
+                    self.step(step, prepared, query, *link, (stack, top)).is_break()
                 };
                 if !ended {
                     (*key, *link) = stack.pop(top);
@@ -114,7 +114,7 @@ where
                     turn += 1;
                     continue;
                 }
-                answers[shot.index] = query.answer();
+                answers[prepared.index] = query.answer();
                 if next < rays.len() {
                     flights[turn] = start(next, own);
                     next += 1;
@@ -132,17 +132,17 @@ where
     fn step<S: Simd, Q: Query, C: Counters>(
         &self,
         (simd, rows, fetched, counters): (S, Rows<'_, W>, &mut Fetched<W>, &mut C),
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         link: Link,
         (stack, top): (&mut Stack<W>, &mut usize),
     ) -> ControlFlow<()> {
         if link.is_leaf() {
-            return self.test_leaf(simd, rows, shot, query, link, fetched, counters);
+            return self.test_leaf(simd, rows, prepared, query, link, fetched, counters);
         }
         let (planes, links) = rows.node(link);
-        let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
-        let sorting = if Q::ANY { Sorting::None } else { self.sorting(rows, link, shot) };
+        let (keys, hits) = node::enter(simd, planes, prepared, query.t_max());
+        let sorting = if Q::ANY { Sorting::None } else { self.sorting(rows, link, prepared) };
         stack.push(simd, sorting, keys, hits, links, top);
         ControlFlow::Continue(())
     }

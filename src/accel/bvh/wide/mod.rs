@@ -31,7 +31,7 @@ use super::sah::{self, Cost, Fill, TRAVERSAL};
 use super::{BUILD, Parts, REFINE, build_tree_by};
 use crate::accel::{
     Accel, Batch, BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, OptionSpec,
-    Options, Phases, Query, Shot, Traverse, Value, Values, Variant, test_block, test_each,
+    Options, Phases, PreparedRay, Query, Traverse, Value, Values, Variant, test_block, test_each,
 };
 use crate::geom::BlockRef;
 use crate::simd::order::key_limit;
@@ -214,9 +214,9 @@ where
 
     /// In which order the children of a node go on the stack.
     #[inline(always)]
-    fn sorting(&self, rows: Rows<'_, W>, node: Link, shot: &Shot<'_>) -> Sorting {
+    fn sorting(&self, rows: Rows<'_, W>, node: Link, prepared: &PreparedRay<'_>) -> Sorting {
         if self.by_octant {
-            Sorting::Listed(octants::list(rows.orders(node), octants::octant(&shot.slab)))
+            Sorting::Listed(octants::list(rows.orders(node), octants::octant(&prepared.slab)))
         } else {
             Sorting::ByDistance
         }
@@ -247,7 +247,7 @@ where
         &self,
         simd: S,
         rows: Rows<'_, W>,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         link: Link,
         fetched: &mut Fetched<W>,
@@ -255,7 +255,7 @@ where
     ) -> ControlFlow<()> {
         let block = self.block(rows, link, fetched, counters);
         test_block::<S, <Lanes as Vectors<W>>::Floats<S>, Q, C, W>(
-            simd, shot, block, query, counters,
+            simd, prepared, block, query, counters,
         )
     }
 
@@ -263,7 +263,7 @@ where
     #[inline(never)]
     fn walk_all<Q: Query, C: Counters>(
         &self,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         fetched: &mut Fetched<W>,
         counters: &mut C,
@@ -272,7 +272,7 @@ where
         for leaf in 0..self.report.leaves {
             let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
             let block = self.block(rows, link, fetched, counters);
-            if test_each(shot, block, query, counters).is_break() {
+            if test_each(prepared, block, query, counters).is_break() {
                 return;
             }
         }
@@ -295,7 +295,7 @@ where
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         scratch: &mut Scratch<W>,
         counters: &mut C,
@@ -303,21 +303,21 @@ where
         let Some(mut link) = self.root else { return };
         let rows = self.arena.rows();
         let Scratch { stacks, fetched } = scratch;
-        if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
-            return self.walk_all(shot, query, fetched, counters);
+        if self.parts.is_some_and(|parts| !parts.covers(&prepared.ray)) {
+            return self.walk_all(prepared, query, fetched, counters);
         }
         let (stack, mut top) = (&mut stacks[0], 1);
         loop {
             if link.is_leaf() {
-                if self.test_leaf(simd, rows, shot, query, link, fetched, counters).is_break() {
+                if self.test_leaf(simd, rows, prepared, query, link, fetched, counters).is_break() {
                     return;
                 }
             } else {
                 counters.count(Event::InnerNode);
                 counters.count(Event::BoxTest);
                 let (planes, links) = rows.node(link);
-                let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
-                let sorting = self.sorting(rows, link, shot);
+                let (keys, hits) = node::enter(simd, planes, prepared, query.t_max());
+                let sorting = self.sorting(rows, link, prepared);
                 let below = stack.descend(simd, sorting, &keys, hits, links, &mut top);
                 if let Some(nearest) = below {
                     counters.add(Event::Push, u64::from(hits.count_ones()) - 1);

@@ -77,7 +77,7 @@ use super::walk::todo::Full;
 use super::walk::{Walked, With};
 use crate::accel::coherent::{Branch, Narrowing, Pool, Start, View};
 use crate::accel::{
-    Accel, Batch, BuildError, BuildReport, Counters, MemoryReport, Query, Shot, Traverse,
+    Accel, Batch, BuildError, BuildReport, Counters, MemoryReport, PreparedRay, Query, Traverse,
 };
 use crate::geom::Shaft;
 
@@ -183,12 +183,12 @@ impl Traverse for Coherent {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         scratch: &mut Scratch,
         counters: &mut C,
     ) {
-        self.single.walk(simd, shot, query, &mut scratch.single, counters);
+        self.single.walk(simd, prepared, query, &mut scratch.single, counters);
     }
 
     #[inline(always)]

@@ -20,7 +20,7 @@ use fearless_simd::{Level, Simd};
 use super::layout::Nodes;
 use super::ray::{KdRay, Span};
 use super::tree::{Base, KdTree};
-use crate::accel::{BuildReport, Counters, MemoryReport, Query, Shot, Traverse};
+use crate::accel::{BuildReport, Counters, MemoryReport, PreparedRay, Query, Traverse};
 
 /// A way through a tree.
 ///
@@ -87,15 +87,15 @@ impl<W: Walk> Traverse for Walked<W> {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         (scratch, todo): &mut Self::Scratch,
         counters: &mut C,
     ) {
-        let (base, ray) = (&*self.base, KdRay::new(&shot.ray));
+        let (base, ray) = (&*self.base, KdRay::new(&prepared.ray));
         let leaf_test = &With(simd);
-        let mut visit = Visit { base, shot, ray, leaf_test, query, counters };
-        if !base.slack.is_tame(&shot.ray) {
+        let mut visit = Visit { base, prepared, ray, leaf_test, query, counters };
+        if !base.slack.is_tame(&prepared.ray) {
             robust::walk(self.walk.nodes(), &mut visit, todo);
         } else if let Some(span) = visit.span() {
             self.walk.walk(&mut visit, span, scratch);

@@ -20,7 +20,7 @@ use super::super::tree::{Base, KdTree, LeafId};
 use super::todo::{Full, Todo};
 use super::{LeafTest, Visit, With, robust};
 use crate::accel::{
-    Batch, BuildError, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
+    Batch, BuildError, BuildReport, Counters, Event, MemoryReport, PreparedRay, Query, Traverse,
 };
 use crate::math::NodeId;
 
@@ -64,9 +64,9 @@ impl Prefetch {
         let mut waiting = Waiting { walk: self, batch, next: 0 };
         let mut flights: Vec<Flight<'_, Q>> = Vec::with_capacity(self.rays);
         while flights.len() < self.rays
-            && let Some(shot) = waiting.take(leaf_test, answers, robust, counters)
+            && let Some(prepared) = waiting.take(leaf_test, answers, robust, counters)
         {
-            flights.push(Flight::new(self, shot));
+            flights.push(Flight::new(self, prepared));
         }
         while !flights.is_empty() {
             let mut turn = 0;
@@ -75,9 +75,9 @@ impl Prefetch {
                     turn += 1;
                     continue;
                 }
-                answers[flight.shot.index] = flight.query.answer();
+                answers[flight.prepared.index] = flight.query.answer();
                 match waiting.take(leaf_test, answers, robust, counters) {
-                    Some(shot) => flight.restart(self, shot),
+                    Some(prepared) => flight.restart(self, prepared),
                     None => drop(flights.swap_remove(turn)),
                 }
             }
@@ -101,20 +101,26 @@ impl<'a> Waiting<'a> {
         answers: &mut [Q::Answer],
         robust: &mut robust::Todo,
         counters: &mut C,
-    ) -> Option<(Shot<'a>, KdRay, Span)> {
+    ) -> Option<(PreparedRay<'a>, KdRay, Span)> {
         let base = &*self.walk.base;
         loop {
             let index = self.next;
             let ray = self.batch.rays().get(index)?;
             self.next += 1;
-            let shot = Shot::new(ray, index, self.batch.filter());
-            let (mut query, prepared) = (Q::new(ray), KdRay::new(ray));
-            let mut visit =
-                Visit { base, shot: &shot, ray: prepared, leaf_test, query: &mut query, counters };
+            let prepared = PreparedRay::new(ray, index, self.batch.filter());
+            let (mut query, kd_ray) = (Q::new(ray), KdRay::new(ray));
+            let mut visit = Visit {
+                base,
+                prepared: &prepared,
+                ray: kd_ray,
+                leaf_test,
+                query: &mut query,
+                counters,
+            };
             if !base.slack.is_tame(ray) {
                 robust::walk(&self.walk.layout, &mut visit, robust);
             } else if let Some(span) = visit.span() {
-                return Some((shot, prepared, span));
+                return Some((prepared, kd_ray, span));
             }
             answers[index] = query.answer();
         }
@@ -136,7 +142,7 @@ enum Turn {
 
 /// A ray under way.
 struct Flight<'a, Q> {
-    shot: Shot<'a>,
+    prepared: PreparedRay<'a>,
     ray: KdRay,
     query: Q,
     span: Span,
@@ -146,10 +152,10 @@ struct Flight<'a, Q> {
 }
 
 impl<'a, Q: Query> Flight<'a, Q> {
-    fn new(walk: &Prefetch, (shot, ray, span): (Shot<'a>, KdRay, Span)) -> Self {
+    fn new(walk: &Prefetch, (prepared, ray, span): (PreparedRay<'a>, KdRay, Span)) -> Self {
         Self {
-            query: Q::new(&shot.ray),
-            shot,
+            query: Q::new(&prepared.ray),
+            prepared,
             ray,
             span,
             at: walk.layout.root(),
@@ -160,9 +166,9 @@ impl<'a, Q: Query> Flight<'a, Q> {
 
     /// Takes another ray in place of one that is done.
     #[inline(always)]
-    fn restart(&mut self, walk: &Prefetch, (shot, ray, span): (Shot<'a>, KdRay, Span)) {
-        self.query = Q::new(&shot.ray);
-        (self.shot, self.ray, self.span, self.at) = (shot, ray, span, walk.layout.root());
+    fn restart(&mut self, walk: &Prefetch, (prepared, ray, span): (PreparedRay<'a>, KdRay, Span)) {
+        self.query = Q::new(&prepared.ray);
+        (self.prepared, self.ray, self.span, self.at) = (prepared, ray, span, walk.layout.root());
         self.turn = Turn::Node;
         self.todo.clear();
     }
@@ -187,9 +193,9 @@ impl<'a, Q: Query> Flight<'a, Q> {
                 self.turn = Turn::Test(leaf);
             }
             Turn::Test(leaf) => {
-                let Self { shot, ray, query, .. } = self;
+                let Self { prepared, ray, query, .. } = self;
                 let base = &*walk.base;
-                let mut visit = Visit { base, shot, ray: *ray, leaf_test, query, counters };
+                let mut visit = Visit { base, prepared, ray: *ray, leaf_test, query, counters };
                 if visit.leaf_ends(leaf, self.span.exit) || self.ends() {
                     return true;
                 }
@@ -261,14 +267,14 @@ impl Traverse for Prefetch {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         scratch: &mut robust::Todo,
         counters: &mut C,
     ) {
         // A ray by itself: what a slice of one would do, into the caller's query.
-        let (base, ray) = (&*self.base, KdRay::new(&shot.ray));
-        let visit = &mut Visit { base, shot, ray, leaf_test: &With(simd), query, counters };
+        let (base, ray) = (&*self.base, KdRay::new(&prepared.ray));
+        let visit = &mut Visit { base, prepared, ray, leaf_test: &With(simd), query, counters };
         robust::walk(&self.layout, visit, scratch);
     }
 

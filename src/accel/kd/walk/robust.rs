@@ -31,14 +31,14 @@ pub fn walk<Q: Query, C: Counters>(
     visit: &mut Visit<'_, Q, C>,
     todo: &mut Todo,
 ) {
-    if !visit.base.slack.is_placed(&visit.shot.ray) {
+    if !visit.base.slack.is_placed(&visit.prepared.ray) {
         // Break and end mean the same here.
         let _ = all(visit);
         return;
     }
     /// A limit counts from the hit's true distance, before it was rounded.
     const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
-    let slab = &visit.shot.slab;
+    let slab = &visit.prepared.slab;
     let (enter, exit) = slab.interval(&visit.base.bounds);
     let (mut at, mut enter, mut exit) =
         (nodes.root(), larger(enter, 0.0), smaller(exit, visit.query.t_max() * ROUNDING));
@@ -92,9 +92,9 @@ fn all<Q: Query, C: Counters>(visit: &mut Visit<'_, Q, C>) -> ControlFlow<()> {
         let id = TriangleId::from_index(i);
         let triangle = source.triangle(id);
         visit.counters.count(Event::BoxTest);
-        let (enter, exit) = visit.shot.slab.interval(&own_box(&triangle));
+        let (enter, exit) = visit.prepared.slab.interval(&own_box(&triangle));
         if enter <= exit && enter <= visit.query.t_max() {
-            test_triangle(baseline(), visit.shot, id, &triangle, visit.query, visit.counters)?;
+            test_triangle(baseline(), visit.prepared, id, &triangle, visit.query, visit.counters)?;
         }
     }
     ControlFlow::Continue(())

@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x4};
 
 use super::super::ray::{KdRay, Span};
 use super::super::tree::{Base, LANES, LeafId, Leaves, Slot};
-use crate::accel::{Counters, Event, Query, Shot, test_block};
+use crate::accel::{Counters, Event, PreparedRay, Query, test_block};
 use crate::math::{larger, smaller};
 
 /// Tests the triangles of a leaf with some instruction set.
@@ -19,7 +19,7 @@ pub trait LeafTest<Q, C>: Sync {
         &self,
         leaves: &Leaves,
         slots: &[Slot],
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         counters: &mut C,
     ) -> bool;
@@ -33,13 +33,13 @@ impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
         &self,
         leaves: &Leaves,
         slots: &[Slot],
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         counters: &mut C,
     ) -> bool {
         self.0.vectorize(
             #[inline(always)]
-            || test_all(self.0, leaves, slots, shot, query, counters).is_break(),
+            || test_all(self.0, leaves, slots, prepared, query, counters).is_break(),
         )
     }
 }
@@ -50,13 +50,13 @@ pub fn test_all<S: Simd, Q: Query, C: Counters>(
     simd: S,
     leaves: &Leaves,
     slots: &[Slot],
-    shot: &Shot<'_>,
+    prepared: &PreparedRay<'_>,
     query: &mut Q,
     counters: &mut C,
 ) -> ControlFlow<()> {
     for slots in slots.chunks(LANES) {
         let block = leaves.block(simd, slots);
-        test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, block.parts(), query, counters)?;
+        test_block::<S, f32x4<S>, Q, C, LANES>(simd, prepared, block.parts(), query, counters)?;
     }
     ControlFlow::Continue(())
 }
@@ -66,7 +66,7 @@ pub struct Visit<'a, Q, C> {
     /// What all walks share.
     pub base: &'a Base,
     /// The ray.
-    pub shot: &'a Shot<'a>,
+    pub prepared: &'a PreparedRay<'a>,
     /// The ray, prepared for planes.
     pub ray: KdRay,
     /// How leaves are tested.
@@ -81,8 +81,8 @@ impl<Q: Query, C: Counters> Visit<'_, Q, C> {
     /// The part of a tame ray inside the root's box, if any.
     #[inline(always)]
     pub fn span(&self) -> Option<Span> {
-        let (enter, exit) = self.shot.slab.interval(&self.base.bounds);
-        let enter = larger(enter, self.shot.ray.t_min());
+        let (enter, exit) = self.prepared.slab.interval(&self.base.bounds);
+        let enter = larger(enter, self.prepared.ray.t_min());
         let exit = smaller(exit, self.query.t_max());
         (enter <= exit).then_some(Span { enter, exit })
     }
@@ -102,6 +102,6 @@ impl<Q: Query, C: Counters> Visit<'_, Q, C> {
         }
         let leaves = &self.base.leaves;
         let slots = leaves.triangles(leaf);
-        self.leaf_test.test(leaves, slots, self.shot, self.query, self.counters)
+        self.leaf_test.test(leaves, slots, self.prepared, self.query, self.counters)
     }
 }

@@ -28,7 +28,8 @@ use super::super::ray::{KdRay, Span};
 use super::super::tree::{Base, KdTree};
 use super::{Visit, With, robust};
 use crate::accel::{
-    BuildError, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse, test_block,
+    BuildError, BuildReport, Counters, Event, MemoryReport, PreparedRay, Query, Traverse,
+    test_block,
 };
 use crate::simd::pick;
 
@@ -226,10 +227,10 @@ fn test_leaf<S: Simd, Q: Query, C: Counters>(
     visit: &mut Visit<'_, Q, C>,
     blocks: &[Block],
 ) -> ControlFlow<()> {
-    let Visit { shot, query, counters, .. } = visit;
+    let Visit { prepared, query, counters, .. } = visit;
     for block in blocks {
         let block = block.parts();
-        test_block::<S, f32x8<S>, Q, C, WIDTH>(simd, shot, block, *query, *counters)?;
+        test_block::<S, f32x8<S>, Q, C, WIDTH>(simd, prepared, block, *query, *counters)?;
     }
     ControlFlow::Continue(())
 }
@@ -246,16 +247,16 @@ impl Traverse for WideWalk {
     fn walk<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        shot: &Shot<'_>,
+        prepared: &PreparedRay<'_>,
         query: &mut Q,
         (stack, todo): &mut Self::Scratch,
         counters: &mut C,
     ) {
-        let (base, ray) = (&*self.base, KdRay::new(&shot.ray));
+        let (base, ray) = (&*self.base, KdRay::new(&prepared.ray));
         let leaf_test = &With(simd);
-        let mut visit = Visit { base, shot, ray, leaf_test, query, counters };
+        let mut visit = Visit { base, prepared, ray, leaf_test, query, counters };
         let span = visit.span();
-        if !base.slack.is_tame(&shot.ray) {
+        if !base.slack.is_tame(&prepared.ray) {
             robust::walk(&self.nodes, &mut visit, todo);
         } else if let Some(span) = span {
             if span.enter < span.exit {
