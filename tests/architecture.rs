@@ -13,14 +13,6 @@ const FLOORS: [&[&str]; 8] = [
     &["integrator"],
     &["render", "bench"],
     &["cli"],
-]; 7] = [
-    &["files", "math", "simd"],
-    &["geom", "sampling"],
-    &["accel", "material", "light", "camera", "film"],
-    &["scene"],
-    &["integrator"],
-    &["render", "bench"],
-    &["cli"],
 ];
 
 fn floor(module: &str) -> usize {

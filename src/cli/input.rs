@@ -25,8 +25,8 @@ pub fn triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSource>, C
     if !quiet.quiet {
         scene.notices.iter().chain(&nothing_to_see(&scene, &file)).for_each(progress::note);
     }
-    let triangles = Triangles::new(&scene).map_err(|count| BuildError::TooManyTriangles {
-        count: usize::try_from(count).unwrap_or(usize::MAX),
+    let triangles = Triangles::new(&scene).map_err(|error| BuildError::TooManyTriangles {
+        count: usize::try_from(error.count).unwrap_or(usize::MAX),
         limit: u32::MAX as usize,
     })?;
     Ok(Arc::new(triangles))

@@ -127,9 +127,9 @@ fn scene_and_surroundings(args: &RenderArgs) -> Result<(Scene, Vec<Notice>), Cli
 }
 
 fn world(scene: Scene, args: &RenderArgs) -> Result<World, CliError> {
-    World::with_lights(Arc::new(scene), args.bsdf, args.lights).map_err(|count| {
+    World::with_lights(Arc::new(scene), args.bsdf, args.lights).map_err(|error| {
         let file = args.scene_file().display();
-        CliError::Input(format!("{file}: {count} triangles are too many; 4294967294 at most"))
+        CliError::Input(format!("{file}: {error}"))
     })
 }
 

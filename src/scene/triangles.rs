@@ -6,6 +6,14 @@ use super::{Instance, Scene};
 use crate::geom::{Mesh, Triangle, TriangleSource};
 use crate::math::{InstanceId, TriangleId};
 
+/// A scene has more triangles than ids can number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{count} triangles are too many; {} at most", u32::MAX - 1)]
+pub struct TooManyTriangles {
+    /// How many there are.
+    pub count: u64,
+}
+
 /// The triangles of all instances under one running number: those of the first instance, then
 /// those of the second, and so on. Each mesh is kept once, however often it is placed.
 #[derive(Clone, Debug)]
@@ -20,8 +28,8 @@ impl Triangles {
     /// Numbers a scene's triangles.
     ///
     /// # Errors
-    /// The number of triangles, if it is 2^32 - 1 or more.
-    pub fn new(scene: &Scene) -> Result<Self, u64> {
+    /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
+    pub fn new(scene: &Scene) -> Result<Self, TooManyTriangles> {
         let mut first = Vec::with_capacity(scene.instances.len() + 1);
         let mut count = 0_u64;
         first.push(0);
@@ -30,7 +38,7 @@ impl Triangles {
             first.push(u32::try_from(count).unwrap_or(u32::MAX));
         }
         if count >= u64::from(u32::MAX) {
-            return Err(count);
+            return Err(TooManyTriangles { count });
         }
         Ok(Self { meshes: scene.meshes.clone(), instances: scene.instances.clone(), first })
     }

@@ -1,9 +1,9 @@
 //! Surfaces with holes: which hits count.
 
-use super::world::{base_color, look_up};
-use super::{Attributes, World};
+use super::World;
+use super::lookup::alpha;
 use crate::accel::{ClosestHit, HitFilter};
-use crate::math::{MaterialId, TriangleId, Vec2};
+use crate::math::{TriangleId, Vec2};
 use crate::scene::AlphaMode;
 
 /// Lets rays through where a surface is not there (glTF's alpha modes).
@@ -33,35 +33,11 @@ impl HitFilter for AlphaFilter<'_> {
             return true;
         }
         let (_, at) = world.texture_point(instance, index, Vec2::new(hit.u, hit.v));
-        let alpha = world.alpha(material, &at);
+        let alpha = alpha(&world.scene, world.material(material), &at);
         match world.material(material).alpha_mode {
             AlphaMode::Opaque => true,
             AlphaMode::Mask(cutoff) => alpha >= cutoff,
             AlphaMode::Blend => uniform(self.keys[ray], hit.triangle) < alpha,
-        }
-    }
-}
-
-impl World {
-    /// The alpha of a material at a point.
-    fn alpha(&self, id: MaterialId, at: &Attributes) -> f32 {
-        let material = self.material(id);
-        let mut alpha = base_color(&self.scene, material, at).w;
-        if let Some(texture) = &material.alpha_texture {
-            alpha *= look_up(&self.scene, texture, &at.uv).x;
-        }
-        alpha
-    }
-
-    /// The probability that a ray does not go through a surface.
-    pub(super) fn coverage(&self, id: MaterialId, at: &Attributes) -> f32 {
-        if self.materials[id.index()].opaque {
-            return 1.0;
-        }
-        match self.material(id).alpha_mode {
-            AlphaMode::Opaque => 1.0,
-            AlphaMode::Mask(cutoff) => f32::from(self.alpha(id, at) >= cutoff),
-            AlphaMode::Blend => self.alpha(id, at).clamp(0.0, 1.0),
         }
     }
 }

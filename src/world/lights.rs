@@ -2,15 +2,13 @@
 
 use std::f32::consts::PI;
 
-use super::light_choice::{Chooser, of_punctual, of_triangle};
-use super::surface::{offset_origin, triangle_point};
-use super::world::emission;
-use super::{LightChoice, Surface, World};
+use super::interpolation::Interpolation;
+use super::light_choice::{Chooser, LightChoice, of_punctual, of_triangle};
+use super::lookup::emission;
 use crate::geom::TriangleSource;
-use crate::light::{
-    Environment, LightBounds, Punctual, Sides, Vantage, area_to_solid_angle, sample_triangle,
-};
-use crate::math::{InstanceId, Ray, TriangleId, Vec2, Vec3};
+use crate::light::{Environment, LightBounds, Sides, Vantage};
+use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
+use crate::sampling::warp;
 use crate::scene::defaults::bounds;
 use crate::scene::{Scene, Triangles};
 
@@ -30,25 +28,21 @@ pub struct Lights {
 
 /// A triangle that emits: where it is, so that it need not be looked for.
 #[derive(Clone, Copy, Debug)]
-struct Emitter {
-    instance: InstanceId,
+pub(super) struct Emitter {
+    pub instance: InstanceId,
     /// Its number in the instance's mesh.
-    index: u32,
+    pub index: u32,
 }
 
-/// A light chosen for a point, and a direction to it.
+/// A light that was chosen.
 #[derive(Clone, Copy, Debug)]
-pub struct LightSample {
-    /// Unit direction towards the light.
-    pub direction: Vec3,
-    /// Radiance that arrives if nothing is in between; irradiance where `delta`.
-    pub radiance: Vec3,
-    /// Density over solid angle, or the light's probability where `delta`; times one another.
-    pub pdf: f32,
-    /// Whether no other strategy could find the light, which has no extent.
-    pub delta: bool,
-    /// The segment that must be free, and its length in metres.
-    pub ray: Ray,
+pub(super) enum ChosenLight {
+    /// The one of that number in the scene.
+    Punctual(usize),
+    /// What shines from infinitely far away.
+    Environment,
+    /// A triangle.
+    Emitter(Emitter),
 }
 
 impl Lights {
@@ -119,140 +113,38 @@ impl Lights {
         self.len() == 0
     }
 
+    /// Chooses a light for a point by `u`, with its probability; `None`: none shines there.
+    #[inline(always)]
+    pub(super) fn choose(&self, vantage: &Vantage, u: f32) -> Option<(ChosenLight, f32)> {
+        let (light, pmf) = self.chooser.sample(vantage, u)?;
+        let chosen = if light >= self.first_triangle {
+            ChosenLight::Emitter(self.triangles[light - self.first_triangle])
+        } else if light < self.punctual {
+            ChosenLight::Punctual(light)
+        } else {
+            ChosenLight::Environment
+        };
+        Some((chosen, pmf))
+    }
+
     /// The probability that the environment is chosen.
-    fn environment_pmf(&self) -> f32 {
+    pub(super) fn environment_pmf(&self) -> f32 {
         self.environment.map_or(0.0, |light| self.chooser.far_probability(light))
     }
 
     /// The probability that a triangle is chosen for a point: the one numbered `index` of an
     /// instance.
-    fn triangle_pmf(&self, vantage: &Vantage, instance: InstanceId, index: usize) -> f32 {
+    pub(super) fn triangle_pmf(
+        &self,
+        vantage: &Vantage,
+        instance: InstanceId,
+        index: usize,
+    ) -> f32 {
         match self.instances[instance.index()] {
             u32::MAX => 0.0,
             first => self.chooser.near_probability(vantage, first as usize + index),
         }
     }
-}
-
-impl World {
-    /// Chooses a light and a direction to it, from a `surface` that is asked about as `vantage`
-    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from there.
-    #[inline(always)]
-    pub fn sample_light(
-        &self,
-        surface: &Surface,
-        vantage: &Vantage,
-        u_light: f32,
-        u: Vec2,
-    ) -> Option<LightSample> {
-        let lights = &self.lights;
-        let (light, pmf) = lights.chooser.sample(vantage, u_light)?;
-        if light >= lights.first_triangle {
-            let emitter = lights.triangles[light - lights.first_triangle];
-            self.sample_emitter(surface, emitter, pmf, u)
-        } else if light < lights.punctual {
-            Self::sample_punctual(surface, &self.scene.lights[light], pmf)
-        } else {
-            let environment = self.scene.environment.as_ref()?;
-            let sample = environment.sample(u)?;
-            Some(LightSample {
-                direction: sample.direction,
-                radiance: sample.radiance,
-                pdf: pmf * sample.pdf,
-                delta: false,
-                ray: surface.ray_towards(sample.direction),
-            })
-        }
-    }
-
-    /// What the environment sends along a ray that left the scene in a unit `direction`, and the
-    /// density with which [`World::sample_light`] chooses that direction; zero without one.
-    pub fn environment(&self, direction: Vec3) -> (Vec3, f32) {
-        let Some(environment) = &self.scene.environment else { return (Vec3::ZERO, 0.0) };
-        let (radiance, pdf) = environment.radiance_and_pdf(direction);
-        (radiance, pdf * self.lights.environment_pmf())
-    }
-
-    /// What a `surface` sends back along a ray that hit it; `None` where it does not emit.
-    #[inline]
-    pub fn emitted(&self, surface: &Surface) -> Option<Vec3> {
-        let material = self.material(surface.material);
-        if material.unlit {
-            // Found by following paths alone: it is no light, but looks its colour from everywhere.
-            return Some(self.emission(surface.material, &surface.attributes));
-        }
-        if !material.is_emissive() || !(surface.front || material.double_sided) {
-            return None;
-        }
-        Some(self.emission(surface.material, &surface.attributes))
-    }
-
-    /// The density over solid angle with which [`World::sample_light`] chooses for `vantage`, where
-    /// a ray of unit `direction` began, the point of a `surface` that the ray hit at `distance`.
-    pub fn emitter_pdf(
-        &self,
-        surface: &Surface,
-        vantage: &Vantage,
-        direction: Vec3,
-        distance: f32,
-    ) -> f32 {
-        if self.material(surface.material).unlit {
-            return 0.0;
-        }
-        let pmf = self.lights.triangle_pmf(vantage, surface.instance, surface.triangle);
-        let cosine = surface.normal.dot(direction);
-        pmf * area_to_solid_angle(surface.area, distance * distance, cosine)
-    }
-
-    #[inline(always)]
-    fn sample_emitter(
-        &self,
-        surface: &Surface,
-        Emitter { instance, index }: Emitter,
-        pmf: f32,
-        u: Vec2,
-    ) -> Option<LightSample> {
-        let triangle = self.triangles.of(instance, index as usize);
-        let sample = sample_triangle(&triangle, u);
-        let towards = sample.point - surface.position;
-        let distance2 = towards.length_squared();
-        let direction = towards.try_normalize()?;
-        let cosine = -sample.normal.dot(direction);
-        let pdf = pmf * area_to_solid_angle(sample.area, distance2, cosine);
-        if !(pdf > 0.0 && pdf.is_finite()) {
-            return None; // edge-on, or without area
-        }
-        let (material, at) = self.texture_point(instance, index as usize, sample.uv);
-        if cosine < 0.0 && !self.material(material).double_sided {
-            return None;
-        }
-        let radiance = self.emission(material, &at) * self.coverage(material, &at);
-        if radiance == Vec3::ZERO {
-            return None;
-        }
-        // From beyond this surface to short of the light's, both by their errors.
-        let (point, error) = triangle_point(&triangle, sample.uv.x, sample.uv.y, self.slack);
-        let end = offset_origin(point, error, sample.normal, -direction);
-        let ray = segment(surface, direction, end);
-        Some(LightSample { direction, radiance, pdf, delta: false, ray })
-    }
-
-    fn sample_punctual(surface: &Surface, light: &Punctual, pmf: f32) -> Option<LightSample> {
-        let lit = light.illuminate(surface.position)?;
-        let ray = match lit.origin {
-            Some(end) => segment(surface, lit.direction, end),
-            None => surface.ray_towards(lit.direction),
-        };
-        let (direction, radiance) = (lit.direction, lit.irradiance);
-        Some(LightSample { direction, radiance, pdf: pmf, delta: true, ray })
-    }
-}
-
-/// From just beyond a surface to `end`.
-#[inline(always)]
-fn segment(surface: &Surface, direction: Vec3, end: Vec3) -> Ray {
-    let origin = offset_origin(surface.position, surface.position_error, surface.normal, direction);
-    Ray::new(origin, end - origin, 0.0, 1.0)
 }
 
 /// How often the environment is chosen where there are other lights. Its power is no measure: what
@@ -292,14 +184,8 @@ fn mean_emission(scene: &Scene, triangles: &Triangles, id: TriangleId) -> f32 {
     let sum: f32 = cells
         .map(|(i, j)| {
             let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / STEPS as f32;
-            let uv = crate::sampling::warp::triangle(u);
-            let point = crate::world::surface::Interpolation::new(
-                mesh,
-                index,
-                instance.transform.mirrored,
-                uv.x,
-                uv.y,
-            );
+            let uv = warp::triangle(u);
+            let point = Interpolation::new(mesh, index, instance.transform.mirrored, uv.x, uv.y);
             mean(emission(scene, material, &point.attributes(mesh, true)))
         })
         .sum();

@@ -1,16 +1,25 @@
 //! A scene made ready to be shaded: surfaces, their scattering, and the lights.
+//!
+//! [`World`] stands on top; below it are functions over the scene alone: what a material is at a
+//! point (`lookup`, `layers`), how a normal is bent (`shading_normal`), what shines (`lights`).
 
 mod alpha;
-mod layered_point;
+mod interpolation;
+mod layers;
 mod light_choice;
 mod lights;
+mod lookup;
+mod prepared_material;
+mod sample_light;
 mod shading_normal;
 mod surface;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod world;
 
 pub use alpha::AlphaFilter;
+pub use interpolation::Attributes;
 pub use light_choice::{LightChoice, UnknownChoice};
-pub use lights::{LightSample, Lights};
-pub use surface::{Attributes, Surface};
+pub use lights::Lights;
+pub use sample_light::LightSample;
+pub use surface::Surface;
 pub use world::World;

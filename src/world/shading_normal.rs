@@ -1,14 +1,14 @@
 //! Shading normals: interpolated, then bent by normal and height maps.
 
-use super::World;
-use super::surface::Interpolation;
-use super::world::look_up;
+use super::interpolation::Interpolation;
+use super::lookup::look_up;
 use crate::geom::{Mesh, Triangle};
 use crate::math::{Frame, Vec2, Vec3};
-use crate::scene::{Material, TextureRef, Transform};
+use crate::scene::{Material, Scene, TextureRef, Transform};
 
 /// A point and all that its shading normal depends on.
-pub(super) struct Shaped<'a> {
+pub(super) struct NormalContext<'a> {
+    pub scene: &'a Scene,
     pub material: &'a Material,
     pub mesh: &'a Mesh,
     pub transform: &'a Transform,
@@ -20,70 +20,62 @@ pub(super) struct Shaped<'a> {
     pub uv: &'a [Vec2; 2],
 }
 
-impl World {
-    /// The unit shading normal, on the side of the geometric one.
-    #[inline]
-    pub(super) fn shading_normal(&self, at: &Shaped<'_>) -> Vec3 {
-        let smooth = smooth_normal(at);
-        if let Some(texture) = &at.material.normal_texture {
-            self.mapped_normal(at, texture, at.material.normal_scale, smooth)
-        } else if let Some(texture) = &at.material.bump_texture {
-            match uv_slopes(at, texture) {
-                Some((along_u, along_v)) => {
-                    let bumped =
-                        self.bumped_normal(at.material, texture, at.uv, smooth, along_u, along_v);
-                    on_side_of(bumped, at.normal)
-                }
-                None => smooth,
-            }
-        } else {
-            smooth
+/// The unit shading normal, on the side of the geometric one.
+#[inline]
+pub(super) fn shading_normal(at: &NormalContext<'_>) -> Vec3 {
+    let smooth = smooth_normal(at);
+    if let Some(texture) = &at.material.normal_texture {
+        mapped_normal(at, texture, at.material.normal_scale, smooth)
+    } else if let Some(texture) = &at.material.bump_texture {
+        match uv_slopes(at, texture) {
+            Some(slopes) => on_side_of(bumped_normal(at, texture, smooth, slopes), at.normal),
+            None => smooth,
         }
+    } else {
+        smooth
     }
+}
 
-    /// The normal that a tangent-space normal texture makes of `smooth`.
-    #[inline]
-    pub(super) fn mapped_normal(
-        &self,
-        at: &Shaped<'_>,
-        texture: &TextureRef,
-        scale: f32,
-        smooth: Vec3,
-    ) -> Vec3 {
-        let Some((tangent, sign)) = tangent(at, texture, smooth) else { return smooth };
-        let mut mapped = look_up(&self.scene, texture, at.uv).truncate() * 2.0 - 1.0;
-        mapped.x *= scale;
-        mapped.y *= scale * sign;
-        let mapped = Frame::from_normal_tangent(smooth, tangent).to_world(mapped);
-        on_side_of(mapped.normalize_or(smooth), at.normal)
-    }
+/// The normal that a tangent-space normal texture makes of `smooth`.
+#[inline]
+pub(super) fn mapped_normal(
+    at: &NormalContext<'_>,
+    texture: &TextureRef,
+    scale: f32,
+    smooth: Vec3,
+) -> Vec3 {
+    let Some((tangent, sign)) = tangent(at, texture, smooth) else { return smooth };
+    let mut mapped = look_up(at.scene, texture, at.uv).truncate() * 2.0 - 1.0;
+    mapped.x *= scale;
+    mapped.y *= scale * sign;
+    let mapped = Frame::from_normal_tangent(smooth, tangent).to_world(mapped);
+    on_side_of(mapped.normalize_or(smooth), at.normal)
+}
 
-    /// The normal that a height map makes of `normal`: that of the surface displaced along it,
-    /// for a small displacement (Blinn 1978). Slopes are taken over half a texel.
-    fn bumped_normal(
-        &self,
-        material: &Material,
-        texture: &TextureRef,
-        uv: &[Vec2; 2],
-        normal: Vec3,
-        along_u: Vec3,
-        along_v: Vec3,
-    ) -> Vec3 {
-        let [width, height] = self.scene.textures[texture.texture.index()].size();
-        let step = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
-        let here = texture.transform(uv[usize::from(texture.uv_set.min(1))]);
-        let map = &self.scene.textures[texture.texture.index()];
-        let at = |x: f32, y: f32| map.sample(here + Vec2::new(x, y)).x * material.normal_scale;
-        let by_u = (at(step.x, 0.0) - at(-step.x, 0.0)) / (2.0 * step.x);
-        let by_v = (at(0.0, step.y) - at(0.0, -step.y)) / (2.0 * step.y);
-        let displaced = (along_u + normal * by_u).cross(along_v + normal * by_v);
-        on_side_of(displaced.normalize_or(normal), normal)
-    }
+/// The normal that a height map makes of `normal`: that of the surface displaced along it, for a
+/// small displacement (Blinn 1978). Slopes are taken over half a texel; `along_u` and `along_v` are
+/// the position's derivatives by the texture coordinates.
+fn bumped_normal(
+    at: &NormalContext<'_>,
+    texture: &TextureRef,
+    normal: Vec3,
+    (along_u, along_v): (Vec3, Vec3),
+) -> Vec3 {
+    let map = &at.scene.textures[texture.texture.index()];
+    let [width, height] = map.size();
+    let step = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
+    let here = texture.transform(at.uv[usize::from(texture.uv_set.min(1))]);
+    let scale = at.material.normal_scale;
+    let height_at = |x: f32, y: f32| map.sample(here + Vec2::new(x, y)).x * scale;
+    let by_u = (height_at(step.x, 0.0) - height_at(-step.x, 0.0)) / (2.0 * step.x);
+    let by_v = (height_at(0.0, step.y) - height_at(0.0, -step.y)) / (2.0 * step.y);
+    let displaced = (along_u + normal * by_u).cross(along_v + normal * by_v);
+    on_side_of(displaced.normalize_or(normal), normal)
 }
 
 /// The interpolated normal, on the side of the geometric one.
 #[inline]
-pub(super) fn smooth_normal(at: &Shaped<'_>) -> Vec3 {
+pub(super) fn smooth_normal(at: &NormalContext<'_>) -> Vec3 {
     if at.mesh.normals.is_empty() {
         return at.normal;
     }
@@ -100,7 +92,11 @@ fn on_side_of(normal: Vec3, geometric: Vec3) -> Vec3 {
 /// The tangent at a point and the sign of its bitangent; `None` where no texture coordinates lead.
 /// Without tangents of its own a mesh gets them by triangle. Green points up in a texture whose v
 /// counts down: against the derivative by v.
-pub(super) fn tangent(at: &Shaped<'_>, texture: &TextureRef, smooth: Vec3) -> Option<(Vec3, f32)> {
+pub(super) fn tangent(
+    at: &NormalContext<'_>,
+    texture: &TextureRef,
+    smooth: Vec3,
+) -> Option<(Vec3, f32)> {
     if at.mesh.tangents.is_empty() {
         let (along_u, along_v) = uv_slopes(at, texture)?;
         let sign = if smooth.dot(along_u.cross(along_v)) > 0.0 { -1.0 } else { 1.0 };
@@ -113,7 +109,7 @@ pub(super) fn tangent(at: &Shaped<'_>, texture: &TextureRef, smooth: Vec3) -> Op
 
 /// Derivatives of the position by the texture coordinates of `texture`; `None` where they do not
 /// exist.
-fn uv_slopes(at: &Shaped<'_>, texture: &TextureRef) -> Option<(Vec3, Vec3)> {
+fn uv_slopes(at: &NormalContext<'_>, texture: &TextureRef) -> Option<(Vec3, Vec3)> {
     let uvs = &at.mesh.uvs[usize::from(texture.uv_set.min(1))];
     if uvs.is_empty() {
         return None;

@@ -1,10 +1,8 @@
-//! From a hit to the surface there: position with its error, normals, texture coordinates.
+//! A point of a surface: position with its error, normals, texture coordinates.
 
-use super::World;
-use super::shading_normal::Shaped;
-use crate::accel::ClosestHit;
-use crate::geom::{Mesh, Triangle};
-use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, Vec2, Vec3, Vec4};
+use super::Attributes;
+use crate::geom::Triangle;
+use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, Vec3};
 
 /// Bounds the relative error of seven roundings in a row: `n u / (1 - n u)` with n = 7 and
 /// u = 2^-24 (Higham).
@@ -46,130 +44,6 @@ impl Surface {
     }
 }
 
-/// What the vertices of a mesh say of the colour at a point between them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Attributes {
-    /// Both sets of texture coordinates; zero where the mesh has none or no texture asks.
-    pub uv: [Vec2; 2],
-    /// Linear colour and alpha that multiply the base colour.
-    pub color: Vec4,
-}
-
-impl Attributes {
-    /// Those of a mesh that says nothing.
-    pub const NONE: Self = Self { uv: [Vec2::ZERO; 2], color: Vec4::ONE };
-}
-
-/// Corners and weights of a point in a mesh.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Interpolation {
-    pub corners: [usize; 3],
-    weights: [f32; 3],
-}
-
-impl Interpolation {
-    /// The point of a hit. `u` and `v` belong to the triangle as the world sees it, which has its
-    /// last two corners exchanged where the instance is mirrored.
-    pub fn new(mesh: &Mesh, triangle: usize, mirrored: bool, u: f32, v: f32) -> Self {
-        let [a, b, c] = mesh.indices[triangle].map(|i| i as usize);
-        let corners = if mirrored { [a, c, b] } else { [a, b, c] };
-        Self { corners, weights: [1.0 - u - v, u, v] }
-    }
-
-    /// The attribute of the point.
-    pub fn vec2(&self, values: &[Vec2]) -> Vec2 {
-        let [a, b, c] = self.corners.map(|i| values[i]);
-        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
-    }
-
-    /// The attribute of the point.
-    pub fn vec3(&self, values: &[Vec3]) -> Vec3 {
-        let [a, b, c] = self.corners.map(|i| values[i]);
-        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
-    }
-
-    /// The attribute of the point.
-    pub fn vec4(&self, values: &[Vec4]) -> Vec4 {
-        let [a, b, c] = self.corners.map(|i| values[i]);
-        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
-    }
-
-    /// What the mesh says of the point's colour; `textured`: whether anybody asks for the texture
-    /// coordinates.
-    #[inline]
-    pub fn attributes(&self, mesh: &Mesh, textured: bool) -> Attributes {
-        let mut attributes = Attributes::NONE;
-        if textured {
-            for (uv, all) in attributes.uv.iter_mut().zip(&mesh.uvs) {
-                *uv = if all.is_empty() { Vec2::ZERO } else { self.vec2(all) };
-            }
-        }
-        if !mesh.colors.is_empty() {
-            attributes.color = self.vec4(&mesh.colors);
-        }
-        attributes
-    }
-}
-
-impl World {
-    /// The surface that `ray` has hit.
-    #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &ClosestHit) -> Surface {
-        let (id, index) = self.triangles.locate(hit.triangle);
-        let instance = &self.scene.instances[id.index()];
-        let mesh = &*self.scene.meshes[instance.mesh.index()];
-        let transform = &instance.transform;
-        let point = Interpolation::new(mesh, index, transform.mirrored, hit.u, hit.v);
-
-        let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
-        let triangle = Triangle { a, b, c };
-        let (position, position_error) = triangle_point(&triangle, hit.u, hit.v, self.slack);
-        let (normal, area) = normal_and_area(&triangle);
-
-        let resolved = &self.materials[instance.material.index()];
-        let attributes = point.attributes(mesh, resolved.textured);
-        let shading = self.shading_normal(&Shaped {
-            material: self.material(instance.material),
-            mesh,
-            transform,
-            triangle: &triangle,
-            point: &point,
-            normal,
-            uv: &attributes.uv,
-        });
-        let towards_viewer = -ray.direction();
-        let front = normal.dot(towards_viewer) > 0.0;
-        Surface {
-            position,
-            position_error,
-            normal,
-            frame: Frame::from_normal(shading),
-            attributes,
-            instance: id,
-            triangle: index,
-            area,
-            material: instance.material,
-            front,
-        }
-    }
-
-    /// Material and attributes of a point of triangle number `index` of an instance, given
-    /// by its barycentrics.
-    #[inline]
-    pub(super) fn texture_point(
-        &self,
-        instance: InstanceId,
-        index: usize,
-        at: Vec2,
-    ) -> (MaterialId, Attributes) {
-        let instance = &self.scene.instances[instance.index()];
-        let textured = self.materials[instance.material.index()].textured;
-        let mesh = &*self.scene.meshes[instance.mesh.index()];
-        let point = Interpolation::new(mesh, index, instance.transform.mirrored, at.x, at.y);
-        (instance.material, point.attributes(mesh, textured))
-    }
-}
-
 /// A point of a triangle in world space and the bound of its error (pbrt-v4, section 6.8).
 ///
 /// The corners are taken as exact: structures intersect the very same rounded triangle, so that
@@ -204,7 +78,7 @@ pub(super) fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, towards: Vec
 
 /// The unit normal of a triangle's front, and its area.
 #[inline]
-fn normal_and_area(triangle: &Triangle) -> (Vec3, f32) {
+pub(super) fn normal_and_area(triangle: &Triangle) -> (Vec3, f32) {
     let double_area = triangle.double_area();
     let length2 = double_area.length_squared();
     if length2 > 1e-30 && length2 < 1e30 {

@@ -2,13 +2,19 @@
 
 use std::sync::Arc;
 
-use super::{Attributes, LightChoice, Lights, Surface, layered_point};
+use super::interpolation::Interpolation;
+use super::layers::layers_at;
+use super::lookup::{alpha, emission, surface_params};
+use super::prepared_material::{PreparedMaterial, materials_with_clear_vertices};
+use super::shading_normal::{NormalContext, shading_normal};
+use super::surface::{normal_and_area, triangle_point};
+use super::{Attributes, LightChoice, Lights, Surface};
 use crate::accel::ClosestHit;
-use crate::geom::Mesh;
+use crate::geom::Triangle;
 use crate::material::{Bsdf, BsdfForm, SurfaceParams, Wavelength};
-use crate::math::{MaterialId, Vec2, Vec3, Vec4};
+use crate::math::{Frame, InstanceId, MaterialId, Ray, Vec2, Vec3, Vec4};
 use crate::scene::defaults::bounds;
-use crate::scene::{AlphaMode, Material, Scene, TextureRef, Triangles, Volume};
+use crate::scene::{AlphaMode, Instance, Material, Scene, TooManyTriangles, Triangles};
 
 /// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
 /// they are the same everywhere.
@@ -20,29 +26,12 @@ pub struct World {
     pub triangles: Arc<Triangles>,
     /// What shines in it.
     pub lights: Lights,
-    pub(super) materials: Vec<Resolved>,
+    pub(super) materials: Vec<PreparedMaterial>,
     /// Bounds how far off a verdict in f64 may put a plane of the scene, metres: some 2000 units
     /// in the last place of the scene's size.
     pub(super) slack: f32,
     pub(super) form: BsdfForm,
     see_through: bool,
-}
-
-/// What is known of a material before any point of it is seen.
-#[derive(Clone, Debug)]
-pub(super) struct Resolved {
-    /// The scattering, if no texture changes it from point to point.
-    bsdf: Option<Bsdf>,
-    /// Whether something lies on it.
-    layered: bool,
-    /// Whether any texture is looked up at all.
-    pub textured: bool,
-    /// See [`Material::is_opaque`]; the colours of vertices have a say in it too.
-    pub opaque: bool,
-    /// Whether it bounds solids that light goes through.
-    solid: bool,
-    /// The inside, if it takes away light.
-    absorption: Option<Volume>,
 }
 
 /// 2^-42.
@@ -52,8 +41,8 @@ impl World {
     /// Prepares `scene`, whose surfaces will scatter by `form`.
     ///
     /// # Errors
-    /// The number of triangles, if it is 2^32 - 1 or more.
-    pub fn new(scene: Arc<Scene>, form: BsdfForm) -> Result<Self, u64> {
+    /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
+    pub fn new(scene: Arc<Scene>, form: BsdfForm) -> Result<Self, TooManyTriangles> {
         Self::with_lights(scene, form, LightChoice::default())
     }
 
@@ -65,15 +54,15 @@ impl World {
         scene: Arc<Scene>,
         form: BsdfForm,
         choice: LightChoice,
-    ) -> Result<Self, u64> {
+    ) -> Result<Self, TooManyTriangles> {
         let triangles = Arc::new(Triangles::new(&scene)?);
-        let mut materials: Vec<Resolved> =
-            scene.materials.iter().map(|material| Resolved::new(material, form)).collect();
-        for material in seen_through_vertices(&scene) {
+        let mut materials: Vec<PreparedMaterial> =
+            scene.materials.iter().map(|material| PreparedMaterial::new(material, form)).collect();
+        for material in materials_with_clear_vertices(&scene) {
             materials[material.index()].opaque = false;
         }
         let lights = Lights::new(&scene, &triangles, choice);
-        let used = |instance: &crate::scene::Instance| !materials[instance.material.index()].opaque;
+        let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
         let slack = bounds(&scene).extent().max_element().max(0.0) * SLACK;
         Ok(Self { scene, triangles, lights, materials, slack, form, see_through })
@@ -88,6 +77,64 @@ impl World {
     #[inline]
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.scene.materials[id.index()]
+    }
+
+    /// The surface that `ray` has hit.
+    #[inline(always)]
+    pub fn surface(&self, ray: &Ray, hit: &ClosestHit) -> Surface {
+        let (id, index) = self.triangles.locate(hit.triangle);
+        let instance = &self.scene.instances[id.index()];
+        let mesh = &*self.scene.meshes[instance.mesh.index()];
+        let transform = &instance.transform;
+        let point = Interpolation::new(mesh, index, transform.mirrored, hit.u, hit.v);
+
+        let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
+        let triangle = Triangle { a, b, c };
+        let (position, position_error) = triangle_point(&triangle, hit.u, hit.v, self.slack);
+        let (normal, area) = normal_and_area(&triangle);
+
+        let prepared = &self.materials[instance.material.index()];
+        let attributes = point.attributes(mesh, prepared.textured);
+        let shading = shading_normal(&NormalContext {
+            scene: &self.scene,
+            material: self.material(instance.material),
+            mesh,
+            transform,
+            triangle: &triangle,
+            point: &point,
+            normal,
+            uv: &attributes.uv,
+        });
+        let towards_viewer = -ray.direction();
+        let front = normal.dot(towards_viewer) > 0.0;
+        Surface {
+            position,
+            position_error,
+            normal,
+            frame: Frame::from_normal(shading),
+            attributes,
+            instance: id,
+            triangle: index,
+            area,
+            material: instance.material,
+            front,
+        }
+    }
+
+    /// Material and attributes of a point of triangle number `index` of an instance, given
+    /// by its barycentrics.
+    #[inline]
+    pub(super) fn texture_point(
+        &self,
+        instance: InstanceId,
+        index: usize,
+        at: Vec2,
+    ) -> (MaterialId, Attributes) {
+        let instance = &self.scene.instances[instance.index()];
+        let textured = self.materials[instance.material.index()].textured;
+        let mesh = &*self.scene.meshes[instance.mesh.index()];
+        let point = Interpolation::new(mesh, index, instance.transform.mirrored, at.x, at.y);
+        (instance.material, point.attributes(mesh, textured))
     }
 
     /// What a surface scatters where `hit` has met it.
@@ -111,6 +158,46 @@ impl World {
         Bsdf::new(&SurfaceParams { ior, ..params }, self.form)
     }
 
+    /// What a surface with layers scatters where `hit` has met it; `ior` is the inside's index over
+    /// the outside's.
+    #[inline(never)]
+    fn layered_bsdf(&self, surface: &Surface, hit: &ClosestHit, ior: f32) -> Bsdf {
+        let params = self.surface_params(surface.material, &surface.attributes);
+        let params = SurfaceParams { ior, ..params };
+        let material = self.material(surface.material);
+        let Some(described) = material.layers.as_deref() else {
+            return Bsdf::new(&params, self.form);
+        };
+        let instance = &self.scene.instances[surface.instance.index()];
+        let (mesh, transform) = (&*self.scene.meshes[instance.mesh.index()], &instance.transform);
+        let point = Interpolation::new(mesh, surface.triangle, transform.mirrored, hit.u, hit.v);
+        let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
+        let at = NormalContext {
+            scene: &self.scene,
+            material,
+            mesh,
+            transform,
+            triangle: &Triangle { a, b, c },
+            point: &point,
+            normal: surface.normal,
+            uv: &surface.attributes.uv,
+        };
+        Bsdf::layered(&params, &layers_at(described, &at, &surface.frame), self.form)
+    }
+
+    /// The probability that a ray does not go through a surface.
+    pub(super) fn coverage(&self, id: MaterialId, at: &Attributes) -> f32 {
+        if self.materials[id.index()].opaque {
+            return 1.0;
+        }
+        let material = self.material(id);
+        match material.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask(cutoff) => f32::from(alpha(&self.scene, material, at) >= cutoff),
+            AlphaMode::Blend => alpha(&self.scene, material, at).clamp(0.0, 1.0),
+        }
+    }
+
     /// What a material scatters at a point, but for what lies on it.
     #[inline]
     pub fn bare_bsdf(&self, id: MaterialId, at: &Attributes) -> Bsdf {
@@ -119,7 +206,7 @@ impl World {
 
     /// The parameters of what a material scatters at a point, but for what lies on it.
     #[inline]
-    pub(super) fn surface_params(&self, id: MaterialId, at: &Attributes) -> SurfaceParams {
+    fn surface_params(&self, id: MaterialId, at: &Attributes) -> SurfaceParams {
         surface_params(&self.scene, self.material(id), at)
     }
 
@@ -138,7 +225,7 @@ impl World {
     /// Whether a solid bends some colours more than others; air, [`MaterialId::NONE`], does not.
     #[inline]
     pub fn disperses(&self, id: MaterialId) -> bool {
-        let of = |material: &Resolved| material.solid;
+        let of = |material: &PreparedMaterial| material.solid;
         self.materials.get(id.index()).is_some_and(of) && self.material(id).dispersion > 0.0
     }
 
@@ -168,103 +255,5 @@ impl World {
         let thickness = distance / volume.attenuation_distance;
         let [r, g, b] = volume.attenuation_color.to_array();
         Vec3::new(libm::powf(r, thickness), libm::powf(g, thickness), libm::powf(b, thickness))
-    }
-}
-
-impl Resolved {
-    fn new(material: &Material, form: BsdfForm) -> Self {
-        let looked_up = [
-            material.base_color_texture,
-            material.metallic_roughness_texture,
-            material.glossiness_texture,
-            material.specular_texture,
-            material.specular_color_texture,
-            material.transmission_texture,
-        ];
-        // Where layers have directions of their own, each point has.
-        let layers = material.layers.as_deref();
-        let constant = looked_up.iter().all(Option::is_none)
-            && layers.is_none_or(|layers| layered_point::is_constant(material, layers));
-        let plain = || {
-            let params = surface_params(&Scene::default(), material, &Attributes::NONE);
-            match layers {
-                Some(layers) => Bsdf::layered(&params, &layered_point::factors(layers), form),
-                None => Bsdf::new(&params, form),
-            }
-        };
-        Self {
-            bsdf: constant.then(plain),
-            layered: layers.is_some(),
-            textured: material.clone().textures_mut().next().is_some(),
-            opaque: material.is_opaque(),
-            solid: material.volume.is_some() && material.transmission > 0.0,
-            absorption: material.volume.filter(|volume| {
-                volume.attenuation_distance.is_finite()
-                    && volume.attenuation_distance > 0.0
-                    && volume.attenuation_color != Vec3::ONE
-            }),
-        }
-    }
-}
-
-/// Looks a texture up where a material asks for it.
-pub(super) fn look_up(scene: &Scene, texture: &TextureRef, uv: &[Vec2; 2]) -> Vec4 {
-    let uv = texture.transform(uv[usize::from(texture.uv_set.min(1))]);
-    scene.textures[texture.texture.index()].sample(uv)
-}
-
-/// What a material emits at a point.
-pub(super) fn emission(scene: &Scene, material: &Material, at: &Attributes) -> Vec3 {
-    if material.unlit {
-        return base_color(scene, material, at).truncate();
-    }
-    match &material.emissive_texture {
-        Some(texture) => material.emissive * look_up(scene, texture, &at.uv).truncate(),
-        None => material.emissive,
-    }
-}
-
-/// Colour and alpha at a point: factor times texture times the vertices' colour.
-pub(super) fn base_color(scene: &Scene, material: &Material, at: &Attributes) -> Vec4 {
-    let color = material.base_color * at.color;
-    match &material.base_color_texture {
-        Some(texture) => color * look_up(scene, texture, &at.uv),
-        None => color,
-    }
-}
-
-/// Materials that do not ignore alpha, on meshes with vertices that are not opaque.
-fn seen_through_vertices(scene: &Scene) -> impl Iterator<Item = MaterialId> {
-    let clear = |mesh: &Arc<Mesh>| mesh.colors.iter().any(|color| color.w < 1.0);
-    let clear: Vec<bool> = scene.meshes.iter().map(clear).collect();
-    let used = scene.instances.iter().filter(move |instance| clear[instance.mesh.index()]);
-    used.map(|instance| instance.material)
-        .filter(|id| scene.materials[id.index()].alpha_mode != AlphaMode::Opaque)
-}
-
-/// Factors times textures.
-fn surface_params(scene: &Scene, material: &Material, at: &Attributes) -> SurfaceParams {
-    if material.unlit {
-        // Black and without a coat: all that comes from it is its emission.
-        return SurfaceParams { base_color: Vec3::ZERO, specular: 0.0, ..SurfaceParams::default() };
-    }
-    let texel = |texture: &Option<TextureRef>| match texture {
-        Some(texture) => look_up(scene, texture, &at.uv),
-        None => Vec4::ONE,
-    };
-    let metallic_roughness = texel(&material.metallic_roughness_texture);
-    SurfaceParams {
-        base_color: base_color(scene, material, at).truncate(),
-        metallic: material.metallic * metallic_roughness.z,
-        roughness: match material.glossiness_texture {
-            None => material.roughness * metallic_roughness.y,
-            Some(_) => 1.0 - (1.0 - material.roughness) * texel(&material.glossiness_texture).w,
-        },
-        ior: material.ior,
-        specular: material.specular * texel(&material.specular_texture).w,
-        specular_color: material.specular_color
-            * texel(&material.specular_color_texture).truncate(),
-        transmission: material.transmission * texel(&material.transmission_texture).x,
-        thin: material.volume.is_none(),
     }
 }

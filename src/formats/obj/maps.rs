@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::confined;
+use super::paths::confine;
 use super::texture_statement::{Channel, Map};
 use crate::files::memory::{self, TooMuch};
 use crate::formats::read::read_regular;
@@ -52,7 +52,7 @@ impl<'a> Maps<'a> {
     /// The texture of a map that stands in `file`; none if it is missing, but for colours that are
     /// to be magenta then.
     pub(super) fn texture(&mut self, map: &Map, file: &Path, usage: Use) -> Option<TextureRef> {
-        let path = confined(self.folder, &map.name).unwrap_or_else(|| PathBuf::from(&map.name));
+        let path = confine(self.folder, &map.name).unwrap_or_else(|| PathBuf::from(&map.name));
         let key = (path, usage, map.channel, map.clamp);
         if let Some(&known) = self.by_use.get(&key) {
             return Some(placed(map, known));
@@ -115,7 +115,7 @@ impl<'a> Maps<'a> {
     }
 
     fn image(&mut self, map: &Map, file: &Path) -> Option<Arc<Image>> {
-        let path = confined(self.folder, &map.name);
+        let path = confine(self.folder, &map.name);
         if let Some(known) = path.as_ref().and_then(|path| self.images.get(path)) {
             return Some(Arc::clone(known));
         }

@@ -19,27 +19,24 @@ mod light;
 mod material;
 mod place;
 mod reader;
+mod root;
 mod settings;
 
 use std::path::Path;
-
-use toml::de::DeTable;
 
 use self::camera::CameraDeclaration;
 use self::light::Surroundings;
 use self::material::Overrides;
 use self::place::{Placement, Stage};
+use self::reader::Table;
 pub use self::reader::unknown_key;
-use self::reader::{Source, Table};
+use self::root::with_root;
 pub use self::settings::{Setting, SettingValue, settings, settings_of_text};
 use super::{LoadError, LoadOptions, read_file};
 use crate::light::{Environment, Punctual, Sun};
 use crate::math::Vec3;
 use crate::scene::defaults::bounds;
 use crate::scene::{NamedCamera, Scene};
-
-/// The longest file: it holds no geometry.
-const MAX_BYTES: usize = 16 << 20;
 
 /// Whether a file is a TOML scene, by its ending.
 pub fn is_toml(path: &Path) -> bool {
@@ -72,26 +69,6 @@ pub fn check(bytes: &[u8]) -> Result<(), LoadError> {
     let (path, folder) = (Path::new("fuzz.toml"), Path::new("/nowhere"));
     with_root(path, bytes, |root| Declarations::read(root, folder).map(drop))?;
     settings::read(path, folder, bytes).map(drop)
-}
-
-/// Parses the text and lends its outermost table.
-fn with_root<T>(
-    path: &Path,
-    bytes: &[u8],
-    read: impl for<'d> FnOnce(&Table<'d>) -> Result<T, LoadError>,
-) -> Result<T, LoadError> {
-    if bytes.len() > MAX_BYTES {
-        let message = format!("is larger than {} MiB, which no TOML scene is", MAX_BYTES >> 20);
-        return Err(LoadError::invalid(path, "", message));
-    }
-    let text = std::str::from_utf8(bytes)
-        .map_err(|_| LoadError::invalid(path, "", "is not text in UTF-8"))?;
-    let source = Source::new(path, text);
-    let parsed = DeTable::parse(text).map_err(|error| {
-        let at = error.span().map_or(0, |span| span.start);
-        source.fault(at, error.message())
-    })?;
-    read(&Table::new(&source, parsed.get_ref(), "", 0))
 }
 
 /// All that the text says.
