@@ -2,12 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Simd, SimdFloat};
-
-use super::{AnyHit, ClosestHit, Counters, Event, HitFilter};
-use crate::geom::{BlockRef, Corners, ShearRay, SlabRay, verdict};
-use crate::math::{Ray, TriangleId};
-use crate::simd::baseline;
+use super::{AnyHit, ClosestHit, HitFilter};
+use crate::geom::{ShearRay, SlabRay};
+use crate::math::Ray;
 
 /// A ray of a batch with all that its tests need.
 #[derive(Clone, Copy)]
@@ -148,67 +145,4 @@ impl Query for Any {
     fn answer(&self) -> AnyHit {
         AnyHit(self.found)
     }
-}
-
-/// Lets the verdict speak over one triangle and offers what it finds.
-#[inline(always)]
-pub fn test_triangle<S: Simd, Q: Query, C: Counters>(
-    simd: S,
-    prepared: &PreparedRay<'_>,
-    id: TriangleId,
-    triangle: &impl Corners,
-    query: &mut Q,
-    counters: &mut C,
-) -> ControlFlow<()> {
-    counters.count(Event::Verdict);
-    match verdict(simd, &prepared.slab, &prepared.shear, triangle) {
-        Some([t, u, v]) => query.offer(&prepared.criteria(), ClosestHit { t, u, v, triangle: id }),
-        None => ControlFlow::Continue(()),
-    }
-}
-
-/// Tests a block: filters all at once, then lets the verdict speak over what is left.
-#[inline(always)]
-pub fn test_block<S, V, Q, C, const W: usize>(
-    simd: S,
-    prepared: &PreparedRay<'_>,
-    block: BlockRef<'_, W>,
-    query: &mut Q,
-    counters: &mut C,
-) -> ControlFlow<()>
-where
-    S: Simd,
-    V: SimdFloat<S, Element = f32, Array = [f32; W]>,
-    Q: Query,
-    C: Counters,
-{
-    counters.count(Event::TriangleTest);
-    if C::COUNTS {
-        counters.add(Event::TriangleLane, block.len() as u64);
-    }
-    let mut lanes = block.candidates::<S, V>(simd, &prepared.ray, query.t_max());
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize;
-        lanes &= lanes - 1;
-        let id = block.ids[lane];
-        if id != TriangleId::NONE {
-            test_triangle(simd, prepared, id, &block.lane(lane), query, counters)?;
-        }
-    }
-    ControlFlow::Continue(())
-}
-
-/// Lets the verdict speak over all triangles of a block, unfiltered: small, for rays that are
-/// hardly ever met.
-pub fn test_each<Q: Query, C: Counters, const W: usize>(
-    prepared: &PreparedRay<'_>,
-    block: BlockRef<'_, W>,
-    query: &mut Q,
-    counters: &mut C,
-) -> ControlFlow<()> {
-    counters.count(Event::TriangleTest);
-    for (lane, &id) in block.ids.iter().enumerate().filter(|(_, id)| **id != TriangleId::NONE) {
-        test_triangle(baseline(), prepared, id, &block.lane(lane), query, counters)?;
-    }
-    ControlFlow::Continue(())
 }

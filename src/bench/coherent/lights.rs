@@ -4,7 +4,7 @@
 
 use super::{Bench, Column, Named};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, Tracer};
-use crate::bench::coherent::frame::Frame;
+use crate::bench::coherent::frame::{Frame, in_region};
 use crate::bench::measure::{Answers, BenchError, interleaved};
 use crate::bench::ray_sets::Random;
 use crate::geom::Shaft;
@@ -221,16 +221,12 @@ impl Shadows {
     }
 
     fn shoot(&self, tracer: &mut dyn Tracer, region: Option<&Shaft>, answers: &mut [AnyHit]) {
-        if let Some(region) = region {
-            tracer.enter(region);
-        }
-        for (at, width) in &self.slices {
-            let batch =
-                Batch::new(&self.rays[at.clone()]).with_grid(*width, at.len() as u32 / width);
-            tracer.any_hits(&batch, &mut answers[at.clone()]);
-        }
-        if region.is_some() {
-            tracer.leave();
-        }
+        in_region(tracer, region, |tracer| {
+            for (at, width) in &self.slices {
+                let batch =
+                    Batch::new(&self.rays[at.clone()]).with_grid(*width, at.len() as u32 / width);
+                tracer.any_hits(&batch, &mut answers[at.clone()]);
+            }
+        });
     }
 }
