@@ -1,9 +1,11 @@
-//! Words on the command line to values, each with its range.
+//! Reads values from words, each within its range.
 
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 
 use crate::film::Window;
 use crate::light::Preetham;
@@ -23,23 +25,24 @@ pub enum MissingTextureArg {
     Magenta,
 }
 
-/// How to tell how far a render is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// How to report the progress of a render.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ProgressStyle {
     /// A bar on a terminal, else plain lines.
+    #[default]
     Auto,
     /// A bar.
     Bar,
-    /// A line each ten seconds.
+    /// A line every ten seconds.
     Plain,
-    /// A JSON object a second.
+    /// A JSON object every second.
     Json,
     /// Not at all.
     None,
 }
 
-/// `--rr-depth`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The segment from which Russian roulette may end a path; `None`: it never does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RouletteDepth(pub Option<u32>);
 
 impl FromStr for RouletteDepth {
@@ -54,9 +57,47 @@ impl FromStr for RouletteDepth {
     }
 }
 
-/// By [`FromStr`], with the error as text.
-pub(super) fn parsed<T: FromStr<Err: std::fmt::Display>>(text: &str) -> Result<T, String> {
+/// What [`FromStr`] reads, with the error as text.
+pub(super) fn from_str<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
     text.parse().map_err(|error: T::Err| error.to_string())
+}
+
+/// Values between commas.
+pub(super) fn list<T: FromStr<Err: Display>>(text: &str) -> Result<Vec<T>, String> {
+    text.split(',').map(from_str).collect()
+}
+
+/// One of the values that a help lists.
+pub(super) fn choice<T: ValueEnum>(text: &str) -> Result<T, String> {
+    T::from_str(text, false)
+}
+
+/// The values that a help lists.
+pub(super) fn choices<T: ValueEnum>() -> Vec<PossibleValue> {
+    T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect()
+}
+
+/// A name, or a number that stands for one.
+pub(super) fn name(text: &str) -> Result<String, String> {
+    Ok(text.to_owned())
+}
+
+/// Whether a switch is on.
+pub(super) fn switch(text: &str) -> Result<bool, String> {
+    text.parse().map_err(|_| "is either given or not: true or false".to_owned())
+}
+
+/// A whole number within a range.
+pub(super) fn whole<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
+where
+    T: FromStr<Err: Display> + PartialOrd + Display,
+{
+    let value: T = from_str(text)?;
+    if range.contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not in {}..={}", range.start(), range.end()))
+    }
 }
 
 /// A number, neither infinite nor NaN.
@@ -109,7 +150,7 @@ pub(super) fn field_of_view(text: &str) -> Result<f32, String> {
     if degrees < 180.0 { Ok(degrees) } else { Err("must be below 180 degrees".to_owned()) }
 }
 
-/// A number of threads; 0: one a core.
+/// A number of threads; 0: one per core.
 pub fn threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().map_err(|_| "not a number of threads".to_owned())?;
     if threads <= 4096 { Ok(threads) } else { Err("4096 threads at most".to_owned()) }

@@ -2,15 +2,18 @@
 
 use std::fmt::Write;
 
-use super::super::table::figure;
-use super::{Report, bits, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light};
+use super::report::{
+    Report, bits, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light,
+};
 use crate::camera::Projection;
+use crate::cli::text::format_figure;
 
 /// Lists are cut after so many lines.
 const MOST_LINES: usize = 40;
 
 impl Report<'_> {
-    pub(super) fn in_words(&self) -> String {
+    /// The report as text.
+    pub fn to_text(&self) -> String {
         let (scene, survey) = (self.scene, self.survey);
         let mut text = format!("{}\n", self.file);
         let mut line = |name: &str, value: String| {
@@ -28,7 +31,7 @@ impl Report<'_> {
             ),
         );
         if !self.bounds.is_empty() {
-            let [x, y, z] = self.bounds.extent().to_array().map(|side| figure(side.into()));
+            let [x, y, z] = self.bounds.extent().to_array().map(|side| format_figure(side.into()));
             line("size", format!("{x} x {y} x {z} m"));
         }
         line(
@@ -44,7 +47,7 @@ impl Report<'_> {
             line("emitters", format!("{} triangles", survey.emitting_triangles));
         }
         if let Some(environment) = &scene.environment {
-            let [r, g, b] = environment.mean().to_array().map(|x| figure(x.into()));
+            let [r, g, b] = environment.mean().to_array().map(|x| format_figure(x.into()));
             let kind = if environment.is_constant() { "even" } else { "an image" };
             let sun = if environment.sun().is_some() { ", with a sun" } else { "" };
             line("around", format!("{kind}{sun}, {r} {g} {b} in the mean"));
@@ -70,10 +73,10 @@ impl Report<'_> {
         let cameras = self.scene.cameras.iter().enumerate().map(|(number, named)| {
             let size = match named.camera.projection {
                 Projection::Perspective { yfov } => {
-                    format!("{} degrees high", figure(yfov.to_degrees().into()))
+                    format!("{} degrees high", format_figure(yfov.to_degrees().into()))
                 }
                 Projection::Orthographic { ymag, .. } => {
-                    format!("{} m high", figure((2.0 * ymag).into()))
+                    format!("{} m high", format_figure((2.0 * ymag).into()))
                 }
                 Projection::Panorama => "all around".to_owned(),
             };
@@ -82,7 +85,7 @@ impl Report<'_> {
         });
         list(text, "cameras", &cameras.collect::<Vec<_>>());
         let lights = self.scene.lights.iter().enumerate().map(|(number, light)| {
-            let [r, g, b] = light.intensity.to_array().map(|x| figure(x.into()));
+            let [r, g, b] = light.intensity.to_array().map(|x| format_figure(x.into()));
             let (kind, unit) = (kind_of_light(light), unit_of_light(light));
             format!("{number}: {kind}, {r} {g} {b} {unit}")
         });

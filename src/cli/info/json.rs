@@ -2,11 +2,14 @@
 
 use serde_json::{Value, json};
 
-use super::{Report, bits, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light};
+use super::report::{
+    Report, bits, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light,
+};
 use crate::camera::Projection;
 
 impl Report<'_> {
-    pub(super) fn as_json(&self) -> String {
+    /// The report as a JSON object.
+    pub fn to_json(&self) -> String {
         let (scene, survey) = (self.scene, self.survey);
         let bounds = (!self.bounds.is_empty()).then(
             || json!({ "min": self.bounds.min.to_array(), "max": self.bounds.max.to_array() }),

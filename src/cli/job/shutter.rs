@@ -5,9 +5,7 @@
 //! the order of their reversed bits: the first few are spread over all of the time, and a picture
 //! that is interrupted after them is blurred throughout.
 
-use super::CliError;
-use super::args::RenderArgs;
-use super::prepare::{self, Job, prepare};
+use crate::cli::settings::RenderArgs;
 
 /// How many moments there are if no one says.
 const MOMENTS: u32 = 32;
@@ -21,7 +19,7 @@ pub struct Shutter {
 }
 
 impl Shutter {
-    /// The shutter that the flags ask for.
+    /// The shutter that the settings ask for.
     pub fn new(args: &RenderArgs) -> Self {
         let spp = args.spp;
         let (Some(opens), Some(open)) = (args.time, args.shutter) else {
@@ -39,6 +37,11 @@ impl Shutter {
         self.times.len()
     }
 
+    /// The time of a moment; none: the scene is as it is.
+    pub fn time(&self, moment: usize) -> Option<f32> {
+        self.times[moment]
+    }
+
     /// The sample of each pixel at which a moment ends, exclusively.
     pub fn end(&self, moment: usize) -> u64 {
         self.spp * (moment as u64 + 1) / self.times.len() as u64
@@ -49,39 +52,17 @@ impl Shutter {
         let last = self.times.len() - 1;
         (0..last).find(|&moment| sample < self.end(moment)).unwrap_or(last)
     }
-
-    /// The scene at the first moment, and all that is worked out there.
-    ///
-    /// # Errors
-    /// As [`prepare`].
-    pub fn first(&self, args: &RenderArgs) -> Result<Job, CliError> {
-        prepare(&RenderArgs { time: self.times[0], ..args.clone() })
-    }
-
-    /// The scene at a later moment; none for the first, which is there.
-    ///
-    /// # Errors
-    /// As [`prepare::moment`](super::prepare::moment).
-    pub fn later(
-        &self,
-        args: &RenderArgs,
-        first: &Job,
-        moment: usize,
-    ) -> Result<Option<Job>, CliError> {
-        let at =
-            || prepare::moment(&RenderArgs { time: self.times[moment], ..args.clone() }, first);
-        (moment > 0).then(at).transpose()
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::settings::resolve_words;
 
     fn shutter(words: &str) -> Shutter {
         let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-        let args = super::super::render::parse(std::path::Path::new("a.gltf"), &words);
-        Shutter::new(&args.expect("good words"))
+        let request = resolve_words(std::path::Path::new("a.gltf"), &words);
+        Shutter::new(&request.expect("good words").args)
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! From what pixels hold to the layers of a picture.
+//! AOVs: from the sums of pixels to the layers of a picture.
 
 use super::settings::{Aov, Settings};
 use super::tile::{Means, PixelSums, Tile};
@@ -49,8 +49,8 @@ fn channels(settings: &Settings) -> Vec<Channel> {
     channels
 }
 
-/// The layers of what has been sampled.
-pub(super) fn picture(tiles: &[Tile], settings: &Settings) -> Picture {
+/// Assembles the picture of what has been sampled.
+pub(super) fn assemble_picture(tiles: &[Tile], settings: &Settings) -> Picture {
     let frame = Window::of_size(settings.resolution.0 as usize, settings.resolution.1 as usize);
     let crop = settings.crop;
     let channels = channels(settings);

@@ -6,11 +6,9 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::args::RenderArgs;
-use super::prepare::Job;
-use super::shutter::Shutter;
-use super::{CliError, input, table};
-use crate::accel;
+use crate::cli::error::CliError;
+use crate::cli::job::Job;
+use crate::cli::text;
 use crate::files::memory;
 use crate::film::Window;
 use crate::render::{Control, Settings, film_bytes, render};
@@ -20,19 +18,19 @@ use crate::scene::Survey;
 const PATHS: u64 = 1 << 15;
 
 /// Builds the structure, follows a few paths, and tells.
-pub fn run(args: &RenderArgs, job: &Job) -> Result<ExitCode, CliError> {
-    input::on_threads(args.threads, || {
+pub fn run(job: &Job) -> Result<ExitCode, CliError> {
+    job.on_threads(|| {
         let start = Instant::now();
-        let accel = accel::build(&args.accel, job.world.triangles.clone(), args.isa)?;
+        let accel = job.build(&job.first.world)?;
         let build_s = start.elapsed().as_secs_f64();
-        let settings = sparse(&job.settings);
+        let settings = thin_out(&job.settings);
         let cancel = AtomicBool::new(false);
         let control = Control { cancel: &cancel, progress: &|_| {} };
-        let tried = render(&job.world, &job.camera, &*accel, &settings, &control);
+        let tried = render(&job.first.world, &job.first.camera, &*accel, &settings, &control);
         let path_s = tried.elapsed.as_secs_f64() / tried.paths.max(1) as f64;
         let paths = job.settings.crop.area() as u64 * job.settings.spp;
 
-        let survey = Survey::of(&job.world.scene);
+        let survey = Survey::of(&job.first.world.scene);
         let bytes = [
             ("meshes", survey.mesh_bytes),
             ("textures", survey.texture_bytes),
@@ -40,21 +38,20 @@ pub fn run(args: &RenderArgs, job: &Job) -> Result<ExitCode, CliError> {
             ("picture", film_bytes(&job.settings)),
         ];
         let estimate = Estimate {
-            args,
             job,
             bytes: &bytes,
             build_s,
             render_s: path_s * paths as f64,
             paths,
-            moments: Shutter::new(args).moments(),
+            moments: job.shutter.moments(),
         };
-        table::print(&if args.json { estimate.as_json() } else { estimate.in_words() })?;
+        text::print(&if job.args.json { estimate.to_json() } else { estimate.to_text() })?;
         Ok(ExitCode::SUCCESS)
     })?
 }
 
 /// The same frame with few and far pixels, a sample each.
-fn sparse(settings: &Settings) -> Settings {
+fn thin_out(settings: &Settings) -> Settings {
     let (width, height) = settings.resolution;
     let pixels = f64::from(width) * f64::from(height);
     let shrink = (PATHS as f64 / pixels).sqrt().min(1.0);
@@ -65,7 +62,6 @@ fn sparse(settings: &Settings) -> Settings {
 }
 
 struct Estimate<'a> {
-    args: &'a RenderArgs,
     job: &'a Job,
     bytes: &'a [(&'static str, u64)],
     build_s: f64,
@@ -79,7 +75,7 @@ impl Estimate<'_> {
         self.bytes.iter().map(|(_, bytes)| bytes).sum()
     }
 
-    fn in_words(&self) -> String {
+    fn to_text(&self) -> String {
         let mega = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
         let parts: Vec<String> =
             self.bytes.iter().map(|&(name, bytes)| format!("{name} {}", mega(bytes))).collect();
@@ -93,31 +89,31 @@ impl Estimate<'_> {
             "{}: {width}x{height}, {} samples a pixel, {:.1} M paths\n\
              memory  about {} of {:.0} MB ({})\n\
              time    load {:.2} s, build {:.2} s{each}, render about {} on {threads} thread{}\n",
-            self.args.scene_file().display(),
+            self.job.args.scene_file.display(),
             self.job.settings.spp,
             self.paths as f64 * 1e-6,
             mega(self.total()),
             memory::limit() as f64 * 1e-6,
             parts.join(", "),
-            self.job.elapsed.as_secs_f64(),
+            self.job.first.elapsed.as_secs_f64(),
             self.build_s,
-            duration(self.render_s),
+            format_duration(self.render_s),
             if threads == 1 { "" } else { "s" },
         )
     }
 
-    fn as_json(&self) -> String {
+    fn to_json(&self) -> String {
         let bytes: serde_json::Map<String, serde_json::Value> =
             self.bytes.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect();
         let json = json!({
-            "scene": self.args.scene_file(),
+            "scene": self.job.args.scene_file,
             "resolution": [self.job.settings.resolution.0, self.job.settings.resolution.1],
             "spp": self.job.settings.spp,
             "paths": self.paths,
             "bytes": bytes,
             "bytes_total": self.total(),
             "bytes_limit": memory::limit(),
-            "load_s": self.job.elapsed.as_secs_f64(),
+            "load_s": self.job.first.elapsed.as_secs_f64(),
             "build_s": self.build_s,
             "moments": self.moments,
             "render_s": self.render_s,
@@ -128,7 +124,7 @@ impl Estimate<'_> {
 }
 
 /// With two digits, in the unit that one would say.
-fn duration(seconds: f64) -> String {
+fn format_duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{s:.1} s"),
         s if s < 5400.0 => format!("{:.0} min", s / 60.0),
@@ -142,7 +138,7 @@ mod tests {
 
     #[test]
     fn times_are_said_in_their_unit() {
-        let said = [2.34, 120.0, 7200.0].map(duration);
+        let said = [2.34, 120.0, 7200.0].map(format_duration);
         assert_eq!(said, ["2.3 s", "2 min", "2.0 h"]);
     }
 }

@@ -17,8 +17,8 @@ pub fn print(text: &str) -> Result<(), FilmError> {
     }
 }
 
-/// A figure with six significant digits, in scientific notation where it is very small or large.
-pub fn figure(value: f64) -> String {
+/// Formats a figure with six significant digits, in scientific notation where it is very small or large.
+pub fn format_figure(value: f64) -> String {
     if !value.is_finite() {
         return value.to_string();
     }
@@ -36,8 +36,8 @@ pub fn figure(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Rows of columns, the first row the heading, all but the first column to the right.
-pub fn columns(rows: &[Vec<String>]) -> String {
+/// Lays out rows in columns, the first row the heading, all but the first column to the right.
+pub fn align_columns(rows: &[Vec<String>]) -> String {
     let count = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max()
@@ -62,15 +62,15 @@ mod tests {
     fn figures_are_short() {
         let figures = [0.0, 1.0, 0.123456789, 123.456789, 1234567.0, 0.00001234, -2.5, f64::NAN];
         let text = ["0", "1", "0.123457", "123.457", "1.2346e6", "1.2340e-5", "-2.5", "NaN"];
-        assert_eq!(figures.map(figure), text);
-        assert_eq!(figure(100.0), "100");
-        assert_eq!(figure(100_000.0), "100000");
+        assert_eq!(figures.map(format_figure), text);
+        assert_eq!(format_figure(100.0), "100");
+        assert_eq!(format_figure(100_000.0), "100000");
     }
 
     #[test]
     fn columns_line_up() {
         let rows = [vec!["a", "long"], vec!["name", "1"]];
         let rows = rows.map(|row| row.into_iter().map(str::to_owned).collect());
-        assert_eq!(columns(&rows), "a     long\nname     1\n");
+        assert_eq!(align_columns(&rows), "a     long\nname     1\n");
     }
 }
