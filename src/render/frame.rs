@@ -77,8 +77,9 @@ pub struct Rendered {
 /// Renders a picture, on the threads of the current rayon pool.
 ///
 /// The result is a function of the world, the camera and the settings: neither `accel` nor the
-/// number of threads changes a bit of it, but for the layer `cost`. All pixels take 16 samples, then
-/// all of them 16 more, then 32, 64 and so on, so that a cancelled picture is whole, if noisier.
+/// number of threads changes a bit of it, but for the layer `cost`. All pixels take 16 samples,
+/// then all of them 16 more, then 32, 64 and so on, so that a cancelled picture is whole, if
+/// noisier.
 pub fn render(
     world: &World,
     camera: &Camera,

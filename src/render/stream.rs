@@ -78,7 +78,8 @@ struct ShadowEnd {
 }
 
 impl<'w> Stream<'w> {
-    /// A worker's stream; structures that gain by it are narrowed to the region that the camera sees.
+    /// A worker's stream; structures that gain by it are narrowed to the region that the camera
+    /// sees.
     pub fn new(integrator: PathTracer<'w>, accel: &'w dyn Accel, region: Option<&Shaft>) -> Self {
         let mut tracer = accel.tracer();
         if let (Some(mut regions), Some(region)) = (tracer.regions(), region) {
