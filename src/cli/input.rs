@@ -11,7 +11,7 @@ use crate::formats::{self, LoadOptions, MissingTexture, npy};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::Vec3;
 use crate::scene::Triangles;
-use crate::scene::defaults::nothing_to_see;
+use crate::scene::defaults::describe_empty_scene;
 
 /// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order. What
 /// there is to say of the scene is said, unless it is to be quiet.
@@ -25,7 +25,7 @@ pub fn load_triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSourc
     let scene = formats::load(path, &options)?;
     let file = path.display().to_string();
     if !quiet.quiet {
-        scene.notices.iter().chain(&nothing_to_see(&scene, &file)).for_each(progress::note);
+        scene.notices.iter().chain(&describe_empty_scene(&scene, &file)).for_each(progress::note);
     }
     let triangles = Triangles::new(&scene).map_err(|error| BuildError::TooManyTriangles {
         count: usize::try_from(error.count).unwrap_or(usize::MAX),

@@ -17,7 +17,7 @@ pub mod toml;
 mod triangulate;
 mod uri;
 
-pub use choice::chosen;
+pub use choice::find_by_name_or_number;
 pub use environment::{EnvironmentImage, EnvironmentSource};
 pub use error::{Broken, LoadError};
 pub use load::load;

@@ -35,6 +35,13 @@ pub struct Transport {
     pub transparent: bool,
 }
 
+impl Default for Transport {
+    /// 20 segments, roulette from the fifth on, and all that the camera sees.
+    fn default() -> Self {
+        Self { max_depth: 20, roulette_depth: Some(5), transparent: false }
+    }
+}
+
 /// A path under way; its current ray is kept beside it, in a slice for the tracer.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
@@ -172,7 +179,7 @@ impl<'w> PathTracer<'w> {
         }
         let surface = world.surface(ray, hit);
         self.absorb(path, &surface, hit.t);
-        if let Some(radiance) = world.emitted(&surface) {
+        if let Some(radiance) = world.emitted_radiance(&surface) {
             let asked = || world.emitter_pdf(&surface, &path.vantage, ray.direction(), hit.t);
             let weight =
                 if path.pdf == f32::INFINITY { 1.0 } else { power_heuristic(path.pdf, asked()) };

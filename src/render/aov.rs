@@ -27,10 +27,10 @@ fn channels(settings: &Settings) -> Vec<Channel> {
     vector("", "RGB", |means| means.radiance);
     for aov in &settings.aovs {
         match aov {
-            Aov::Albedo => vector(aov.id(), "RGB", |means| means.albedo),
-            Aov::Normal => vector(aov.id(), "XYZ", |means| means.normal),
-            Aov::Position => vector(aov.id(), "XYZ", |means| means.position),
-            Aov::Variance => vector(aov.id(), "RGB", |means| means.variance),
+            Aov::Albedo => vector(aov.name(), "RGB", |means| means.albedo),
+            Aov::Normal => vector(aov.name(), "XYZ", |means| means.normal),
+            Aov::Position => vector(aov.name(), "XYZ", |means| means.position),
+            Aov::Variance => vector(aov.name(), "RGB", |means| means.variance),
             Aov::Depth | Aov::Samples | Aov::Cost => {}
         }
     }
@@ -41,7 +41,7 @@ fn channels(settings: &Settings) -> Vec<Channel> {
             Aov::Cost => ("Y", |means| means.cost as f32),
             _ => continue,
         };
-        channels.push((format!("{}.{suffix}", aov.id()), Box::new(of)));
+        channels.push((format!("{}.{suffix}", aov.name()), Box::new(of)));
     }
     let transparent = settings.transport.transparent;
     let alpha = move |means: &Means| if transparent { means.alpha as f32 } else { 1.0 };

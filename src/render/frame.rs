@@ -9,7 +9,7 @@ use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
 use super::tile::{LostSample, SIDE, Tile, first_lost};
 use crate::accel::Accel;
-use crate::camera::{Camera, CameraRays};
+use crate::camera::Camera;
 use crate::film::{Picture, Window};
 use crate::integrator::PathTracer;
 use crate::sampling::BLOCK;
@@ -22,6 +22,14 @@ pub struct Control<'a> {
     pub cancel: &'a AtomicBool,
     /// Called from a thread of its own, some ten times a second and once at the end.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl Default for Control<'static> {
+    /// Nothing is told, and nothing ends the render early.
+    fn default() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { cancel: &NEVER, progress: &|_| {} }
+    }
 }
 
 /// How far a render is.
@@ -124,14 +132,13 @@ impl<'a> FilmAccumulator<'a> {
         let first = tiles.first().map_or(end, |tile| lock(tile).next);
         let passes = pass_ends(first, end);
         let camera = camera.rays(settings.aspect());
-        let view = narrow_to_view(accel, &camera);
-        let accel = view.as_deref().unwrap_or(accel);
+        let region = camera.region();
         let next_job = AtomicUsize::new(0);
         let rays = Mutex::new(RayCounts::default());
 
         let work = || {
             let integrator = PathTracer::new(world, settings.transport);
-            let mut stream = Stream::new(integrator, accel);
+            let mut stream = Stream::new(integrator, accel, region.as_ref());
             loop {
                 let job = next_job.fetch_add(1, Ordering::Relaxed);
                 let Some(&end) = passes.get(job / tiles.len()) else { break };
@@ -182,12 +189,6 @@ impl<'a> FilmAccumulator<'a> {
             lost: first_lost(tiles.iter()),
         }
     }
-}
-
-/// Narrows the structure to what a camera sees, once for all threads; `None` if it, or the camera,
-/// gains nothing by that.
-fn narrow_to_view<'a>(accel: &'a dyn Accel, camera: &CameraRays) -> Option<Box<dyn Accel + 'a>> {
-    camera.region().and_then(|region| accel.view(&region))
 }
 
 /// A panic elsewhere ends the render anyway; it need not be reported twice.
@@ -264,7 +265,7 @@ mod tests {
         let narrows = |id: &str, camera: Camera| {
             let spec = id.parse().expect("known");
             let accel = build(&spec, Arc::clone(&source), Isa::Auto).expect("it builds");
-            narrow_to_view(&*accel, &camera.rays(1.0)).is_some()
+            camera.rays(1.0).region().is_some() && accel.tracer().regions().is_some()
         };
         assert!(narrows("bvh-path-compression", camera) && narrows("kd-entry-point", camera));
         assert!(!narrows("bvh2", camera));

@@ -1,12 +1,10 @@
 //! What a picture is a function of, beside its scene and camera.
 
-use std::fmt;
-use std::str::FromStr;
-
 use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
 use crate::integrator::{Path, Transport};
 use crate::math::{Ray, Vec2};
+use crate::names::choices;
 use crate::sampling::SamplePattern;
 
 /// A layer of the picture beside its colours.
@@ -28,47 +26,15 @@ pub enum Aov {
     Cost,
 }
 
-impl Aov {
-    /// All, in the order of the help.
-    pub const ALL: [Self; 7] = [
-        Self::Albedo,
-        Self::Normal,
-        Self::Position,
-        Self::Depth,
-        Self::Variance,
-        Self::Samples,
-        Self::Cost,
-    ];
-
-    /// The layer's name.
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::Position => "position",
-            Self::Depth => "depth",
-            Self::Variance => "variance",
-            Self::Samples => "samples",
-            Self::Cost => "cost",
-        }
-    }
-}
-
-impl fmt::Display for Aov {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.id())
-    }
-}
-
-impl FromStr for Aov {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|aov| aov.id() == text).ok_or_else(|| {
-            format!("unknown layer '{text}', have {}", Self::ALL.map(Self::id).join(", "))
-        })
-    }
-}
+choices!(Aov, "layer", [
+    Albedo => "albedo",
+    Normal => "normal",
+    Position => "position",
+    Depth => "depth",
+    Variance => "variance",
+    Samples => "samples",
+    Cost => "cost",
+]);
 
 /// How to render.
 #[derive(Clone, Debug)]
@@ -92,6 +58,29 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// 64 samples a pixel of a frame of that many pixels, and whatever else `dapple render` takes
+    /// where nothing is said.
+    ///
+    /// # Examples
+    /// ```
+    /// use dapple::Settings;
+    ///
+    /// let quick = Settings { spp: 4, ..Settings::new(320, 180) };
+    /// assert_eq!(quick.crop.area(), 320 * 180);
+    /// ```
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            resolution: (width, height),
+            crop: Window::of_size(width as usize, height as usize),
+            spp: 64,
+            seed: 0,
+            pattern: SamplePattern::default(),
+            filter: PixelFilter::BlackmanHarris,
+            transport: Transport::default(),
+            aovs: Aov::ALL.to_vec(),
+        }
+    }
+
     /// Width over height of the whole frame.
     pub fn aspect(&self) -> f32 {
         self.resolution.0 as f32 / self.resolution.1 as f32

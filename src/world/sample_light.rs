@@ -23,7 +23,8 @@ pub struct LightSample {
 
 impl World {
     /// Chooses a light and a direction to it, from a `surface` that is asked about as `vantage`
-    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from there.
+    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from
+    /// there.
     #[inline(always)]
     pub fn sample_light(
         &self,
@@ -61,7 +62,7 @@ impl World {
 
     /// What a `surface` sends back along a ray that hit it; `None` where it does not emit.
     #[inline]
-    pub fn emitted(&self, surface: &Surface) -> Option<Vec3> {
+    pub fn emitted_radiance(&self, surface: &Surface) -> Option<Vec3> {
         let material = self.material(surface.material);
         if material.unlit {
             // Found by following paths alone: it is no light, but looks its colour from everywhere.

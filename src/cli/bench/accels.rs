@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::options::MachineArgs;
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use crate::bench::structures::{self, Settings};
+use crate::bench::structures::{self, AccelsBenchSettings};
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
 use crate::cli::{input, text};
@@ -63,7 +63,7 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     let source = scene.with_file(|path| input::load_triangles(path, quiet))?;
     // Its own flight leads through a scene that was made.
     let pose = args.file.is_none().then(|| Generator::Kitchen.flight(KITCHEN, 0)[0]);
-    let settings = Settings {
+    let settings = AccelsBenchSettings {
         rays: args.rays as usize,
         rounds: args.rounds,
         memory: args.machine.memory_limit(),

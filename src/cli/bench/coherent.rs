@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::options::{MachineArgs, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use crate::bench::coherent::{self, Settings, paper};
+use crate::bench::fly_through::{self, FlyThroughBenchSettings, paper};
 use crate::camera::flight::{self, Pose};
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
@@ -88,7 +88,7 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
     memory::require(&format!("pictures of {width}x{height}"), ray_bytes(rays, 4))?;
     args.output.probe()?;
     let isa = args.machine.isa()?;
-    let settings = Settings {
+    let settings = FlyThroughBenchSettings {
         resolution: args.resolution,
         frames: args.frames,
         rounds: args.rounds,
@@ -100,15 +100,15 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
     let measured = input::run_on_threads(1, || {
         let measure = |load: Box<dyn Fn() -> Result<Loaded, CliError>>| {
             let (name, source, flight) = load()?;
-            Ok::<_, CliError>(coherent::measure(&name, &source, &flight, &settings, &tell)?)
+            Ok::<_, CliError>(fly_through::measure(&name, &source, &flight, &settings, &tell)?)
         };
         scenes(args).into_iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let results = Results {
         name: "coherent",
-        tables: coherent::tables(&measured, &settings),
-        json: coherent::json(&measured, &settings),
-        plots: coherent::plots(&measured),
+        tables: fly_through::tables(&measured, &settings),
+        json: fly_through::json(&measured, &settings),
+        plots: fly_through::plots(&measured),
     };
     results.publish(&args.output)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::options::{MachineArgs, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::scenes;
-use crate::bench::mbvh::{self, Settings};
+use crate::bench::mbvh::{self, MbvhBenchSettings};
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
 use crate::cli::{input, memory};
@@ -61,7 +61,7 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
     memory::require(&format!("{} rays", args.rays), ray_bytes(args.rays, 2))?;
     args.output.probe()?;
     let isa = args.machine.isa()?;
-    let settings = Settings {
+    let settings = MbvhBenchSettings {
         rays: args.rays as usize,
         rounds: args.rounds,
         build: args.build,

@@ -112,7 +112,7 @@ fn measure(
     let tell = |what: &str| args.quiet.tell(&format!("{}: {what}", scene.name()));
     tell("loading");
     // The time of a sample is the one layer that differs from run to run.
-    let layers = Aov::ALL.into_iter().filter(|&aov| aov != Aov::Cost).map(Aov::id);
+    let layers = Aov::ALL.into_iter().filter(|&aov| aov != Aov::Cost).map(Aov::name);
     let layers = layers.collect::<Vec<_>>().join(",");
     let (spp, depth) = (args.spp.to_string(), DEPTH.to_string());
     let words = [

@@ -52,7 +52,7 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode, CliError> {
     };
     let scene = formats::load(&args.scene_file, &options)?;
     let survey = Survey::of(&scene);
-    let faults = survey.faults(&scene);
+    let faults = survey.find_faults(&scene);
     let file = args.scene_file.display().to_string();
     let report =
         Report { file: &file, bounds: bounds(&scene), scene: &scene, survey: &survey, faults };

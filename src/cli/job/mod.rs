@@ -21,7 +21,7 @@ use crate::film::Window;
 use crate::integrator::Transport;
 use crate::render::Settings;
 use crate::scene::Notice;
-use crate::scene::defaults::{automatic_sky, neutral_sky, nothing_to_see};
+use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
 use crate::world::World;
 pub use shutter::Shutter;
 
@@ -70,7 +70,7 @@ impl Job {
             scene.environment = Some(sky);
             notices.push(notice);
         }
-        notices.extend(nothing_to_see(&scene, &file));
+        notices.extend(describe_empty_scene(&scene, &file));
         let (camera, aspect) = view::choose(&scene, &args, &mut notices)?;
         let settings = settings(&args, aspect)?;
         args.resolution = Some(settings.resolution);

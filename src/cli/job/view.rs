@@ -111,7 +111,7 @@ pub fn find_camera<'s>(
     wanted: &str,
 ) -> Result<&'s NamedCamera, LoadError> {
     let names = || scene.cameras.iter().map(|camera| camera.name.as_str());
-    let number = formats::chosen(names(), wanted)
+    let number = formats::find_by_name_or_number(names(), wanted)
         .ok_or_else(|| LoadError::no_such(&args.scene_file, "camera", wanted, names()))?;
     Ok(&scene.cameras[number])
 }

@@ -13,7 +13,7 @@ use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
 use crate::simd::Isa;
-use crate::world::LightChoice;
+use crate::world::LightSamplerKind;
 
 /// What `dapple render` is asked for: a field for each entry of the table of settings, which tells
 /// what it means.
@@ -38,7 +38,7 @@ pub struct RenderArgs {
     pub max_depth: u32,
     pub rr_depth: RouletteDepth,
     pub bsdf: BsdfForm,
-    pub lights: LightChoice,
+    pub lights: LightSamplerKind,
     pub env: Option<EnvironmentSource>,
     pub sky: Option<f32>,
     pub sun_elevation: Option<f32>,
@@ -95,12 +95,5 @@ impl RenderArgs {
             ground_albedo: self.ground_albedo.unwrap_or(default.ground_albedo),
             sun_diameter: (diameter > 0.0).then_some(diameter),
         })
-    }
-}
-
-impl Default for AccelSpec {
-    /// The structure that suits most scenes.
-    fn default() -> Self {
-        "auto".parse().expect("it is in the table of structures")
     }
 }

@@ -101,7 +101,7 @@ fn normal(geometry: &Geometry, corner: &Corner) -> Option<Vec3> {
 mod tests {
     use std::path::Path;
 
-    use super::super::geometry::parse;
+    use super::super::parse::parse;
     use super::super::remarks::Remarks;
     use super::*;
 

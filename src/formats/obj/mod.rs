@@ -19,27 +19,29 @@
 
 mod geometry;
 mod layers;
+mod libraries;
 mod lines;
 mod maps;
 mod material;
 mod mesh;
 mod mtl;
+mod parse;
+mod paths;
 mod remarks;
 mod smoothing;
 mod texture_statement;
 
-use std::collections::{HashMap, HashSet};
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use geometry::Geometry;
+use libraries::Libraries;
 use maps::Maps;
-use mtl::MtlMaterial;
 use remarks::Remarks;
 
 use super::{LoadError, LoadOptions, read_file};
 use crate::math::{Affine3A, MaterialId, MeshId, Vec4};
-use crate::scene::{Instance, Material, Notice, Scene, Transform};
+use crate::scene::{Instance, Material, Scene, Transform};
 
 /// Loads an OBJ file, its material libraries and their textures.
 ///
@@ -48,7 +50,7 @@ use crate::scene::{Instance, Material, Notice, Scene, Transform};
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     options.refuse_choices(path)?;
     let mut remarks = Remarks::new(path);
-    let geometry = geometry::parse(&read_file(path)?, path, &mut remarks)?;
+    let geometry = parse::parse(&read_file(path)?, path, &mut remarks)?;
     let folder = path.parent().unwrap_or(Path::new(""));
 
     let mut libraries = Libraries::new(path, folder);
@@ -121,99 +123,13 @@ fn grey_id(scene: &mut Scene) -> MaterialId {
     }))
 }
 
-/// All materials of the libraries read so far.
-struct Libraries<'a> {
-    scene: &'a Path,
-    folder: &'a Path,
-    read: HashSet<PathBuf>,
-    /// By name, with the file that they stand in.
-    materials: HashMap<String, (PathBuf, MtlMaterial)>,
-    notices: Vec<Notice>,
-}
-
-impl<'a> Libraries<'a> {
-    fn new(scene: &'a Path, folder: &'a Path) -> Self {
-        let (materials, notices) = (HashMap::new(), Vec::new());
-        Self { scene, folder, read: HashSet::new(), materials, notices }
-    }
-
-    /// Loads what a `mtllib` statement names: one file whose name may hold spaces, or several.
-    fn load(&mut self, names: &str, line: usize, remarks: &mut Remarks) -> Result<(), LoadError> {
-        let whole = lines::unquoted(names);
-        let names = match confined(self.folder, whole) {
-            Some(path) if path.is_file() => vec![whole.to_owned()],
-            _ => lines::names(names),
-        };
-        for name in names {
-            let problem = match confined(self.folder, &name) {
-                Some(path) if path.is_file() => {
-                    self.read(&path)?;
-                    continue;
-                }
-                Some(_) => "is missing",
-                None => "is not read: it leaves the scene's folder",
-            };
-            let instead = self.load_namesake()?;
-            remarks.add(line, format!("material library {name:?} {problem}{instead}"));
-        }
-        Ok(())
-    }
-
-    /// Loads the library that is called like the scene, as a last resort; says so, if it is there.
-    fn load_namesake(&mut self) -> Result<String, LoadError> {
-        let path = self.scene.with_extension("mtl");
-        if !path.is_file() {
-            return Ok(String::new());
-        }
-        self.read(&path)?;
-        Ok(format!("; {} is used instead", path.display()))
-    }
-
-    fn read(&mut self, path: &Path) -> Result<(), LoadError> {
-        if !self.read.insert(path.to_path_buf()) {
-            return Ok(());
-        }
-        let mut remarks = Remarks::new(path);
-        for material in mtl::parse(&read_file(path)?, path, &mut remarks)? {
-            if self.materials.contains_key(&material.name) {
-                let name = &material.name;
-                remarks.add(material.line, format!("material {name:?} again: the first counts"));
-                continue;
-            }
-            self.materials.insert(material.name.clone(), (path.to_path_buf(), material));
-        }
-        self.notices.append(&mut remarks.finish());
-        Ok(())
-    }
-}
-
-/// The path of a file that the scene refers to, by either kind of slash, or none if it would leave
-/// the scene's folder.
-fn confined(folder: &Path, name: &str) -> Option<PathBuf> {
-    let name = name.replace('\\', "/");
-    // On Unix `C:` would be a folder like any other.
-    if name.is_empty() || name.as_bytes().get(1) == Some(&b':') {
-        return None;
-    }
-    let mut inside = PathBuf::new();
-    for component in Path::new(&name).components() {
-        match component {
-            Component::Normal(part) => inside.push(part),
-            Component::CurDir => {}
-            Component::ParentDir if inside.pop() => {}
-            _ => return None,
-        }
-    }
-    Some(folder.join(inside))
-}
-
 /// Reads the text of an OBJ file alone, without the files that it refers to: what a fuzzer calls.
 ///
 /// # Errors
 /// As [`load`].
 pub fn check_obj(bytes: &[u8]) -> Result<(), LoadError> {
     let path = Path::new("fuzz.obj");
-    let geometry = geometry::parse(bytes, path, &mut Remarks::new(path))?;
+    let geometry = parse::parse(bytes, path, &mut Remarks::new(path))?;
     let built = mesh::build(&geometry);
     built.map(drop).map_err(|intricate| LoadError::invalid(path, "", intricate.to_string()))
 }
@@ -230,20 +146,4 @@ pub fn check_mtl(bytes: &[u8]) -> Result<(), LoadError> {
         material::convert(&parsed, path, &mut maps, &mut remarks);
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn references_stay_in_the_folder() {
-        let folder = Path::new("scenes");
-        let inside = |name| confined(folder, name);
-        assert_eq!(inside(".\\maps\\a b.png"), Some("scenes/maps/a b.png".into()));
-        assert_eq!(inside("maps/../a.png"), Some("scenes/a.png".into()));
-        for outside in ["../a.png", "maps/../../a.png", "/etc/passwd", "C:\\a.png", "\\\\host\\a"] {
-            assert_eq!(inside(outside), None, "{outside}");
-        }
-    }
 }

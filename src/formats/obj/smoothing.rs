@@ -81,7 +81,7 @@ fn normal(points: impl ExactSizeIterator<Item = DVec3> + Clone) -> Option<DVec3>
 mod tests {
     use std::path::Path;
 
-    use super::super::geometry::parse;
+    use super::super::parse::parse;
     use super::super::remarks::Remarks;
     use super::*;
 

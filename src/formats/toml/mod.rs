@@ -1,15 +1,17 @@
 //! TOML scenes: glTF, OBJ and PLY files placed together, with a camera, light and settings.
 //!
-//! | table | keys |
-//! |---|---|
-//! | `[[place]]` | `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion), `scale`, or a `matrix` by columns; `scene`, `variant`, `animation`, `time` (at which it then stands still under `--shutter`); `material."name"` |
-//! | `[material."name"]` | changes of materials of that name in all files, `"*"`: of all materials |
-//! | `[[camera]]` | `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name` |
-//! | `[environment]` | `file` or `color`; `scale`, `rotate` |
-//! | `[sky]` | `turbidity`, `sun-elevation` and `sun-azimuth` or `sun-direction`, `sun-diameter` (0: none), `ground-albedo`, `scale` |
-//! | `[sun]` | where it stands as in `[sky]`; `color`, `irradiance`, `diameter` |
-//! | `[[light]]` | `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and spot lights), `range`, `inner`, `outer` |
-//! | `[render]` | the flags of `dapple render` by their names; read by the command line |
+//! - `[[place]]`: `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion),
+//!   `scale`, or a `matrix` by columns; `scene`, `variant`, `animation`, `time` (at which it then
+//!   stands still under `--shutter`); `material."name"`.
+//! - `[material."name"]`: changes of materials of that name in all files; `"*"`: of all materials.
+//! - `[[camera]]`: `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name`.
+//! - `[environment]`: `file` or `color`; `scale`, `rotate`.
+//! - `[sky]`: `turbidity`, `sun-elevation` and `sun-azimuth` or `sun-direction`, `sun-diameter` (0:
+//!   none), `ground-albedo`, `scale`.
+//! - `[sun]`: where it stands as in `[sky]`; `color`, `irradiance`, `diameter`.
+//! - `[[light]]`: `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and spot
+//!   lights), `range`, `inner`, `outer`.
+//! - `[render]`: the flags of `dapple render` by their names; read by the command line.
 //!
 //! Angles are in degrees, lengths in metres, directions need not be of unit length. Paths are
 //! relative to the file and stay in its folder. A key that none of these is, is an error.
@@ -19,27 +21,24 @@ mod light;
 mod material;
 mod place;
 mod reader;
+mod root;
 mod settings;
 
 use std::path::Path;
-
-use toml::de::DeTable;
 
 use self::camera::CameraDeclaration;
 use self::light::Surroundings;
 use self::material::Overrides;
 use self::place::{Placement, Stage};
+use self::reader::Table;
 pub use self::reader::unknown_key;
-use self::reader::{Source, Table};
+use self::root::with_root;
 pub use self::settings::{Setting, SettingValue, settings, settings_of_text};
 use super::{LoadError, LoadOptions, read_file};
 use crate::light::{Environment, Punctual, Sun};
 use crate::math::Vec3;
 use crate::scene::defaults::bounds;
 use crate::scene::{NamedCamera, Scene};
-
-/// The longest file: it holds no geometry.
-const MAX_BYTES: usize = 16 << 20;
 
 /// Whether a file is a TOML scene, by its ending.
 pub fn is_toml(path: &Path) -> bool {
@@ -72,26 +71,6 @@ pub fn check(bytes: &[u8]) -> Result<(), LoadError> {
     let (path, folder) = (Path::new("fuzz.toml"), Path::new("/nowhere"));
     with_root(path, bytes, |root| Declarations::read(root, folder).map(drop))?;
     settings::read(path, folder, bytes).map(drop)
-}
-
-/// Parses the text and lends its outermost table.
-fn with_root<T>(
-    path: &Path,
-    bytes: &[u8],
-    read: impl for<'d> FnOnce(&Table<'d>) -> Result<T, LoadError>,
-) -> Result<T, LoadError> {
-    if bytes.len() > MAX_BYTES {
-        let message = format!("is larger than {} MiB, which no TOML scene is", MAX_BYTES >> 20);
-        return Err(LoadError::invalid(path, "", message));
-    }
-    let text = std::str::from_utf8(bytes)
-        .map_err(|_| LoadError::invalid(path, "", "is not text in UTF-8"))?;
-    let source = Source::new(path, text);
-    let parsed = DeTable::parse(text).map_err(|error| {
-        let at = error.span().map_or(0, |span| span.start);
-        source.fault(at, error.message())
-    })?;
-    read(&Table::new(&source, parsed.get_ref(), "", 0))
 }
 
 /// All that the text says.
@@ -151,7 +130,7 @@ impl<'d> Declarations<'d> {
             return Err(LoadError::References { file, broken });
         }
         let names = stage.material_names();
-        if let Some((name, line)) = self.overrides.unmatched(&names) {
+        if let Some((name, line)) = self.overrides.find_unmatched(&names) {
             let message = crate::formats::choice::absent("material", name, &names);
             return Err(LoadError::line(path, line, message));
         }

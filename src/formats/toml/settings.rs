@@ -4,7 +4,7 @@ use std::path::Path;
 
 use toml::de::{DeArray, DeValue};
 
-use super::with_root;
+use super::root::with_root;
 use crate::formats::{EnvironmentSource, LoadError, read_file, uri};
 
 /// A setting by the name of its flag.

@@ -1,7 +1,8 @@
 //! Outlines pushed along +Y: gears, nuts, beams, fins.
 
+use super::Shape;
+use super::detail::columns;
 use super::profile::Profile;
-use super::{Shape, columns};
 use crate::generate::tessellation::Tessellation;
 use crate::math::{DVec2, DVec3};
 

@@ -1,7 +1,8 @@
 //! Round parts, as from a lathe.
 
+use super::Shape;
+use super::detail::{arc, circle, columns};
 use super::profile::Profile;
-use super::{Shape, arc, circle, columns};
 use crate::generate::tessellation::Tessellation;
 use crate::math::DVec3;
 

@@ -1,6 +1,7 @@
 //! Rocks, shrubs, crowns of trees: what is round and not even.
 
-use super::{Shape, circle};
+use super::Shape;
+use super::detail::circle;
 use crate::generate::ground::octaves;
 use crate::generate::random::Random;
 use crate::generate::tessellation::Tessellation;

@@ -1,6 +1,7 @@
 //! The threads of screws.
 
-use super::{Shape, circle};
+use super::Shape;
+use super::detail::circle;
 use crate::generate::tessellation::Tessellation;
 use crate::math::DVec3;
 

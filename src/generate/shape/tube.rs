@@ -1,7 +1,8 @@
 //! Pipes, hoses, cables and springs.
 
+use super::Shape;
+use super::detail::{arc, circle, columns};
 use super::path::{Path, Station};
-use super::{Shape, arc, circle, columns};
 use crate::generate::tessellation::Tessellation;
 
 /// A round section along a curve, with flat ends.
