@@ -18,7 +18,7 @@ use super::interior::Interior;
 use super::passes::{Passes, passes};
 use super::weight::{power_heuristic, survival};
 use crate::accel::ClosestHit;
-use crate::light::Vantage;
+use crate::light::LightSampleContext;
 use crate::material::{Bsdf, BsdfSample, Wavelength};
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
@@ -42,7 +42,7 @@ pub struct Path {
     /// Square of the product of relative indices of refraction that it has passed.
     eta_squared: f32,
     /// Where the current ray began.
-    vantage: Vantage,
+    context: LightSampleContext,
     /// Density over solid angle with which the current ray's direction was chosen; infinite where
     /// no light could have been chosen instead.
     pdf: f32,
@@ -124,7 +124,7 @@ impl Path {
         Self {
             throughput: Vec3::ONE,
             eta_squared: 1.0,
-            vantage: Vantage { position: Vec3::ZERO, normal: Vec3::ZERO },
+            context: LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO },
             pdf: f32::INFINITY,
             interior: Interior::AIR,
             wavelength: None,
@@ -173,7 +173,7 @@ impl<'w> PathTracer<'w> {
         let surface = world.surface(ray, hit);
         self.absorb(path, &surface, hit.t);
         if let Some(radiance) = world.emitted_radiance(&surface) {
-            let asked = || world.emitter_pdf(&surface, &path.vantage, ray.direction(), hit.t);
+            let asked = || world.emitter_pdf(&surface, &path.context, ray.direction(), hit.t);
             let weight =
                 if path.pdf == f32::INFINITY { 1.0 } else { power_heuristic(path.pdf, asked()) };
             sample.radiance += path.throughput * radiance * weight;
@@ -203,11 +203,11 @@ impl<'w> PathTracer<'w> {
         let u_lobe = path.sampler.next_1d();
         let u_roulette = path.sampler.next_1d();
 
-        path.vantage = vantage(&surface, &bsdf);
+        path.context = context(&surface, &bsdf);
         let shadow = if bsdf.is_delta() || world.lights.is_dark() {
             None
         } else {
-            self.ask_light(path, &surface, &bsdf, wo)
+            self.sample_direct(path, &surface, &bsdf, wo)
         };
 
         let next = match bsdf.sample(wo, u_lobe, u_direction) {
@@ -365,7 +365,7 @@ impl<'w> PathTracer<'w> {
 
     /// Chooses a light, and what of it would reach the camera this way.
     #[inline(always)]
-    fn ask_light(
+    fn sample_direct(
         &self,
         path: &mut Path,
         surface: &Surface,
@@ -374,7 +374,7 @@ impl<'w> PathTracer<'w> {
     ) -> Option<ShadowRay> {
         let u = path.sampler.next_2d();
         let u_light = path.sampler.next_1d();
-        let light = self.world.sample_light(surface, &path.vantage, u_light, u)?;
+        let light = self.world.sample_light(surface, &path.context, u_light, u)?;
         let wi = surface.frame.to_local(light.direction);
         let passes = passes(surface, light.direction, wo, wi)?;
         let (scattered, pdf) = bsdf.eval(wo, wi);
@@ -393,13 +393,13 @@ impl<'w> PathTracer<'w> {
 
 /// From which side light is asked for: both where it may pass.
 #[inline(always)]
-fn vantage(surface: &Surface, bsdf: &Bsdf) -> Vantage {
+fn context(surface: &Surface, bsdf: &Bsdf) -> LightSampleContext {
     let normal = match (bsdf.transmits(), surface.front) {
         (true, _) => Vec3::ZERO,
         (false, true) => surface.normal,
         (false, false) => -surface.normal,
     };
-    Vantage { position: surface.position, normal }
+    LightSampleContext { position: surface.position, normal }
 }
 
 /// Metres from a ray's origin to its end.
