@@ -5,6 +5,8 @@ mod stage;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use dapple::Isa;
+use dapple::SamplePattern;
 use dapple::accel::{self, AccelSpec};
 use dapple::camera::Camera;
 use dapple::geom::Mesh;
@@ -12,9 +14,7 @@ use dapple::light::{Punctual, PunctualKind};
 use dapple::material::BsdfForm;
 use dapple::math::Vec3;
 use dapple::render::{Control, Rendered, Settings, render};
-use dapple::sampling::SamplePattern;
 use dapple::scene::{Material, Scene};
-use dapple::simd::Isa;
 use dapple::world::{LightChoice, World};
 use stage::{lambert, mean, rectangle, scene, settings, sphere};
 

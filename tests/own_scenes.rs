@@ -7,11 +7,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::build;
 use dapple::formats::{EnvironmentImage, LoadOptions, load, obj};
 use dapple::geom::TriangleSource;
 use dapple::scene::{AlphaMode, Triangles};
-use dapple::simd::Isa;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")

@@ -8,10 +8,12 @@ use std::time::Instant;
 use clap::Subcommand;
 use serde_json::json;
 
-use super::outputs::{self, Output};
-use super::progress::say;
-use super::{CliError, Quiet, table};
 use crate::camera::flight;
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::outputs::{self, Output};
+use crate::cli::progress::say;
+use crate::cli::text;
 use crate::files::{self, Flush};
 use crate::generate::{Generator, TRIANGLES};
 
@@ -184,7 +186,7 @@ fn generate(generator: Generator, triangles: u64, args: &SceneArgs) -> Result<Ex
             "seed": args.seed,
             "seconds": seconds,
         });
-        table::print(&format!("{summary}\n"))?;
+        text::print(&format!("{summary}\n"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

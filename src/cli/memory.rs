@@ -1,6 +1,6 @@
 //! Refuses what would need more memory than there is, before it is begun.
 
-use super::CliError;
+use crate::cli::error::CliError;
 use crate::files::memory::limit;
 
 /// Refuses what would need more than there is; `what` is for the message, as in `a frame of 8x8`.

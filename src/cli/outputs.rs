@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::CliError;
+use crate::cli::error::CliError;
 use crate::files;
 
 /// A file that a command is to write.
@@ -52,7 +52,7 @@ pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
             return Err(CliError::Usage(message));
         }
     }
-    all(outputs.iter().map(|output| {
+    try_all(outputs.iter().map(|output| {
         files::probe(output.path).map_err(|source| CliError::not_written(output.path, &source))
     }))
 }
@@ -61,7 +61,7 @@ pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
 ///
 /// # Errors
 /// Every error, if there are any.
-pub fn all(steps: impl IntoIterator<Item = Result<(), CliError>>) -> Result<(), CliError> {
+pub fn try_all(steps: impl IntoIterator<Item = Result<(), CliError>>) -> Result<(), CliError> {
     let mut errors: Vec<CliError> = steps.into_iter().filter_map(Result::err).collect();
     match errors.len() {
         0 => Ok(()),

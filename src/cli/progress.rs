@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 
-use super::values::ProgressStyle;
+use crate::cli::settings::parse::ProgressStyle;
 use crate::render::Progress;
 use crate::scene::Notice;
 
@@ -36,7 +36,7 @@ impl Reporter {
             ProgressStyle::Json => Form::Json(Mutex::new(Duration::ZERO)),
             ProgressStyle::Plain => Form::Lines(Mutex::new(LINE_EVERY)),
             ProgressStyle::Auto if !stderr().is_terminal() => Form::Lines(Mutex::new(LINE_EVERY)),
-            ProgressStyle::Auto | ProgressStyle::Bar => Form::Bar(bar()),
+            ProgressStyle::Auto | ProgressStyle::Bar => Form::Bar(make_bar()),
         };
         Self { form }
     }
@@ -48,17 +48,17 @@ impl Reporter {
             Form::Bar(bar) => {
                 bar.set_length(progress.total);
                 bar.set_position(progress.done);
-                bar.set_message(left(progress));
+                bar.set_message(format_left(progress));
             }
             Form::Lines(due) => {
                 if is_due(due, progress, LINE_EVERY) {
                     let percent = 100.0 * progress.done as f64 / progress.total.max(1) as f64;
-                    say(&format!("{percent:.1}%, {}", left(progress)));
+                    say(&format!("{percent:.1}%, {}", format_left(progress)));
                 }
             }
             Form::Json(due) => {
                 if is_due(due, progress, JSON_EVERY) {
-                    say(&json(progress));
+                    say(&to_json(progress));
                 }
             }
         }
@@ -72,7 +72,7 @@ impl Reporter {
     }
 }
 
-fn bar() -> ProgressBar {
+fn make_bar() -> ProgressBar {
     let bar = ProgressBar::new(0);
     let template = "{wide_bar} {percent:>3}%  {elapsed_precise}  {msg}";
     if let Ok(style) = BarStyle::with_template(template) {
@@ -91,15 +91,15 @@ fn is_due(due: &Mutex<Duration>, progress: Progress, every: Duration) -> bool {
     true
 }
 
-fn left(progress: Progress) -> String {
+fn format_left(progress: Progress) -> String {
     match progress.left() {
-        Some(left) => format!("{} left", clock(left)),
+        Some(left) => format!("{} left", format_clock(left)),
         None => "starting".to_owned(),
     }
 }
 
 /// Hours, minutes and seconds, as few of them as will do.
-fn clock(duration: Duration) -> String {
+fn format_clock(duration: Duration) -> String {
     let seconds = duration.as_secs_f64().round() as u64;
     let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
     if hours > 0 {
@@ -111,7 +111,7 @@ fn clock(duration: Duration) -> String {
     }
 }
 
-fn json(progress: Progress) -> String {
+fn to_json(progress: Progress) -> String {
     serde_json::json!({
         "done": progress.done,
         "total": progress.total,
@@ -136,10 +136,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_read_like_a_clock() {
-        assert_eq!(clock(Duration::from_millis(400)), "0s");
-        assert_eq!(clock(Duration::from_secs(125)), "2m 05s");
-        assert_eq!(clock(Duration::from_secs(2 * 3600 + 61)), "2h 01m");
+    fn durations_read_like_a_format_clock() {
+        assert_eq!(format_clock(Duration::from_millis(400)), "0s");
+        assert_eq!(format_clock(Duration::from_secs(125)), "2m 05s");
+        assert_eq!(format_clock(Duration::from_secs(2 * 3600 + 61)), "2h 01m");
     }
 
     #[test]

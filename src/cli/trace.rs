@@ -9,11 +9,13 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::outputs::{self, Output};
-use super::values::threads;
-use super::{CliError, Quiet, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::outputs::{self, Output};
+use crate::cli::settings::parse::threads;
+use crate::cli::{input, memory, text};
 use crate::formats::npy;
 use crate::math::Ray;
 use crate::simd::Isa;
@@ -131,10 +133,10 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
     // A hit is half as long as a ray; the file's rows are in memory besides, until rays are made.
     let length = fs::metadata(&args.rays).map_or(0, |found| found.len());
     memory::require(&args.rays.display().to_string(), length / 2 * 5)?;
-    let source = input::triangles(&args.scene, args.quiet)?;
+    let source = input::load_triangles(&args.scene, args.quiet)?;
     let rays: Vec<Ray> = from_rows(&npy::read_f32(&args.rays, 8)?).collect();
     let (triangles, slices) = (source.len(), Slices::new(args));
-    input::on_threads(args.threads, || {
+    input::run_on_threads(args.threads, || {
         let accel = build(&args.accel, source, args.isa)?;
         let mut answers = if args.any {
             Answers::Any(vec![AnyHit(false); rays.len()])
@@ -169,7 +171,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
             seconds: seconds[seconds.len() / 2],
             counts,
         };
-        table::print(&summary.text(args, &*accel))?;
+        text::print(&summary.text(args, &*accel))?;
         Ok(ExitCode::SUCCESS)
     })?
 }

@@ -5,14 +5,16 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::outputs::{self, Output};
-use super::values::threads;
-use super::{CliError, Quiet, input, memory, shell, table, trace};
-use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, VARIANTS, build};
+use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, build};
 use crate::bench::agreement::{
     Difference, LONGEST_SLICE, answers_in_time, first_difference, mixed_rays,
 };
 use crate::bench::ray_sets::{Target, to_rows};
+use crate::cli::error::CliError;
+use crate::cli::flags::{Quiet, parse_accels};
+use crate::cli::outputs::{self, Output};
+use crate::cli::settings::parse::threads;
+use crate::cli::{input, memory, shell, text, trace};
 use crate::formats::npy;
 use crate::geom::TriangleSource;
 use crate::math::Ray;
@@ -63,7 +65,7 @@ const _: () = assert!(LONGEST_SLICE <= trace::SLICE);
 
 /// Runs the command; exit 1 if a structure differs.
 pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
-    let specs = specs(&args.accel)?;
+    let specs = parse_accels(&args.accel)?;
     for spec in &specs {
         let path = &save_path(args, &spec.to_string());
         outputs::check(&[Output { flag: "--save", path, ending: "npy" }], &[&args.scene])?;
@@ -71,33 +73,12 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
     // Rays of all sets, those in turn, the answers of both oracles.
     let each = 2 * (size_of::<Ray>() + size_of::<ClosestHit>()) as u64;
     memory::require(&format!("--rays {}", args.rays), args.rays * each)?;
-    let source = input::triangles(&args.scene, args.quiet)?;
+    let source = input::load_triangles(&args.scene, args.quiet)?;
     let build = |spec: &AccelSpec| build(spec, Arc::clone(&source), args.isa);
-    let say = |line: &str| Ok(table::print(&format!("{line}\n"))?);
-    let agree = input::on_threads(args.threads, || validate(args, &specs, &*source, &build, &say))?;
+    let say = |line: &str| Ok(text::print(&format!("{line}\n"))?);
+    let agree =
+        input::run_on_threads(args.threads, || validate(args, &specs, &*source, &build, &say))?;
     Ok(ExitCode::from(u8::from(!agree?)))
-}
-
-/// The structures of a list; options of one may hold commas, so a part without an id joins the one
-/// before.
-pub fn specs(list: &str) -> Result<Vec<AccelSpec>, CliError> {
-    if list == "all" {
-        let ids = VARIANTS.iter().filter(|variant| variant.id != "brute");
-        return Ok(ids.map(|variant| variant.id.parse().expect("in the table")).collect());
-    }
-    let mut texts: Vec<String> = Vec::new();
-    for part in list.split(',') {
-        match texts.last_mut() {
-            Some(last) if part.contains('=') && !part.contains(':') => {
-                *last = format!("{last},{part}");
-            }
-            _ => texts.push(part.to_owned()),
-        }
-    }
-    let parse = |text: String| {
-        text.parse().map_err(|error| CliError::Usage(format!("--accel {text}: {error}")))
-    };
-    texts.into_iter().map(parse).collect()
 }
 
 type Build<'a> = dyn Fn(&AccelSpec) -> Result<Box<dyn Accel>, BuildError> + Sync + 'a;
@@ -126,7 +107,7 @@ fn validate(
     match difference {
         None => say(&format!("{SECOND}: {sure} rays agree with brute force"))?,
         Some(found) => {
-            tell(args, SECOND, &rays, &found, &expected, "brute force", say)?;
+            report_difference(args, SECOND, &rays, &found, &expected, "brute force", say)?;
             say(&format!("{SECOND} cannot be trusted with the rest: {sure} rays are compared"))?;
         }
     }
@@ -151,7 +132,7 @@ fn validate(
             Some(found) => {
                 all_agree = false;
                 let by = if found.ray < sure { "brute force" } else { SECOND };
-                tell(args, &name, &rays, &found, &expected, by, say)?;
+                report_difference(args, &name, &rays, &found, &expected, by, say)?;
             }
         }
     }
@@ -160,7 +141,7 @@ fn validate(
 
 /// Tells of a ray that differs, leaves it in a file, with its slice if it differs only there, and
 /// says how to shoot it again.
-fn tell(
+fn report_difference(
     args: &ValidateArgs,
     name: &str,
     rays: &[Ray],
@@ -180,10 +161,10 @@ fn tell(
     }
     let save = save_path(args, name);
     npy::write_f32(&save, 8, &to_rows(&rays[saved]))?;
-    let (scene, save) = (shell::quoted(&args.scene), shell::quoted(&save));
+    let (scene, save) = (shell::quote(&args.scene), shell::quote(&save));
     let any = if found.any_only { " --any" } else { "" };
     let single = if found.alone { " --single" } else { " --threads 1" };
-    let (name, isa) = (shell::quoted(name), args.isa);
+    let (name, isa) = (shell::quote(name), args.isa);
     say(&format!(
         "  to replay: dapple trace {scene} --rays {save}{any}{single} --accel {name} --isa {isa}"
     ))
@@ -245,7 +226,7 @@ mod tests {
             said.push('\n');
             Ok(())
         };
-        let specs = specs(&args.accel).expect("rows of the table");
+        let specs = parse_accels(&args.accel).expect("rows of the table");
         let agree = validate(&args, &specs, &*source, &build, &say).expect("it runs");
         (agree, said.into_inner().expect("one thread"))
     }
@@ -304,12 +285,5 @@ mod tests {
         let (agree, said) = validated(&words, folder.path(), "bvh2", 77);
         assert!(!agree && said.contains("bvh2: ray 77 differs"), "{said}");
         assert!(said.ends_with("kd-ropes: 200 rays agree with brute force\n"), "{said}");
-    }
-
-    #[test]
-    fn options_may_hold_commas() {
-        let list =
-            specs("bvh2:build=sweep,kd-stack-direction:build=binned,layout=compact").expect("rows");
-        assert_eq!(list.len(), 2);
     }
 }

@@ -36,6 +36,13 @@ pub struct Transport {
     pub transparent: bool,
 }
 
+impl Default for Transport {
+    /// 20 segments, roulette from the fifth on, and all that the camera sees.
+    fn default() -> Self {
+        Self { max_depth: 20, roulette_depth: Some(5), transparent: false }
+    }
+}
+
 /// Follows paths through a world.
 #[derive(Clone, Copy, Debug)]
 pub struct PathTracer<'w> {

@@ -4,12 +4,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::layers::picture;
+use super::aov::assemble_picture;
 use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
 use super::tile::{LostSample, SIDE, Tile, first_lost};
 use crate::accel::Accel;
-use crate::camera::{Camera, CameraRays};
+use crate::camera::Camera;
 use crate::film::{Picture, Window};
 use crate::integrator::PathTracer;
 use crate::sampling::BLOCK;
@@ -22,6 +22,14 @@ pub struct Control<'a> {
     pub cancel: &'a AtomicBool,
     /// Called from a thread of its own, some ten times a second and once at the end.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl Default for Control<'static> {
+    /// Nothing is told, and nothing ends the render early.
+    fn default() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { cancel: &NEVER, progress: &|_| {} }
+    }
 }
 
 /// How far a render is.
@@ -78,17 +86,16 @@ pub fn render(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Rendered {
-    let mut exposure = Exposure::new(settings);
-    exposure.expose(world, camera, accel, settings.spp, control);
-    exposure.develop()
+    let mut film = FilmAccumulator::new(settings);
+    film.accumulate(world, camera, accel, settings.spp, control);
+    film.finish()
 }
 
-/// A film while light falls on it: what moves may be elsewhere from one part of its samples to the
-/// next.
-pub struct Exposure<'a> {
+/// Adds up the samples of a picture. What moves may be elsewhere from one part of them to the next.
+pub struct FilmAccumulator<'a> {
     settings: &'a Settings,
     tiles: Vec<Mutex<Tile>>,
-    /// When the first light fell.
+    /// When the first sample was taken.
     start: Option<Instant>,
     /// Paths followed.
     done: AtomicU64,
@@ -96,12 +103,12 @@ pub struct Exposure<'a> {
     elapsed: Duration,
 }
 
-impl<'a> Exposure<'a> {
+impl<'a> FilmAccumulator<'a> {
     /// No samples yet.
     pub fn new(settings: &'a Settings) -> Self {
         Self {
             settings,
-            tiles: cut(settings.crop).into_iter().map(Mutex::new).collect(),
+            tiles: split_into_tiles(settings.crop).into_iter().map(Mutex::new).collect(),
             start: None,
             done: AtomicU64::new(0),
             rays: RayCounts::default(),
@@ -111,7 +118,7 @@ impl<'a> Exposure<'a> {
 
     /// Takes every pixel on to its sample `end`, exclusively, on the threads of the current rayon
     /// pool; see [`render`].
-    pub fn expose(
+    pub fn accumulate(
         &mut self,
         world: &World,
         camera: &Camera,
@@ -122,16 +129,15 @@ impl<'a> Exposure<'a> {
         let start = Instant::now();
         let (settings, tiles, done) = (self.settings, &self.tiles, &self.done);
         let first = tiles.first().map_or(end, |tile| lock(tile).next);
-        let passes = passes(first, end);
+        let passes = pass_ends(first, end);
         let camera = camera.rays(settings.aspect());
-        let view = seen(accel, &camera);
-        let accel = view.as_deref().unwrap_or(accel);
+        let region = camera.region();
         let next_job = AtomicUsize::new(0);
         let rays = Mutex::new(RayCounts::default());
 
         let work = || {
             let integrator = PathTracer::new(world, settings.transport);
-            let mut stream = Stream::new(integrator, accel);
+            let mut stream = Stream::new(integrator, accel, region.as_ref());
             loop {
                 let job = next_job.fetch_add(1, Ordering::Relaxed);
                 let Some(&end) = passes.get(job / tiles.len()) else { break };
@@ -159,7 +165,7 @@ impl<'a> Exposure<'a> {
     }
 
     /// The picture of what there is.
-    pub fn develop(self) -> Rendered {
+    pub fn finish(self) -> Rendered {
         let tiles: Vec<Tile> = self
             .tiles
             .into_iter()
@@ -167,7 +173,7 @@ impl<'a> Exposure<'a> {
             .collect();
         let fewest = tiles.iter().map(|tile| tile.next).min().unwrap_or(0);
         Rendered {
-            picture: picture(&tiles, self.settings),
+            picture: assemble_picture(&tiles, self.settings),
             rays: self.rays,
             paths: self.done.into_inner(),
             elapsed: self.elapsed,
@@ -184,19 +190,13 @@ impl<'a> Exposure<'a> {
     }
 }
 
-/// The structure narrowed to what a camera sees, once for all threads; `None` if it, or the camera,
-/// gains nothing by that.
-fn seen<'a>(accel: &'a dyn Accel, camera: &CameraRays) -> Option<Box<dyn Accel + 'a>> {
-    camera.region().and_then(|region| accel.view(&region))
-}
-
 /// A panic elsewhere ends the render anyway; it need not be reported twice.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The tiles of a window, row by row.
-fn cut(crop: Window) -> Vec<Tile> {
+/// Splits a window into tiles, row by row.
+fn split_into_tiles(crop: Window) -> Vec<Tile> {
     let (x0, y0, x1, y1) = (crop.x0 as u32, crop.y0 as u32, crop.x1 as u32, crop.y1 as u32);
     let rows = (y0..y1).step_by(SIDE as usize);
     rows.flat_map(|y| (x0..x1).step_by(SIDE as usize).map(move |x| (x, y)))
@@ -205,7 +205,7 @@ fn cut(crop: Window) -> Vec<Tile> {
 }
 
 /// The sample at which each pass ends: doubling, so that the sums of a pixel are few nodes.
-fn passes(first: u64, end: u64) -> Vec<u64> {
+fn pass_ends(first: u64, end: u64) -> Vec<u64> {
     let doubling = std::iter::successors(Some(BLOCK), |end| Some(end * 2));
     let within = doubling.skip_while(|&pass| pass <= first).take_while(|&pass| pass < end);
     within.chain([end]).collect()
@@ -248,11 +248,11 @@ mod tests {
 
     #[test]
     fn passes_double_and_end_at_the_last_sample() {
-        assert_eq!(passes(0, 1), [1]);
-        assert_eq!(passes(0, 16), [16]);
-        assert_eq!(passes(0, 100), [16, 32, 64, 100]);
-        assert_eq!(passes(16, 100), [32, 64, 100]);
-        assert_eq!(passes(20, 24), [24]);
+        assert_eq!(pass_ends(0, 1), [1]);
+        assert_eq!(pass_ends(0, 16), [16]);
+        assert_eq!(pass_ends(0, 100), [16, 32, 64, 100]);
+        assert_eq!(pass_ends(16, 100), [32, 64, 100]);
+        assert_eq!(pass_ends(20, 24), [24]);
     }
 
     #[test]
@@ -264,7 +264,7 @@ mod tests {
         let narrows = |id: &str, camera: Camera| {
             let spec = id.parse().expect("known");
             let accel = build(&spec, Arc::clone(&source), Isa::Auto).expect("it builds");
-            seen(&*accel, &camera.rays(1.0)).is_some()
+            camera.rays(1.0).region().is_some() && accel.tracer().regions().is_some()
         };
         assert!(narrows("bvh-path-compression", camera) && narrows("kd-entry-point", camera));
         assert!(!narrows("bvh2", camera));
@@ -275,7 +275,7 @@ mod tests {
     fn tiles_cover_a_crop_once() {
         let crop = Window { x0: 5, y0: 3, x1: 40, y1: 20 };
         let mut seen = vec![0; crop.area()];
-        for tile in cut(crop) {
+        for tile in split_into_tiles(crop) {
             for (x, y, _) in tile.iter() {
                 seen[(y as usize - 3) * crop.width() + x as usize - 5] += 1;
             }

@@ -58,6 +58,29 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// 64 samples a pixel of a frame of that many pixels, and whatever else `dapple render` takes
+    /// where nothing is said.
+    ///
+    /// # Examples
+    /// ```
+    /// use dapple::Settings;
+    ///
+    /// let quick = Settings { spp: 4, ..Settings::new(320, 180) };
+    /// assert_eq!(quick.crop.area(), 320 * 180);
+    /// ```
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            resolution: (width, height),
+            crop: Window::of_size(width as usize, height as usize),
+            spp: 64,
+            seed: 0,
+            pattern: SamplePattern::default(),
+            filter: PixelFilter::BlackmanHarris,
+            transport: Transport::default(),
+            aovs: Aov::ALL.to_vec(),
+        }
+    }
+
     /// Width over height of the whole frame.
     pub fn aspect(&self) -> f32 {
         self.resolution.0 as f32 / self.resolution.1 as f32

@@ -1,6 +1,6 @@
 //! What a picture needs and a scene may lack: a camera and light.
 
-use super::{Notice, Scene};
+use super::{NamedCamera, Notice, Scene};
 use crate::camera::Camera;
 use crate::light::Environment;
 use crate::math::{Aabb, Vec3};
@@ -17,6 +17,31 @@ const SKY_SLOPE: Vec3 = Vec3::new(-0.12, 0.35, 0.1);
 /// The radiance of the automatic sky from a unit direction.
 pub fn automatic_sky_radiance(direction: Vec3) -> f32 {
     SKY_MEAN + SKY_SLOPE.dot(direction)
+}
+
+impl Scene {
+    /// Adds what a picture needs and the scene lacks: a camera that sees all of it in a picture of
+    /// `aspect` (width over height), and a neutral sky where nothing shines. What was added is among
+    /// the notices.
+    ///
+    /// # Examples
+    /// ```
+    /// let mut scene = dapple::Scene::default();
+    /// scene.add_defaults(16.0 / 9.0);
+    /// assert!(scene.environment.is_some());
+    /// assert_eq!(scene.cameras.len(), 1);
+    /// ```
+    pub fn add_defaults(&mut self, aspect: f32) {
+        if let Some((sky, notice)) = automatic_sky(self, "") {
+            self.environment = Some(sky);
+            self.notices.push(notice);
+        }
+        if self.cameras.is_empty() {
+            let (camera, notice) = automatic_camera(self, aspect, "");
+            self.cameras.push(NamedCamera { name: String::new(), aspect: None, camera });
+            self.notices.push(notice);
+        }
+    }
 }
 
 /// The box of all triangles in the world; empty if there are none.

@@ -42,7 +42,7 @@ impl World {
     ///
     /// # Errors
     /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
-    pub fn new(scene: Arc<Scene>, form: BsdfForm) -> Result<Self, TooManyTriangles> {
+    pub fn new(scene: impl Into<Arc<Scene>>, form: BsdfForm) -> Result<Self, TooManyTriangles> {
         Self::with_lights(scene, form, LightChoice::default())
     }
 
@@ -51,10 +51,11 @@ impl World {
     /// # Errors
     /// As [`World::new`].
     pub fn with_lights(
-        scene: Arc<Scene>,
+        scene: impl Into<Arc<Scene>>,
         form: BsdfForm,
         choice: LightChoice,
     ) -> Result<Self, TooManyTriangles> {
+        let scene = scene.into();
         let triangles = Arc::new(Triangles::new(&scene)?);
         let mut materials: Vec<PreparedMaterial> =
             scene.materials.iter().map(|material| PreparedMaterial::new(material, form)).collect();

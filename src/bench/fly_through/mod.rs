@@ -20,8 +20,6 @@ mod tables;
 mod tests;
 
 pub use bench::FlyThroughBenchSettings;
-pub use figures::{Column, Light, Scene, Tiling};
 pub use json::json;
 pub use measure::measure;
-pub use structures::{LightKind, Method};
 pub use tables::{plots, tables};

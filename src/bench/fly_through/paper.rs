@@ -100,7 +100,8 @@ impl Scene {
     }
 
     /// Visits of entry points and of compressed paths over those of packets, searches included.
-    pub fn visit_ratios(&self) -> [f64; 2] {
+    #[cfg(test)]
+    fn visit_ratios(&self) -> [f64; 2] {
         let [packets, entry, compressed] = self.visits;
         [(entry + self.searched[0]) / packets, (compressed + self.searched[1]) / packets]
     }

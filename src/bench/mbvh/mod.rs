@@ -14,8 +14,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-pub use figures::{Cache, Incoherence, Rates, Scene, Structure};
+pub use figures::Scene;
 pub use json::json;
 pub use measure::{MbvhBenchSettings, measure};
-pub use structures::Mode;
 pub use tables::{incoherence_plot, scaling_plot, tables};

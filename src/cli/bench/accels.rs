@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
-use super::super::progress::say;
-use super::super::{CliError, Quiet, input, table};
-use super::memory_limit;
+use super::options::memory_limit;
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use crate::accel::BuildError;
 use crate::bench::structures::{self, AccelsBenchSettings};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::progress::say;
+use crate::cli::{input, text};
 use crate::generate::Generator;
 use crate::simd::Isa;
 
@@ -65,7 +67,7 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
         None => BenchScene::Made(Generator::Kitchen, KITCHEN),
     };
     let quiet = args.quiet;
-    let source = scene.with_file(|path| input::triangles(path, quiet))?;
+    let source = scene.with_file(|path| input::load_triangles(path, quiet))?;
     // Its own flight leads through a scene that was made.
     let pose = args.file.is_none().then(|| Generator::Kitchen.flight(KITCHEN, 0)[0]);
     let settings = AccelsBenchSettings {
@@ -79,7 +81,7 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
             say(what);
         }
     };
-    let rows = input::on_threads(1, || structures::measure(&source, pose, &settings, &tell))??;
+    let rows = input::run_on_threads(1, || structures::measure(&source, pose, &settings, &tell))??;
     let results = Results {
         name: "accels",
         tables: vec![structures::table(&rows, &scene.name(), source.len())],
@@ -88,7 +90,7 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     };
     if args.markdown {
         let text = structures::markdown(&rows, &scene.name(), source.len());
-        return Ok(table::print(&text)?);
+        return Ok(text::print(&text)?);
     }
     results.publish(&args.output)
 }

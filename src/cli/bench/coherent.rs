@@ -4,15 +4,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::super::progress::say;
-use super::super::values::resolution;
-use super::super::{CliError, Quiet, input, memory};
+use super::options::{memory_limit, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use super::{builder, memory_limit, ray_bytes};
 use crate::accel::BuildError;
 use crate::bench::fly_through::{self, FlyThroughBenchSettings, paper};
 use crate::camera::flight::{self, Pose};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::progress::say;
+use crate::cli::settings::parse::resolution;
+use crate::cli::{input, memory};
 use crate::generate::Generator;
 use crate::geom::TriangleSource;
 use crate::simd::Isa;
@@ -57,7 +59,7 @@ pub struct CoherentArgs {
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
     /// How trees are built; `dapple accels` tells
-    #[arg(long, default_value = "binned", value_parser = builder)]
+    #[arg(long, default_value = "binned", value_parser = parse_builder)]
     build: &'static str,
     /// The instruction set
     #[arg(long, default_value_t)]
@@ -105,7 +107,7 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
             say(what);
         }
     };
-    let measured = input::on_threads(1, || {
+    let measured = input::run_on_threads(1, || {
         let measure = |load: Box<dyn Fn() -> Result<Loaded, CliError>>| {
             let (name, source, flight) = load()?;
             Ok::<_, CliError>(fly_through::measure(&name, &source, &flight, &settings, &tell)?)
@@ -130,7 +132,7 @@ fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> +
             let triangles = paper.triangles as u64;
             let scene = BenchScene::Made(generator, triangles);
             Box::new(move || {
-                let source = scene.with_file(|path| input::triangles(path, quiet))?;
+                let source = scene.with_file(|path| input::load_triangles(path, quiet))?;
                 Ok((generator.name().to_owned(), source, generator.flight(triangles, 0)))
             }) as Box<dyn Fn() -> _>
         };
@@ -141,7 +143,7 @@ fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> +
         Box::new(move || {
             // What is short first.
             let flight = read(&path)?;
-            Ok((scene.name(), scene.with_file(|path| input::triangles(path, quiet))?, flight))
+            Ok((scene.name(), scene.with_file(|path| input::load_triangles(path, quiet))?, flight))
         }) as Box<dyn Fn() -> _>
     };
     args.files.iter().zip(&args.path).map(load).collect()

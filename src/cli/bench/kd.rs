@@ -4,15 +4,17 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::super::{CliError, Quiet, input, memory};
+use super::options::{memory_limit, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use super::{memory_limit, ray_bytes};
 use crate::bench::bars::bars;
 use crate::bench::kd::{self, KdBenchSettings, Row, SETS};
 use crate::bench::kd_growth::{self, Growth};
 use crate::bench::measure::Measured;
 use crate::bench::ray_sets::RaySet;
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::{input, memory};
 use crate::generate::Generator;
 use crate::simd::Isa;
 
@@ -45,7 +47,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     let needed = ray_bytes(args.rays, SETS.len() as u64 + 1);
     memory::require(&format!("{} rays of each set", args.rays), needed)?;
     args.output.probe()?;
-    let source = input::triangles(&args.scene, args.quiet)?;
+    let source = input::load_triangles(&args.scene, args.quiet)?;
     let memory = memory_limit(args.memory);
     let settings = KdBenchSettings { rays: args.rays as usize, memory, isa: args.isa };
     let walks = kd::walks(&source, &settings)?;
@@ -85,7 +87,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
 fn growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
     let measure = |size: u64| {
         let source = BenchScene::Made(Generator::Assembly, size)
-            .with_file(|path| input::triangles(path, quiet))?;
+            .with_file(|path| input::load_triangles(path, quiet))?;
         Ok(kd_growth::measure(&source, settings)?)
     };
     kd_growth::sizes(settings).map(measure).collect()

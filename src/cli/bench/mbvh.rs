@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
-use super::super::progress::say;
-use super::super::{CliError, Quiet, input, memory};
+use super::options::{memory_limit, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::scenes;
-use super::{builder, memory_limit, ray_bytes};
 use crate::accel::BuildError;
 use crate::bench::mbvh::{self, MbvhBenchSettings};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::progress::say;
+use crate::cli::{input, memory};
 use crate::simd::Isa;
 
 /// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, its figures beside.
@@ -39,7 +41,7 @@ pub struct MbvhArgs {
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
     /// How trees are built; `dapple accels` tells
-    #[arg(long, default_value = "binned", value_parser = builder)]
+    #[arg(long, default_value = "binned", value_parser = parse_builder)]
     build: &'static str,
     /// Refine all trees by reinsertion, bvh2's too; auto's always is
     #[arg(long)]
@@ -88,12 +90,12 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
     let mut loaded = Vec::new();
     for scene in scenes(&args.files) {
         tell(&format!("{}: loading", scene.name()));
-        let source = scene.with_file(|path| input::triangles(path, args.quiet))?;
+        let source = scene.with_file(|path| input::load_triangles(path, args.quiet))?;
         loaded.push((scene.name(), source));
     }
     let largest = loaded.iter().map(|(_, source)| source.len()).max();
     // One thread in all: caches share their bytes among the threads of the pool.
-    let measured = input::on_threads(1, || {
+    let measured = input::run_on_threads(1, || {
         let mut caches = true;
         let measure = |(name, source): &(String, _)| {
             let source: &std::sync::Arc<dyn crate::geom::TriangleSource> = source;
