@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, SimdFloat};
 
 use super::{Batch, ClosestHit, Counters, Event, PreparedRay, Query};
-use crate::geom::{BlockRef, Corners, verdict};
+use crate::geom::{BlockRef, Corners, intersect_triangle};
 use crate::math::TriangleId;
 use crate::simd::baseline;
 
@@ -37,8 +37,8 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     /// final.
     #[inline(always)]
     pub fn test_triangle(&mut self, id: TriangleId, triangle: &impl Corners) -> ControlFlow<()> {
-        self.counters.count(Event::Verdict);
-        match verdict(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
+        self.counters.count(Event::ExactTest);
+        match intersect_triangle(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
             Some([t, u, v]) => {
                 self.query.offer(&self.ray.criteria(), ClosestHit { t, u, v, triangle: id })
             }
