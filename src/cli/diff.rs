@@ -101,6 +101,20 @@ impl Limit {
         let value = (self.metric)(found);
         value.is_nan() || value > self.limit || found.not_finite.only_one > 0
     }
+
+    /// How it is exceeded.
+    fn explain(&self, found: &Comparison) -> String {
+        let value = (self.metric)(found);
+        let why = if value > self.limit {
+            format!("is {}", text::format_figure(value))
+        } else if value.is_nan() {
+            "does not exist for these images".to_owned()
+        } else {
+            let pixels = found.not_finite.only_one;
+            format!("cannot be told: {pixels} pixels are finite in one image only")
+        };
+        format!("exceeded: {} {why}, the limit is {}", self.name, self.limit)
+    }
 }
 
 /// Runs the command: the result goes to standard output.
@@ -184,15 +198,7 @@ fn to_text(found: &Comparison, exceeded: &[&Limit]) -> String {
         let _ = writeln!(text, "{name:width$}  {value}");
     }
     for limit in exceeded {
-        let value = (limit.metric)(found);
-        let why = if value > limit.limit {
-            format!("is {}", text::format_figure(value))
-        } else if value.is_nan() {
-            "does not exist for these images".to_owned()
-        } else {
-            format!("cannot be told: {} pixels are finite in one image only", not_finite.only_one)
-        };
-        let _ = writeln!(text, "exceeded: {} {why}, the limit is {}", limit.name, limit.limit);
+        let _ = writeln!(text, "{}", limit.explain(found));
     }
     text
 }

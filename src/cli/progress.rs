@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_read_like_a_format_clock() {
+    fn durations_read_like_a_clock() {
         assert_eq!(format_clock(Duration::from_millis(400)), "0s");
         assert_eq!(format_clock(Duration::from_secs(125)), "2m 05s");
         assert_eq!(format_clock(Duration::from_secs(2 * 3600 + 61)), "2h 01m");

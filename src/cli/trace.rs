@@ -268,8 +268,8 @@ impl Summary {
         }
         let mut text = format!(
             "{}: {} triangles, {bytes} bytes\n\
-             built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on average), \
-             SAH cost {:.2}\n\
+             built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on \
+             average), SAH cost {:.2}\n\
              {} {query} rays, {} hits, {:.4} s, {rate:.3} Mrays/s\n",
             args.accel,
             self.triangles,

@@ -14,7 +14,6 @@ use crate::bench::renders::{self, Rendered, Scene};
 use crate::cli::error::CliError;
 use crate::cli::flags::{Quiet, parse_accels};
 use crate::cli::job::Job;
-use crate::cli::progress::say;
 use crate::cli::settings::parse::threads;
 use crate::cli::settings::resolve_words;
 use crate::cli::{input, memory};
@@ -110,11 +109,7 @@ fn measure(
     specs: &[AccelSpec],
     scene: &BenchScene,
 ) -> Result<Scene, CliError> {
-    let tell = |what: &str| {
-        if !args.quiet.quiet {
-            say(&format!("{}: {what}", scene.name()));
-        }
-    };
+    let tell = |what: &str| args.quiet.tell(&format!("{}: {what}", scene.name()));
     tell("loading");
     // The time of a sample is the one layer that differs from run to run.
     let layers = Aov::ALL.into_iter().filter(|&aov| aov != Aov::Cost).map(Aov::name);

@@ -16,8 +16,8 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// About how much the default structure takes, in bytes: `mbvh8` over a refined tree takes 68 to
-    /// 71 bytes a triangle on scenes of 69 to 770 thousand (`dapple trace --json`).
+    /// About how much the default structure takes, in bytes: `mbvh8` over a refined tree takes 68
+    /// to 71 bytes a triangle on scenes of 69 to 770 thousand (`dapple trace --json`).
     pub fn structure_bytes(&self) -> u64 {
         70 * self.survey.placed_triangles
     }
