@@ -6,10 +6,10 @@
 
 use std::sync::LazyLock;
 
-use super::anisotropic::Lobe;
+use super::anisotropic_ggx::Lobe;
 use super::energy::{Albedo, cell};
 use super::fresnel;
-use super::metallic_roughness::LEAST_ALPHA;
+use super::ggx::LEAST_ALPHA;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 

@@ -2,8 +2,10 @@
 //! (KHR_materials_clearcoat).
 
 use super::energy::{Albedos, Row};
-use super::metallic_roughness::LEAST_ALPHA;
-use super::{BsdfForm, fresnel, ggx, is_above};
+use super::form::BsdfForm;
+use super::fresnel;
+use super::ggx::{self, LEAST_ALPHA};
+use super::sample::is_above;
 use crate::math::{Frame, Vec2, Vec3};
 
 /// The coat's reflectance at normal incidence.

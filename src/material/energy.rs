@@ -109,7 +109,7 @@ pub fn cell<const M: usize>(x: f32) -> (usize, f32) {
 
 fn node_alpha(row: usize, count: usize) -> f32 {
     let root = row as f32 / (count - 1) as f32;
-    (root * root).max(super::metallic_roughness::LEAST_ALPHA)
+    (root * root).max(ggx::LEAST_ALPHA)
 }
 
 fn node_cos(column: usize, count: usize) -> f32 {

@@ -1,9 +1,12 @@
 //! Surfaces under a thin film: metal, plastic, glass, or some of each (KHR_materials_iridescence).
 
 use super::anisotropic::Anisotropic;
+use super::dielectric::Dielectric;
+use super::form::BsdfForm;
 use super::mixed::{mixed, sample_mixed};
+use super::params::{SurfaceParams, unit};
+use super::sample::BsdfSample;
 use super::thin_film::ThinFilm;
-use super::{BsdfForm, BsdfSample, Dielectric, SurfaceParams, unit};
 use crate::math::{Vec2, Vec3};
 
 /// A film over what is opaque but for a `share` of glass.

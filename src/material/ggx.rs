@@ -8,6 +8,9 @@ use std::f32::consts::PI;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
+/// GGX's alpha is the square of the roughness, and at least this.
+pub const LEAST_ALPHA: f32 = 1e-3;
+
 /// What the density of the lobe and its value have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lobe {

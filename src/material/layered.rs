@@ -1,11 +1,15 @@
 //! Surfaces with something on them: a film, cloth, lacquer, or all, over any of the others.
 
 use super::anisotropic::Anisotropic;
+use super::base::BaseBsdf;
 use super::clearcoat::Clearcoat;
 use super::filmed::Filmed;
+use super::form::BsdfForm;
+use super::layers::Layers;
+use super::params::{SurfaceParams, unit};
+use super::sample::{BsdfSample, is_above, mean};
 use super::sheen::Sheen;
 use super::thin_film::ThinFilm;
-use super::{Bsdf, BsdfForm, BsdfSample, Layers, SurfaceParams, is_above, mean, unit};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::ONE_MINUS_EPSILON;
 
@@ -13,8 +17,8 @@ use crate::sampling::ONE_MINUS_EPSILON;
 /// reflects little in all may reflect nearly everything at grazing half vectors.
 const LEAST_CHOICE: f32 = 0.1;
 
-/// A coat over a sheen over a base with a thin film on it, of which any may be missing, packed: it is unpacked for each
-/// question, so that surfaces without layers stay small and pay nothing for it.
+/// A coat over a sheen over a base with a thin film on it, of which any may be missing. It is packed,
+/// and unpacked for each call, so that surfaces without layers stay small and pay nothing for it.
 ///
 /// What a layer reflects, those below it do not get: they are scaled by what it lets through, and
 /// for the coat in [`BsdfForm::AppendixB`] by the product of that for both directions (as
@@ -114,7 +118,7 @@ impl Layered {
             let direction = self.anisotropy_direction;
             Base::Brushed(Anisotropic::new(&params, anisotropy, direction, form))
         } else {
-            Base::Plain(Bsdf::new(&params, form))
+            Base::Plain(BaseBsdf::new(&params, form))
         };
         let coat = (self.clearcoat != Share(0)).then(|| {
             let z = (1.0 - self.coat_slope.length_squared()).max(0.0).sqrt();
@@ -127,25 +131,25 @@ impl Layered {
         Stack { base, coat, sheen, both_sides, form }
     }
 
-    /// See [`Bsdf::eval`].
+    /// See [`super::Bsdf::eval`].
     #[inline(never)]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         self.unpack().eval(wo, wi)
     }
 
-    /// See [`Bsdf::sample`].
+    /// See [`super::Bsdf::sample`].
     #[inline(never)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         self.unpack().sample(wo, u_lobe, u)
     }
 
-    /// See [`Bsdf::transmits`].
+    /// See [`super::Bsdf::transmits`].
     pub fn transmits(&self) -> bool {
         // As the base says, without making it.
         self.transmission.get() * (1.0 - self.metallic.get()) >= 1e-6
     }
 
-    /// See [`Bsdf::albedo`].
+    /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
         let stack = self.unpack();
         let sheen = stack.sheen.map_or(0.0, |sheen| sheen.albedo(Vec3::Z));
@@ -159,7 +163,7 @@ impl Layered {
 /// What lies below all layers.
 #[derive(Clone, Copy, Debug)]
 enum Base {
-    Plain(Bsdf),
+    Plain(BaseBsdf),
     Brushed(Anisotropic),
     Filmed(Filmed),
 }

@@ -2,8 +2,8 @@
 
 use crate::math::{Vec2, Vec3};
 
-/// What KHR_materials_clearcoat, sheen, iridescence and anisotropy come down to at a point, named as the
-/// specifications name them. All texture look-ups are done.
+/// What KHR_materials_clearcoat, sheen, iridescence and anisotropy come down to at a point, named
+/// as the specifications name them. All texture look-ups are done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers {
     /// Strength of a coat of lacquer, 0 to 1; taken to that range.

@@ -3,12 +3,13 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::energy::{Albedo, Albedos, Row};
-use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, ggx, is_above, mean, unit};
+use super::form::BsdfForm;
+use super::fresnel;
+use super::ggx::{self, LEAST_ALPHA};
+use super::params::{SurfaceParams, unit};
+use super::sample::{BsdfSample, is_above, mean};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
-
-/// GGX's alpha is the square of the roughness, and at least this.
-pub const LEAST_ALPHA: f32 = 1e-3;
 
 /// The specular lobe is drawn with at least this probability where it has any weight: a coat that
 /// reflects little in all reflects nearly everything at grazing half vectors.

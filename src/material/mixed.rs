@@ -1,6 +1,10 @@
 //! Surfaces that are clear in part.
 
-use super::{BsdfForm, BsdfSample, Dielectric, MetallicRoughness, SurfaceParams, unit};
+use super::dielectric::Dielectric;
+use super::form::BsdfForm;
+use super::metallic_roughness::MetallicRoughness;
+use super::params::{SurfaceParams, unit};
+use super::sample::BsdfSample;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::ONE_MINUS_EPSILON;
 

@@ -5,15 +5,17 @@
 //! (after Turquin, "Practical multiple scattering compensation for microfacet models", 2019): no
 //! light is lost, at the price of reciprocity.
 
-use super::dielectric::Dielectric;
+use super::boundary::Boundary;
 use super::energy::{self, Albedos, Row};
+use super::form::BsdfForm;
+use super::ggx;
+use super::sample::{BsdfSample, is_above};
 use super::thin_film::ThinFilm;
-use super::{BsdfForm, BsdfSample, ggx, is_above};
 use crate::math::{Vec2, Vec3};
 
 /// See [`super::Bsdf::eval`].
 #[inline]
-pub fn eval_solid(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+pub fn eval_solid(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let eta = glass.eta(wo);
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
@@ -28,7 +30,7 @@ pub fn eval_solid(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec
 /// See [`super::Bsdf::sample`].
 #[inline]
 pub fn sample_solid(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     wo: Vec3,
     u_lobe: f32,
@@ -58,7 +60,7 @@ pub fn sample_solid(
 /// For `wo` and the half vector `h` above the surface.
 #[inline]
 fn evaluate_solid(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     eta: f32,
     wo: Vec3,
@@ -91,7 +93,7 @@ fn evaluate_solid(
 
 /// See [`super::Bsdf::eval`]. What passes is the mirror image of what is reflected.
 #[inline]
-pub fn eval_thin(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+pub fn eval_thin(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
         return (Vec3::ZERO, 0.0);
@@ -103,7 +105,7 @@ pub fn eval_thin(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3
 /// See [`super::Bsdf::sample`].
 #[inline]
 pub fn sample_thin(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     wo: Vec3,
     u_lobe: f32,
@@ -126,7 +128,7 @@ pub fn sample_thin(
 
 #[inline]
 fn evaluate_thin(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     wo: Vec3,
     mirrored: Vec3,

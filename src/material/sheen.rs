@@ -7,7 +7,8 @@ use std::f32::consts::TAU;
 use std::sync::LazyLock;
 
 use super::energy::cell;
-use super::{BsdfForm, mean};
+use super::form::BsdfForm;
+use super::sample::mean;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 

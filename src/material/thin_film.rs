@@ -7,7 +7,8 @@
 
 use std::f32::consts::PI;
 
-use super::{fresnel, unit};
+use super::fresnel;
+use super::params::unit;
 use crate::math::Vec3;
 
 /// A film in air over something that reflects.

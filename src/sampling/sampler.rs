@@ -15,6 +15,9 @@ use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_sc
 use crate::math::Vec2;
 use crate::names::choices;
 
+/// The largest `f32` below one.
+pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
+
 /// How the samples of one pixel relate to each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplePattern {

@@ -8,7 +8,7 @@ use super::memory_limit;
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use crate::accel::BuildError;
-use crate::bench::structures::{self, Settings};
+use crate::bench::structures::{self, AccelsBenchSettings};
 use crate::generate::Generator;
 use crate::simd::Isa;
 
@@ -68,7 +68,7 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     let source = scene.with_file(|path| input::triangles(path, quiet))?;
     // Its own flight leads through a scene that was made.
     let pose = args.file.is_none().then(|| Generator::Kitchen.flight(KITCHEN, 0)[0]);
-    let settings = Settings {
+    let settings = AccelsBenchSettings {
         rays: args.rays as usize,
         rounds: args.rounds,
         memory: memory_limit(args.memory),

@@ -11,7 +11,7 @@ use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use super::{builder, memory_limit, ray_bytes};
 use crate::accel::BuildError;
-use crate::bench::coherent::{self, Settings, paper};
+use crate::bench::fly_through::{self, FlyThroughBenchSettings, paper};
 use crate::camera::flight::{self, Pose};
 use crate::generate::Generator;
 use crate::geom::TriangleSource;
@@ -92,7 +92,7 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
     memory::require(&format!("pictures of {width}x{height}"), ray_bytes(rays, 4))?;
     args.output.probe()?;
     args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
-    let settings = Settings {
+    let settings = FlyThroughBenchSettings {
         resolution: args.resolution,
         frames: args.frames,
         rounds: args.rounds,
@@ -108,15 +108,15 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
     let measured = input::on_threads(1, || {
         let measure = |load: Box<dyn Fn() -> Result<Loaded, CliError>>| {
             let (name, source, flight) = load()?;
-            Ok::<_, CliError>(coherent::measure(&name, &source, &flight, &settings, &tell)?)
+            Ok::<_, CliError>(fly_through::measure(&name, &source, &flight, &settings, &tell)?)
         };
         scenes(args).into_iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let results = Results {
         name: "coherent",
-        tables: coherent::tables(&measured, &settings),
-        json: coherent::json(&measured, &settings),
-        plots: coherent::plots(&measured),
+        tables: fly_through::tables(&measured, &settings),
+        json: fly_through::json(&measured, &settings),
+        plots: fly_through::plots(&measured),
     };
     results.publish(&args.output)
 }

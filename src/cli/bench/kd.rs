@@ -9,7 +9,7 @@ use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use super::{memory_limit, ray_bytes};
 use crate::bench::bars::bars;
-use crate::bench::kd::{self, Row, SETS, Settings};
+use crate::bench::kd::{self, KdBenchSettings, Row, SETS};
 use crate::bench::kd_growth::{self, Growth};
 use crate::bench::measure::Measured;
 use crate::bench::ray_sets::RaySet;
@@ -47,7 +47,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     args.output.probe()?;
     let source = input::triangles(&args.scene, args.quiet)?;
     let memory = memory_limit(args.memory);
-    let settings = Settings { rays: args.rays as usize, memory, isa: args.isa };
+    let settings = KdBenchSettings { rays: args.rays as usize, memory, isa: args.isa };
     let walks = kd::walks(&source, &settings)?;
     let builds = kd::builds_and_layouts(&source, &settings)?;
     let name = args.scene.display();
@@ -82,7 +82,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
 }
 
 /// Builds over machines of growing size.
-fn growth(settings: &Settings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
+fn growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
     let measure = |size: u64| {
         let source = BenchScene::Made(Generator::Assembly, size)
             .with_file(|path| input::triangles(path, quiet))?;

@@ -8,7 +8,7 @@ use super::output::{OutputArgs, Results};
 use super::scenes::scenes;
 use super::{builder, memory_limit, ray_bytes};
 use crate::accel::BuildError;
-use crate::bench::mbvh::{self, Settings};
+use crate::bench::mbvh::{self, MbvhBenchSettings};
 use crate::simd::Isa;
 
 /// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, its figures beside.
@@ -64,7 +64,7 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
     // A set, its answers, and those that are compared with them.
     memory::require(&format!("{} rays", args.rays), ray_bytes(args.rays, 2))?;
     args.output.probe()?;
-    let settings = Settings {
+    let settings = MbvhBenchSettings {
         rays: args.rays as usize,
         rounds: args.rounds,
         build: args.build,

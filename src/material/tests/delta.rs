@@ -1,8 +1,9 @@
 //! What must hold where light goes on in a few directions alone: smooth glass and sheets, what
 //! lies on them, and mixtures with what scatters.
 
-use super::tests::direction;
-use super::*;
+use super::family::{FILM, direction};
+use crate::material::{Bsdf, BsdfForm, BsdfSample, Layers, SurfaceParams};
+use crate::math::Vec3;
 use crate::sampling::Sampler;
 use crate::sampling::chi_squared::assert_fits;
 
@@ -10,13 +11,7 @@ use crate::sampling::chi_squared::assert_fits;
 fn smooth() -> Vec<(String, Bsdf, bool)> {
     let glass = SurfaceParams { transmission: 1.0, roughness: 0.0, ..SurfaceParams::default() };
     let sheet = SurfaceParams { thin: true, ..glass };
-    let film = Layers {
-        iridescence: 1.0,
-        iridescence_ior: 1.33,
-        iridescence_thickness: 380.0,
-        ..Layers::NONE
-    };
-    let half = Layers { iridescence: 0.5, iridescence_ior: 1.8, ..film };
+    let half = Layers { iridescence: 0.5, iridescence_ior: 1.8, ..FILM };
     let coat = Layers { clearcoat: 0.7, clearcoat_roughness: 0.4, ..Layers::NONE };
     let cloth = Layers { sheen_color: Vec3::splat(0.7), sheen_roughness: 0.4, ..Layers::NONE };
     let red = Vec3::new(1.0, 0.3, 0.0);
@@ -34,17 +29,17 @@ fn smooth() -> Vec<(String, Bsdf, bool)> {
             Layers::NONE,
             true,
         ),
-        ("film on a bare sheet", SurfaceParams { specular: 0.0, ..sheet }, film, true),
+        ("film on a bare sheet", SurfaceParams { specular: 0.0, ..sheet }, FILM, true),
         ("tinted sheet", SurfaceParams { base_color: Vec3::X, ..sheet }, Layers::NONE, false),
         ("half clear", SurfaceParams { transmission: 0.5, ..glass }, Layers::NONE, false),
         ("half clear sheet", SurfaceParams { transmission: 0.5, ..sheet }, Layers::NONE, false),
-        ("film on glass", glass, film, true),
-        ("film on a sheet", sheet, film, true),
+        ("film on glass", glass, FILM, true),
+        ("film on a sheet", sheet, FILM, true),
         ("half a film on a sheet", sheet, half, true),
         ("half a film on glass", glass, half, true),
-        ("film on a half clear sheet", SurfaceParams { transmission: 0.5, ..sheet }, film, false),
+        ("film on a half clear sheet", SurfaceParams { transmission: 0.5, ..sheet }, FILM, false),
         ("lacquered sheet", sheet, coat, false),
-        ("lacquered film on a sheet", sheet, Layers { clearcoat: 0.7, ..film }, false),
+        ("lacquered film on a sheet", sheet, Layers { clearcoat: 0.7, ..FILM }, false),
         ("cloth on a sheet", sheet, cloth, false),
     ];
     let of = |form| {

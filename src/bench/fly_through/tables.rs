@@ -1,24 +1,18 @@
 //! The tables, in the paper's form, its figures beside ours.
 
-use super::super::bars::bars;
-use super::super::table::{Table, cell};
-use super::lights::{self, Light};
+use super::bench::FlyThroughBenchSettings;
+use super::figures::{Column, Scene};
+use super::node_worth;
 use super::paper::{self, MACHINE};
-use super::{Column, Name, Scene, Settings, Tiling, worth};
+use super::structures::{LIGHT_STRUCTURES, Method};
+use crate::bench::bars::bars;
+use crate::bench::table::{Table, cell};
 
 /// Tables 1 to 4, what nodes are worth, entry points by tiles, and rays to lights.
-pub fn tables(scenes: &[Scene], settings: &Settings) -> Vec<Table> {
-    let titles: [fn(&[Scene], &Settings) -> Table; 7] =
-        [visits, rates, memory, partition, worth::table, tilings, to_lights];
+pub fn tables(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Vec<Table> {
+    let titles: [fn(&[Scene], &FlyThroughBenchSettings) -> Table; 7] =
+        [visits, rates, memory, partition, node_worth::table, tilings, to_lights];
     titles.map(|table| table(scenes, settings)).into()
-}
-
-/// A scene's name, and that of the paper's scene of as many triangles.
-pub(super) fn label(scene: &Scene) -> String {
-    match paper::Scene::of(scene.triangles) {
-        Some(paper) => format!("{} (P: {})", scene.name, paper.name),
-        None => format!("{}, {} triangles", scene.name, scene.triangles),
-    }
 }
 
 fn theirs<const N: usize>(
@@ -34,30 +28,12 @@ fn cells(figures: impl IntoIterator<Item = (f64, usize)>) -> impl Iterator<Item 
     figures.into_iter().map(|(x, decimals)| cell(Some(x), decimals))
 }
 
-/// Nodes looked at, in all.
-pub(super) fn sum(column: &Column) -> f64 {
-    let [searched, walked] = column.visits();
-    searched + walked
-}
-
-/// Visits of entry points and of compressed paths over those of packets.
-pub(super) fn visit_ratios(scene: &Scene) -> [f64; 2] {
-    let of = |name| sum(scene.column(name));
-    let packets = of(Name::Packet).max(1.0);
-    [of(Name::EntryPoint) / packets, of(Name::Compressed) / packets]
-}
-
-/// Millions of rays a second.
-pub(super) fn rate(scene: &Scene, column: &Column) -> f64 {
-    (scene.rays * column.seconds.len()) as f64 * 1e-6 / column.total().max(1e-12)
-}
-
-fn pictures(settings: &Settings) -> String {
+fn pictures(settings: &FlyThroughBenchSettings) -> String {
     let (width, height) = settings.resolution;
     format!("{width}x{height} pixels, up to {} pictures of a flight", settings.frames)
 }
 
-fn visits(scenes: &[Scene], settings: &Settings) -> Table {
+fn visits(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Thousands of nodes a picture, leaves among them: those that packets enter, and (searched) \
          those that are held against the shafts of the screen and of 8x8 tiles. EP: entry points, \
@@ -86,13 +62,13 @@ fn visits(scenes: &[Scene], settings: &Settings) -> Table {
     let mut table = Table::new("Table 1: nodes visited", note, &heading);
     for scene in scenes {
         let thousands = |x: f64| (x * 1e-3, 1);
-        let [_, packets] = scene.column(Name::Packet).visits();
-        let [entry_searched, entry] = scene.column(Name::EntryPoint).visits();
-        let [searched, compressed] = scene.column(Name::Compressed).visits();
-        let [entry_ratio, ratio] = visit_ratios(scene);
+        let [_, packets] = scene.column(Method::Packet).visits();
+        let [entry_searched, entry] = scene.column(Method::EntryPoint).visits();
+        let [searched, compressed] = scene.column(Method::Compressed).visits();
+        let [entry_ratio, ratio] = scene.visit_ratios();
         let counts = [packets, entry, entry_searched, compressed, searched].map(thousands);
         let ratios = [entry_ratio, ratio, ratio / entry_ratio.max(1e-12)].map(|x| (x, 2));
-        let mut row = vec![label(scene)];
+        let mut row = vec![scene.label()];
         row.extend(cells(counts.into_iter().chain(ratios)));
         row.extend(theirs(
             scene,
@@ -108,7 +84,7 @@ fn visits(scenes: &[Scene], settings: &Settings) -> Table {
     table
 }
 
-fn rates(scenes: &[Scene], settings: &Settings) -> Table {
+fn rates(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Millions of rays a second on one thread, searches included, rays made before. S: speed-up \
          over packets from the root, and the highest of a picture. each: one more tree for each \
@@ -139,13 +115,18 @@ fn rates(scenes: &[Scene], settings: &Settings) -> Table {
     let mut table = Table::new("Table 2: packets", note, &heading);
     let _ = settings;
     for scene in scenes {
-        let names =
-            [Name::Packet, Name::EntryPoint, Name::Compressed, Name::CompressedEach, Name::Wide];
-        let rates = names.map(|name| rate(scene, scene.column(name)));
-        let packets = scene.column(Name::Packet);
+        let names = [
+            Method::Packet,
+            Method::EntryPoint,
+            Method::Compressed,
+            Method::CompressedEach,
+            Method::Wide,
+        ];
+        let rates = names.map(|name| scene.rate(scene.column(name)));
+        let packets = scene.column(Method::Packet);
         let speed_up = |name| scene.column(name).speed_up(packets);
-        let speed_ups = [speed_up(Name::EntryPoint), speed_up(Name::Compressed)].concat();
-        let mut row = vec![label(scene), cell(Some(scene.covered * 100.0), 0)];
+        let speed_ups = [speed_up(Method::EntryPoint), speed_up(Method::Compressed)].concat();
+        let mut row = vec![scene.label(), cell(Some(scene.covered * 100.0), 0)];
         row.extend(cells(rates.map(|rate| (rate, 2))));
         row.extend(cells([(rates[0] / rates[4].max(1e-12), 2)]));
         row.extend(cells(speed_ups.into_iter().map(|x| (x, 2))));
@@ -163,7 +144,7 @@ fn rates(scenes: &[Scene], settings: &Settings) -> Table {
     table
 }
 
-fn memory(scenes: &[Scene], settings: &Settings) -> Table {
+fn memory(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Compressed paths in per cent of the hierarchy's nodes (its triangles not counted): in use \
          at once, in the mean picture and at most, and the thread's pool as it has grown. \
@@ -191,9 +172,9 @@ fn memory(scenes: &[Scene], settings: &Settings) -> Table {
     let mut table = Table::new("Table 3: memory and construction", note, &heading);
     for scene in scenes {
         let [nodes, all] = scene.bytes;
-        let [mean, most, pool] = shares(scene);
+        let [mean, most, pool] = scene.pool_shares();
         let [iterative, recursive] = scene.compressing;
-        let mut row = vec![label(scene), scene.triangles.to_string()];
+        let mut row = vec![scene.label(), scene.triangles.to_string()];
         row.extend(cells([
             (nodes as f64 * 1e-6, 2),
             (all as f64 * 1e-6, 2),
@@ -214,16 +195,7 @@ fn memory(scenes: &[Scene], settings: &Settings) -> Table {
     table
 }
 
-/// Bytes of compressed paths in per cent of those of nodes: on average, at most, and of the pool.
-pub(super) fn shares(scene: &Scene) -> [f64; 3] {
-    let column = scene.column(Name::Compressed);
-    let share = |bytes: f64| bytes * 100.0 / scene.bytes[0].max(1) as f64;
-    let mean = column.peaks.iter().sum::<usize>() as f64 / column.peaks.len().max(1) as f64;
-    let most = column.peaks.iter().max().copied().unwrap_or(0);
-    [mean, most as f64, column.pool as f64].map(share)
-}
-
-fn partition(scenes: &[Scene], _: &Settings) -> Table {
+fn partition(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Millions of rays a second. Partitioned packets from the root, and over compressed paths \
          with one more tree for each packet; bvh2 ray by ray from the root, and over the compressed \
@@ -245,13 +217,14 @@ fn partition(scenes: &[Scene], _: &Settings) -> Table {
     ];
     let mut table = Table::new("Table 4: partitioned packets, and single rays", note, &heading);
     for scene in scenes {
-        let mut row = vec![label(scene)];
-        for (from, with) in
-            [(Name::Partition, Name::PartitionCompressed), (Name::Single, Name::SingleCompressed)]
-        {
+        let mut row = vec![scene.label()];
+        for (from, with) in [
+            (Method::Partition, Method::PartitionCompressed),
+            (Method::Single, Method::SingleCompressed),
+        ] {
             let [from, with] = [from, with].map(|name| scene.column(name));
             let [mean, most] = with.speed_up(from);
-            row.extend(cells([rate(scene, from), rate(scene, with), mean, most].map(|x| (x, 2))));
+            row.extend(cells([scene.rate(from), scene.rate(with), mean, most].map(|x| (x, 2))));
         }
         let figures = |p: &paper::Scene| [p.partition[0], p.partition[1], p.partition_speed_up];
         row.extend(theirs(scene, figures, [2, 2, 2]));
@@ -260,24 +233,24 @@ fn partition(scenes: &[Scene], _: &Settings) -> Table {
     table
 }
 
-fn tilings(scenes: &[Scene], _: &Settings) -> Table {
+fn tilings(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "bvh-entry-point with so many tiles a picture, and kd-entry-point, which cuts the \
                 8x8 tiles where the scene is complex. Thousands of nodes a picture, \
                 searched and in all; S: speed-up over packets from the root by 8x8 tiles.";
     let heading = ["", "searched", "in all", "ratio", "Mrays/s", "S"];
     let mut table = Table::new("Entry points by tiles", note, &heading);
     for scene in scenes {
-        table.rows.push(vec![label(scene)]);
-        let packets = scene.column(Name::Packet);
+        table.rows.push(vec![scene.label()]);
+        let packets = scene.column(Method::Packet);
         for (tiling, column) in &scene.tilings {
             let [searched, _] = column.visits();
-            let ratio = sum(column) / sum(packets).max(1.0);
+            let ratio = column.all_visits() / packets.all_visits().max(1.0);
             let mut row = vec![format!("  {}", tiling.name())];
             row.extend(cells([
                 (searched * 1e-3, 1),
-                (sum(column) * 1e-3, 1),
+                (column.all_visits() * 1e-3, 1),
                 (ratio, 2),
-                (rate(scene, column), 2),
+                (scene.rate(column), 2),
                 (column.speed_up(packets)[0], 2),
             ]));
             table.rows.push(row);
@@ -286,38 +259,24 @@ fn tilings(scenes: &[Scene], _: &Settings) -> Table {
     table
 }
 
-impl Tiling {
-    /// As tables name it.
-    pub fn name(self) -> String {
-        match self {
-            Self::Fixed(across) => format!("{across}x{across}"),
-            Self::Adaptive => "kd, adaptive".to_owned(),
-        }
-    }
-}
-
-/// Millions of rays a second.
-pub(super) fn light_rate(light: &Light, column: &Column) -> f64 {
-    light.rays as f64 * 1e-6 / column.total().max(1e-12)
-}
-
-fn to_lights(scenes: &[Scene], _: &Settings) -> Table {
+fn to_lights(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "The paper's open questions (5.2). Shadow rays from what the pictures show to a \
                 light of limited range, and to one that shines into a pyramid: millions of rays a \
                 second, and nodes a ray, searched ones included. PC a light: compressed once for \
                 the light's region, then for each tile; bvh2 PC: ray by ray below that. Area light: \
                 256 rays from a pixel are a packet, and paths are compressed for each.";
-    let columns = lights::TRACERS.map(|(name, ..)| name);
+    let columns = LIGHT_STRUCTURES.map(|(name, ..)| name);
     let nodes = columns.map(|name| format!("{name} nodes"));
     let mut table = Table::new("Rays to lights", note, &[""]);
     table.heading.extend(columns.iter().map(|&name| name.to_owned()).chain(nodes));
     for scene in scenes {
-        table.rows.push(vec![label(scene)]);
+        table.rows.push(vec![scene.label()]);
         for light in &scene.lights {
             let mut row = vec![format!("  {}", light.kind.name())];
-            row.extend(cells(light.columns.iter().map(|one| (light_rate(light, one), 2))));
-            let nodes =
-                |one: &Column| sum(one) * one.seconds.len() as f64 / light.rays.max(1) as f64;
+            row.extend(cells(light.columns.iter().map(|one| (light.rate(one), 2))));
+            let nodes = |one: &Column| {
+                one.all_visits() * one.seconds.len() as f64 / light.rays.max(1) as f64
+            };
             row.extend(cells(light.columns.iter().map(|one| (nodes(one), 3))));
             table.rows.push(row);
         }
@@ -337,11 +296,11 @@ pub fn plots(scenes: &[Scene]) -> Vec<(String, String)> {
         };
         let over = |with, from| scene.column(with).speed_up(scene.column(from))[0];
         let rows = &mut speed_ups;
-        add(rows, "EP", over(Name::EntryPoint, Name::Packet), paper.map(|p| p.speed_ups[0][0]));
-        add(rows, "PC", over(Name::Compressed, Name::Packet), paper.map(|p| p.speed_ups[1][0]));
-        let with = over(Name::PartitionCompressed, Name::Partition);
+        add(rows, "EP", over(Method::EntryPoint, Method::Packet), paper.map(|p| p.speed_ups[0][0]));
+        add(rows, "PC", over(Method::Compressed, Method::Packet), paper.map(|p| p.speed_ups[1][0]));
+        let with = over(Method::PartitionCompressed, Method::Partition);
         add(rows, "PC, partition", with, paper.map(|p| p.partition_speed_up));
-        let [entry, compressed] = visit_ratios(scene);
+        let [entry, compressed] = scene.visit_ratios();
         add(&mut visits, "EP", entry, paper.map(|p| p.ratios[0]));
         add(&mut visits, "PC", compressed, paper.map(|p| p.ratios[1]));
     }

@@ -2,74 +2,21 @@
 //! light of limited reach, whose region is entered once, and for the many rays to a light with an
 //! area, which are packets of one pixel's each.
 
-use super::{Bench, Column, Named};
+use std::time::Instant;
+
+use super::bench::{Bench, Named};
+use super::figures::{Column, Light};
+use super::frame::Frame;
+use super::structures::{ACROSS, LIGHT_STRUCTURES, LightKind, Region, STRUCTURES};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, Tracer};
-use crate::bench::coherent::frame::Frame;
 use crate::bench::measure::{Answers, BenchError, interleaved};
 use crate::bench::ray_sets::Random;
 use crate::geom::Shaft;
 use crate::math::{Aabb, Ray, Vec3};
-use std::time::Instant;
-
-/// What shines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// A point of limited range.
-    Ranged,
-    /// A point that shines into a pyramid, as far as the scene reaches.
-    Spot,
-    /// A square, at which each pixel of a part of the picture aims a packet.
-    Area,
-}
-
-impl Kind {
-    /// All, in the tables' order.
-    pub const ALL: [Self; 3] = [Self::Ranged, Self::Spot, Self::Area];
-
-    /// As tables name it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ranged => "ranged light",
-            Self::Spot => "spot light",
-            Self::Area => "area light",
-        }
-    }
-}
-
-/// What asks: names, structures, and whether the light's region is entered.
-pub const TRACERS: [(&str, &str, &str, Region); 7] = [
-    ("packet", "bvh-packet", "", Region::None),
-    ("PC a slice", "bvh-path-compression", "", Region::None),
-    ("PC a light", "bvh-path-compression", "", Region::Light),
-    ("EP a light", "bvh-entry-point", "", Region::Light),
-    ("bvh2", "bvh2", "", Region::None),
-    ("bvh2 PC a light", "bvh-path-compression", "with=single", Region::Light),
-    ("mbvh8", "mbvh8", "", Region::None),
-];
-
-/// What a tracer enters before rays are shot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Region {
-    /// Nothing.
-    None,
-    /// What the light reaches.
-    Light,
-}
-
-/// Rays to a light.
-#[derive(Clone, Debug)]
-pub struct Light {
-    /// What shines.
-    pub kind: Kind,
-    /// Rays that were shot, over all pictures.
-    pub rays: usize,
-    /// By tracer, in the order of the table.
-    pub columns: Vec<Column>,
-}
 
 /// A light in place.
 struct Lamp {
-    kind: Kind,
+    kind: LightKind,
     at: Vec3,
     size: f32,
     region: Option<Shaft>,
@@ -86,65 +33,63 @@ struct Shadows {
     slices: Vec<(std::ops::Range<usize>, u32)>,
 }
 
-impl Bench<'_> {
-    /// Rays to lights of each kind over all pictures.
-    pub(super) fn lights(&self, built: &[Named]) -> Result<Vec<Light>, BenchError> {
-        let accels = TRACERS.map(|(_, id, options, region)| {
-            let known = super::TRACERS.iter().position(|row| (row.1, row.2) == (id, options));
-            let (spec, accel) = &built[known.expect("is among the structures")];
-            (spec.as_str(), &**accel, region)
-        });
-        Kind::ALL.iter().map(|&kind| self.light(kind, &accels)).collect()
-    }
+/// Measures rays to lights of each kind over all pictures.
+pub fn measure(bench: &Bench<'_>, built: &[Named]) -> Result<Vec<Light>, BenchError> {
+    let accels = LIGHT_STRUCTURES.map(|(_, id, options, region)| {
+        let known = STRUCTURES.iter().position(|known| (known.1, known.2) == (id, options));
+        let (spec, accel) = &built[known.expect("is among the structures")];
+        (spec.as_str(), &**accel, region)
+    });
+    LightKind::ALL.iter().map(|&kind| measure_light(bench, kind, &accels)).collect()
+}
 
-    fn light(
-        &self,
-        kind: Kind,
-        accels: &[(&str, &dyn Accel, Region)],
-    ) -> Result<Light, BenchError> {
-        (self.tell)(&format!("{}: {}", self.name, kind.name()));
-        let mut columns = vec![Column::default(); accels.len()];
-        let mut rays = 0;
-        let mut lamp = None;
-        for pose in &self.flight {
-            let frame = Frame::new(pose, self.settings.resolution, super::ACROSS);
-            let hits = frame.hits(accels[0].1);
-            // The first picture says where it hangs.
-            let lamp = lamp.get_or_insert_with(|| Lamp::new(kind, &frame, &hits));
-            let shadows = lamp.shadows(&frame, &hits);
-            rays += shadows.rays.iter().filter(|ray| **ray != Ray::MISS).count();
-            let answers = |(_, accel, region): &(&str, &dyn Accel, Region)| {
-                let mut answers = shadows.room();
-                shadows.shoot(&mut *accel.tracer(), lamp.region(*region), &mut answers);
-                Answers::Any(answers)
-            };
-            let expected = answers(&accels[0]);
-            for named in &accels[1..] {
-                answers(named).check(&expected, named.0, accels[0].0, kind.name())?;
-            }
-            for (column, (_, accel, region)) in columns.iter_mut().zip(accels) {
-                let mut tracer = accel.counting_tracer();
-                shadows.shoot(&mut *tracer, lamp.region(*region), &mut shadows.room());
-                column.counts = column.counts + tracer.counts();
-            }
-            let seconds = interleaved(accels.len(), self.settings.rounds, |i| {
-                let (_, accel, region) = &accels[i];
-                let (mut tracer, mut answers) = (accel.tracer(), shadows.room());
-                let start = Instant::now();
-                shadows.shoot(&mut *tracer, lamp.region(*region), &mut answers);
-                Ok::<_, BenchError>(start.elapsed().as_secs_f64())
-            })?;
-            for (column, seconds) in columns.iter_mut().zip(seconds) {
-                column.seconds.push(seconds);
-            }
+fn measure_light(
+    bench: &Bench<'_>,
+    kind: LightKind,
+    accels: &[(&str, &dyn Accel, Region)],
+) -> Result<Light, BenchError> {
+    (bench.tell)(&format!("{}: {}", bench.name, kind.name()));
+    let mut columns = vec![Column::default(); accels.len()];
+    let mut rays = 0;
+    let mut lamp = None;
+    for pose in &bench.flight {
+        let frame = Frame::new(pose, bench.settings.resolution, ACROSS);
+        let hits = frame.hits(accels[0].1);
+        // The first picture says where it hangs.
+        let lamp = lamp.get_or_insert_with(|| Lamp::new(kind, &frame, &hits));
+        let shadows = lamp.shadows(&frame, &hits);
+        rays += shadows.rays.iter().filter(|ray| **ray != Ray::MISS).count();
+        let answers = |(_, accel, region): &(&str, &dyn Accel, Region)| {
+            let mut answers = shadows.room();
+            shadows.shoot(&mut *accel.tracer(), lamp.region(*region), &mut answers);
+            Answers::Any(answers)
+        };
+        let expected = answers(&accels[0]);
+        for named in &accels[1..] {
+            answers(named).check(&expected, named.0, accels[0].0, kind.name())?;
         }
-        Ok(Light { kind, rays, columns })
+        for (column, (_, accel, region)) in columns.iter_mut().zip(accels) {
+            let mut tracer = accel.counting_tracer();
+            shadows.shoot(&mut *tracer, lamp.region(*region), &mut shadows.room());
+            column.counts = column.counts + tracer.counts();
+        }
+        let seconds = interleaved(accels.len(), bench.settings.rounds, |i| {
+            let (_, accel, region) = &accels[i];
+            let (mut tracer, mut answers) = (accel.tracer(), shadows.room());
+            let start = Instant::now();
+            shadows.shoot(&mut *tracer, lamp.region(*region), &mut answers);
+            Ok::<_, BenchError>(start.elapsed().as_secs_f64())
+        })?;
+        for (column, seconds) in columns.iter_mut().zip(seconds) {
+            column.seconds.push(seconds);
+        }
     }
+    Ok(Light { kind, rays, columns })
 }
 
 impl Lamp {
     /// A light above what a picture shows, a quarter of that in size or reach.
-    fn new(kind: Kind, frame: &Frame, hits: &[ClosestHit]) -> Self {
+    fn new(kind: LightKind, frame: &Frame, hits: &[ClosestHit]) -> Self {
         let points = frame.rays.iter().zip(hits).filter(|(_, hit)| hit.is_hit());
         let points: Vec<Vec3> = points.map(|(ray, hit)| ray.at(hit.t)).collect();
         let bounds = Aabb::of_points(points.iter().copied());
@@ -155,15 +100,15 @@ impl Lamp {
         let size = bounds.extent().max_element() * 0.25;
         let at = middle + Vec3::Y * (0.4 * size);
         let region = match kind {
-            Kind::Ranged => {
+            LightKind::Ranged => {
                 Shaft::within(Aabb { min: at - Vec3::splat(size), max: at + Vec3::splat(size) })
             }
-            Kind::Spot => {
+            LightKind::Spot => {
                 let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
                 let corners = corners.map(|(x, z)| Vec3::new(x, -1.2, z));
                 Shaft::spot(at, corners, 8.0 * size)
             }
-            Kind::Area => Shaft::within(
+            LightKind::Area => Shaft::within(
                 bounds.union(Aabb { min: at - Vec3::splat(size), max: at + Vec3::splat(size) }),
             ),
         };
@@ -181,7 +126,7 @@ impl Lamp {
             hit.is_hit().then(|| ray.at(hit.t * (1.0 - 1e-4)))
         };
         let ray = |from: Vec3, to: Vec3| Ray::new(from, to - from, 0.0, 1.0 - 1e-4);
-        if self.kind == Kind::Area {
+        if self.kind == LightKind::Area {
             return self.packets(frame.rays.iter().zip(hits).step_by(SHARE).filter_map(from));
         }
         let reached = |point: &Vec3| {

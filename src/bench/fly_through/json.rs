@@ -2,13 +2,14 @@
 
 use serde_json::{Map, Value, json};
 
-use super::lights::{self, Light};
-use super::tables::{light_rate, rate, shares, visit_ratios};
-use super::{Column, Scene, Settings, TRACERS, paper, worth};
+use super::bench::FlyThroughBenchSettings;
+use super::figures::{Column, Light, Scene};
+use super::structures::{LIGHT_STRUCTURES, STRUCTURES};
+use super::{node_worth, paper};
 use crate::accel::Event;
 
 /// All figures, the paper's among them.
-pub fn json(scenes: &[Scene], settings: &Settings) -> Value {
+pub fn json(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Value {
     json!({
         "resolution": [settings.resolution.0, settings.resolution.1],
         "frames": settings.frames,
@@ -24,21 +25,21 @@ pub fn json(scenes: &[Scene], settings: &Settings) -> Value {
 }
 
 fn scene_json(scene: &Scene) -> Value {
-    let columns = TRACERS.iter().zip(&scene.columns).map(|(&(name, id, options), column)| {
-        let mut object = column_json(column, rate(scene, column));
+    let columns = STRUCTURES.iter().zip(&scene.columns).map(|(&(name, id, options), column)| {
+        let mut object = column_json(column, scene.rate(column));
         object.insert("name".to_owned(), format!("{name:?}").into());
         object.insert("accel".to_owned(), id.into());
         object.insert("options".to_owned(), options.into());
         Value::from(object)
     });
     let tilings = scene.tilings.iter().map(|(tiling, column)| {
-        let mut object = column_json(column, rate(scene, column));
+        let mut object = column_json(column, scene.rate(column));
         object.insert("tiles".to_owned(), tiling.name().into());
         Value::from(object)
     });
     let [nodes, bytes] = scene.bytes;
-    let [entry, compressed] = visit_ratios(scene);
-    let [mean, most, pool] = shares(scene);
+    let [entry, compressed] = scene.visit_ratios();
+    let [mean, most, pool] = scene.pool_shares();
     json!({
         "name": scene.name,
         "triangles": scene.triangles,
@@ -49,7 +50,7 @@ fn scene_json(scene: &Scene) -> Value {
         "bytes": bytes,
         "visit_ratios": { "entry_point": entry, "compressed": compressed },
         "pool_percent": { "mean": mean, "max": most, "pool": pool },
-        "worth": worth::json(scene),
+        "worth": node_worth::json(scene),
         "iterative_s": scene.compressing[0],
         "recursive_s": scene.compressing[1],
         "columns": columns.collect::<Vec<_>>(),
@@ -71,9 +72,9 @@ fn column_json(column: &Column, rate: f64) -> Map<String, Value> {
 }
 
 fn light_json(light: &Light) -> Value {
-    let columns = lights::TRACERS.iter().zip(&light.columns);
+    let columns = LIGHT_STRUCTURES.iter().zip(&light.columns);
     let columns = columns.map(|(&(name, ..), column)| {
-        let object = column_json(column, light_rate(light, column));
+        let object = column_json(column, light.rate(column));
         (name.to_owned(), Value::from(object))
     });
     json!({

@@ -1,12 +1,18 @@
 //! Tables over a small scene.
 
-use super::lights::Kind;
+use super::figures::Scene;
+use super::frame::Frame;
+use super::measure::spread;
+use super::structures::{ACROSS, FINER, LightKind, Method, STRUCTURES};
 use super::*;
+use crate::accel::{AccelSpec, build};
 use crate::bench::table::Table;
-use crate::geom::{Triangle, TriangleList};
+use crate::bench::test_scene::cloud;
+use crate::camera::flight::Pose;
 use crate::math::Vec3;
+use crate::simd::Isa;
 
-const SETTINGS: Settings = Settings {
+const SETTINGS: FlyThroughBenchSettings = FlyThroughBenchSettings {
     resolution: (40, 24),
     frames: 2,
     rounds: 1,
@@ -14,15 +20,6 @@ const SETTINGS: Settings = Settings {
     memory: u64::MAX,
     isa: Isa::Portable,
 };
-
-fn source(count: usize) -> Arc<dyn TriangleSource> {
-    let corner = |i: usize| Vec3::new((i * i % 37) as f32, (i * 7 % 31) as f32, (i % 50) as f32);
-    let list = (0..count).map(|i| {
-        let a = corner(i);
-        Triangle { a, b: a + Vec3::X * 3.0, c: a + Vec3::new(1.0, 4.0, 2.0) }
-    });
-    Arc::new(TriangleList(list.collect()))
-}
 
 fn flight() -> Vec<Pose> {
     let pose = |i: u16| {
@@ -33,7 +30,7 @@ fn flight() -> Vec<Pose> {
 }
 
 fn scene() -> Scene {
-    measure("cloud", &source(2000), &flight(), &SETTINGS, &|_| {}).expect("all agree")
+    measure("cloud", &cloud(2000), &flight(), &SETTINGS, &|_| {}).expect("all agree")
 }
 
 #[test]
@@ -42,7 +39,7 @@ fn every_table_has_its_rows_and_no_row_is_too_long() {
     scene.triangles = 644_000;
     let tables = tables(&[scene], &SETTINGS);
     let rows: Vec<_> = tables.iter().map(|table| table.rows.len()).collect();
-    assert_eq!(rows, [1, 1, 1, 1, 3, 1 + FINER.len() + 2, 1 + Kind::ALL.len()]);
+    assert_eq!(rows, [1, 1, 1, 1, 3, 1 + FINER.len() + 2, 1 + LightKind::ALL.len()]);
     for table in &tables {
         let width = table.heading.len();
         assert!(table.rows.iter().all(|row| row.len() <= width), "{}", table.title);
@@ -63,19 +60,21 @@ fn work_is_counted_and_pools_are_found_empty_again() {
     let scene = scene();
     let of = |name| scene.column(name);
     assert!(scene.covered > 0.2 && scene.covered < 1.0, "{}", scene.covered);
-    assert_eq!(of(Name::Packet).visits()[0], 0.0, "packets from the root search nothing");
-    for name in [Name::EntryPoint, Name::Compressed, Name::SingleCompressed] {
+    assert_eq!(of(Method::Packet).visits()[0], 0.0, "packets from the root search nothing");
+    for name in [Method::EntryPoint, Method::Compressed, Method::SingleCompressed] {
         assert!(of(name).visits()[0] > 0.0, "{name:?}");
-        assert!(of(name).visits()[1] < of(Name::Single).visits()[1], "{name:?}");
+        assert!(of(name).visits()[1] < of(Method::Single).visits()[1], "{name:?}");
     }
-    assert!(of(Name::Compressed).visits()[1] < of(Name::Packet).visits()[1]);
-    assert!(of(Name::SingleCompressed).visits()[1] < of(Name::Single).visits()[1]);
-    assert!(of(Name::Compressed).peaks.iter().all(|&bytes| bytes > 0));
-    assert!(of(Name::Compressed).pool >= *of(Name::Compressed).peaks.iter().max().unwrap_or(&0));
-    assert_eq!((of(Name::EntryPoint).pool, of(Name::Packet).pool), (0, 0));
+    assert!(of(Method::Compressed).visits()[1] < of(Method::Packet).visits()[1]);
+    assert!(of(Method::SingleCompressed).visits()[1] < of(Method::Single).visits()[1]);
+    assert!(of(Method::Compressed).peaks.iter().all(|&bytes| bytes > 0));
+    assert!(
+        of(Method::Compressed).pool >= *of(Method::Compressed).peaks.iter().max().unwrap_or(&0)
+    );
+    assert_eq!((of(Method::EntryPoint).pool, of(Method::Packet).pool), (0, 0));
     let frame = Frame::new(&flight()[0], SETTINGS.resolution, ACROSS);
     let spec: AccelSpec = "bvh-path-compression".parse().expect("known");
-    let accel = build(&spec, source(2000), Isa::Portable).expect("builds");
+    let accel = build(&spec, cloud(2000), Isa::Portable).expect("builds");
     let mut tracer = accel.tracer();
     for _ in 0..3 {
         frame.seconds(&mut *tracer);
@@ -90,8 +89,8 @@ fn json_and_plots_hold_every_structure() {
     let text = json(&scenes, &SETTINGS).to_string();
     let read: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let of_scene = &read["scenes"][0];
-    assert_eq!(of_scene["columns"].as_array().map(Vec::len), Some(TRACERS.len()));
-    assert_eq!(of_scene["lights"].as_array().map(Vec::len), Some(Kind::ALL.len()));
+    assert_eq!(of_scene["columns"].as_array().map(Vec::len), Some(STRUCTURES.len()));
+    assert_eq!(of_scene["lights"].as_array().map(Vec::len), Some(LightKind::ALL.len()));
     assert!(of_scene["lights"][0]["rays"].as_u64().is_some_and(|rays| rays > 0));
     let worth = &of_scene["worth"]["packets"]["node"];
     assert!(worth.is_null() || worth["share"].is_number(), "{worth}");
@@ -110,12 +109,12 @@ fn a_flight_is_thinned_out_evenly() {
 
 #[test]
 fn an_empty_scene_is_measured_too_and_a_large_one_refused() {
-    let scene = measure("empty", &source(0), &flight(), &SETTINGS, &|_| {}).expect("all agree");
+    let scene = measure("empty", &cloud(0), &flight(), &SETTINGS, &|_| {}).expect("all agree");
     let tables = tables(&[scene], &SETTINGS);
     assert_eq!(tables.len(), 7);
     let text: String = tables.iter().map(Table::markdown).collect();
     assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
-    let settings = Settings { memory: 1000, ..SETTINGS };
-    let error = measure("cloud", &source(100), &flight(), &settings, &|_| {}).expect_err("large");
+    let settings = FlyThroughBenchSettings { memory: 1000, ..SETTINGS };
+    let error = measure("cloud", &cloud(100), &flight(), &settings, &|_| {}).expect_err("large");
     assert!(error.to_string().contains("more than the 1000"), "{error}");
 }

@@ -2,11 +2,12 @@
 
 use serde_json::{Map, Value, json};
 
-use super::super::table::{Table, cell};
+use super::bench::FlyThroughBenchSettings;
+use super::figures::{Column, Scene};
 use super::paper;
-use super::tables::{label, sum};
-use super::{Column, Name, Scene, Settings};
+use super::structures::Method;
 use crate::accel::Event;
+use crate::bench::table::{Table, cell};
 
 /// Rays of a packet, which the table counts by.
 const RAYS: f64 = 256.0;
@@ -15,9 +16,9 @@ const RAYS: f64 = 256.0;
 type Cost = [f64; 2];
 
 /// Rows of the table, and what is compared.
-const PAIRS: [(&str, Name, Name); 2] = [
-    ("packets", Name::Packet, Name::Compressed),
-    ("partitioned, a tree each", Name::Partition, Name::PartitionCompressed),
+const PAIRS: [(&str, Method, Method); 2] = [
+    ("packets", Method::Packet, Method::Compressed),
+    ("partitioned, a tree each", Method::Partition, Method::PartitionCompressed),
 ];
 
 /// Seconds that each event spared has saved, and the share of the time from the root that all of
@@ -46,7 +47,7 @@ fn theirs(scene: &paper::Scene) -> [Cost; 2] {
 }
 
 /// The work of a packet from the root and over compressed paths, and what a node spared is worth.
-pub fn table(scenes: &[Scene], _: &Settings) -> Table {
+pub fn table(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "For each 256 rays: nodes, searched ones among them; bundles of eight rays held \
                 against boxes, and against triangles; verdicts of single rays. Of packets from the \
                 root, and over compressed paths (PC). ns a node: what was gained in time, for each \
@@ -77,11 +78,11 @@ pub fn table(scenes: &[Scene], _: &Settings) -> Table {
     ];
     let mut table = Table::new("What a node spared is worth", note, &heading);
     for scene in scenes {
-        table.rows.push(vec![label(scene)]);
+        table.rows.push(vec![scene.label()]);
         for (what, from, with) in PAIRS {
             let mut row = vec![format!("  {what}")];
             row.extend(ours(scene, [from, with].map(|name| scene.column(name))));
-            let paper = paper::Scene::of(scene.triangles).filter(|_| from == Name::Packet);
+            let paper = paper::Scene::of(scene.triangles).filter(|_| from == Method::Packet);
             row.extend(paper.map(paper_cells).into_iter().flatten());
             table.rows.push(row);
         }
@@ -101,7 +102,7 @@ fn ours(scene: &Scene, [from, with]: [&Column; 2]) -> Vec<String> {
 
 /// What nodes and box tests are worth, in seconds and as a share; `null` where that is not known.
 pub fn json(scene: &Scene) -> Value {
-    let object = |(what, from, with): (&str, Name, Name)| {
+    let object = |(what, from, with): (&str, Method, Method)| {
         let columns = [from, with].map(|name| scene.column(name));
         let [nodes, boxes] = prices(columns).map(|worth| match worth {
             Some([each, share]) => json!({ "seconds": each, "share": share }),
@@ -121,7 +122,7 @@ fn prices([from, with]: [&Column; 2]) -> [Option<[f64; 2]>; 2] {
 
 /// Nodes looked at, of all pictures.
 fn nodes(column: &Column) -> f64 {
-    sum(column) * column.seconds.len() as f64
+    column.all_visits() * column.seconds.len() as f64
 }
 
 fn paper_cells(scene: &paper::Scene) -> Vec<String> {

@@ -2,8 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::tests::{awkward, direction, scattered};
-use super::*;
+use super::family::{FILM, awkward, direction, is_sane, scattered};
+use crate::material::{Bsdf, BsdfForm, Layers, SurfaceParams};
+use crate::math::{Vec2, Vec3};
 
 fn layered(params: SurfaceParams, layers: Layers) -> Bsdf {
     Bsdf::layered(&params, &layers, BsdfForm::Conserving)
@@ -103,16 +104,10 @@ fn a_bent_coat_mirrors_about_its_own_normal() {
 /// through, in every colour.
 #[test]
 fn glass_under_a_film_loses_nothing() {
-    let film = Layers {
-        iridescence: 1.0,
-        iridescence_ior: 1.33,
-        iridescence_thickness: 380.0,
-        ..Layers::NONE
-    };
     for thin in [false, true] {
         let glass = SurfaceParams { transmission: 1.0, thin, ..SurfaceParams::default() };
         for roughness in [0.0, 0.3, 0.6] {
-            let bsdf = layered(SurfaceParams { roughness, ..glass }, film);
+            let bsdf = layered(SurfaceParams { roughness, ..glass }, FILM);
             for cos in [1.0, 0.7, 0.3, -0.9, -0.4] {
                 let (albedo, _) = scattered(&bsdf, direction(cos), 16_384);
                 let error = (albedo - Vec3::ONE).abs().max_element();
@@ -184,14 +179,6 @@ proptest! {
         };
         let unit = |v: [f32; 3]| Vec3::from_array(v).try_normalize().unwrap_or(Vec3::Z);
         let bsdf = Bsdf::layered(&params, &layers, BsdfForm::ALL[(flags >> 1 & 1) as usize]);
-        let (value, pdf) = bsdf.eval(unit(wo), unit(wi));
-        prop_assert!(value.is_finite() && value.min_element() >= 0.0, "{} {:?}", value, bsdf);
-        prop_assert!(pdf.is_finite() && pdf >= 0.0);
-        if let Some(sample) = bsdf.sample(unit(wo), u[0], Vec2::new(u[1], u[2])) {
-            prop_assert!((sample.wi.length() - 1.0).abs() < 1e-3, "{:?}", sample);
-            prop_assert!(sample.weight.is_finite() && sample.weight.min_element() >= 0.0);
-            prop_assert!(sample.pdf.is_finite() && sample.pdf > 0.0);
-        }
-        prop_assert!(bsdf.albedo().is_finite());
+        is_sane(&bsdf, unit(wo), unit(wi), u[0], Vec2::new(u[1], u[2]))?;
     }
 }
