@@ -94,6 +94,43 @@ fn links_lead_somewhere() {
 }
 
 #[test]
+fn paths_are_those_of_the_project() {
+    let folders = ["src/", "tests/", "docs/", "examples/", "fuzz/", "golden/", "scenes/", ".ci/"];
+    let mut paths = 0;
+    for name in DOCUMENTS {
+        let document = read(name);
+        let is_path = |code: &&str| folders.iter().any(|folder| code.starts_with(folder));
+        for path in document.code().filter(is_path).filter(|path| !path.contains([' ', '*', ':'])) {
+            assert!(root().join(path).exists(), "{name}: {path}");
+            paths += 1;
+        }
+    }
+    assert!(paths >= 80, "{paths} paths");
+}
+
+#[test]
+fn names_in_the_design_are_those_of_the_sources() {
+    let (document, sources) = (read("docs/design.md"), sources(&root().join("src")));
+    let is_name = |code: &&str| {
+        let named = code.chars().all(|c| c.is_ascii_alphanumeric() || "_:!".contains(c));
+        named && code.len() > 1
+    };
+    for name in document.code().filter(is_name) {
+        let last = name.trim_end_matches('!').rsplit("::").next().expect("has a last part");
+        assert!(sources.contains(last), "{name}");
+    }
+}
+
+/// All sources of a folder, one after the other.
+fn sources(folder: &Path) -> String {
+    let entries = fs::read_dir(folder).expect("is readable").map(|entry| entry.expect("is there"));
+    let text = |path: PathBuf| {
+        if path.is_dir() { sources(&path) } else { fs::read_to_string(path).expect("is text") }
+    };
+    entries.map(|entry| text(entry.path())).collect()
+}
+
+#[test]
 fn every_document_is_linked_from_the_readme() {
     let readme = read("README.md");
     let links: BTreeSet<_> = readme.links().collect();

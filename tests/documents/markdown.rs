@@ -76,6 +76,11 @@ impl Document {
         })
     }
 
+    /// What stands as code amid words.
+    pub fn code(&self) -> impl Iterator<Item = &str> {
+        self.prose().flat_map(|(_, line)| line.split('`').skip(1).step_by(2))
+    }
+
     /// Its headings, without the marks.
     pub fn headings(&self) -> impl Iterator<Item = &str> {
         let heading = |line: &'_ str| line.starts_with('#');
