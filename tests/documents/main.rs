@@ -131,6 +131,19 @@ fn sources(folder: &Path) -> String {
 }
 
 #[test]
+fn programs_of_the_guide_are_those_of_the_examples() {
+    let example = fs::read_to_string(root().join("examples/render.rs")).expect("is there");
+    let (guide, mut lines) = (read("docs/guide.md"), 0);
+    for block in guide.blocks().iter().filter(|block| block.language == "rust") {
+        for line in &block.lines {
+            assert!(example.lines().any(|other| other.trim() == *line), "{line}");
+            lines += 1;
+        }
+    }
+    assert!(lines >= 8, "{lines} lines");
+}
+
+#[test]
 fn every_document_is_linked_from_the_readme() {
     let readme = read("README.md");
     let links: BTreeSet<_> = readme.links().collect();
