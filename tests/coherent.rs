@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use dapple::Isa;
-use dapple::accel::{Accel, AnyHit, Batch, ClosestHit, Counts, Event, HitFilter, build};
+use dapple::accel::{
+    Accel, AnyHit, Batch, ClosestHit, Counts, Event, HitFilter, Regions, Tracer, build,
+};
 use dapple::geom::{Shaft, Triangle, TriangleList, TriangleSource};
 use dapple::math::{Aabb, Ray, Vec3};
 use dapple::testing::Random;
@@ -103,8 +105,17 @@ fn answers(
     filter: Option<&dyn HitFilter>,
     counting: bool,
 ) -> (Vec<ClosestHit>, Vec<AnyHit>) {
-    let batch = Batch::new(rays).with_grid(WIDTH as u32, HEIGHT as u32).with_filter(filter);
     let mut tracer = if counting { accel.counting_tracer() } else { accel.tracer() };
+    trace(&mut *tracer, rays, filter)
+}
+
+/// Answers in one slice with its raster, by a tracer that may be narrowed to a region.
+fn trace(
+    tracer: &mut dyn Tracer,
+    rays: &[Ray],
+    filter: Option<&dyn HitFilter>,
+) -> (Vec<ClosestHit>, Vec<AnyHit>) {
+    let batch = Batch::new(rays).with_grid(WIDTH as u32, HEIGHT as u32).with_filter(filter);
     let (mut hits, mut any) = (vec![ClosestHit::MISS; rays.len()], vec![AnyHit(true); rays.len()]);
     tracer.closest_hits(&batch, &mut hits);
     tracer.any_hits(&batch, &mut any);
@@ -161,7 +172,7 @@ fn rasters_are_answered_as_brute_force_does() {
 }
 
 #[test]
-fn a_view_answers_rays_inside_and_outside_of_it() {
+fn a_tracer_in_a_region_answers_rays_inside_and_outside_of_it() {
     let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(soup(3000, 0.2, 1.0)));
     let structure = |spec: &str| {
         build(&spec.parse().expect("known"), Arc::clone(&source), Isa::Auto).expect("it builds")
@@ -178,18 +189,26 @@ fn a_view_answers_rays_inside_and_outside_of_it() {
     let rays = raster(eye, Vec3::Z, 0.6, 0.0, 4, 1.0);
     let expected = answers(&*structure("brute"), &rays, None, false);
     for id in ["bvh-packet", "kd-packet", "kd-lcts"] {
-        assert!(structure(id).view(&shaft(0.4, 0.0)).is_none(), "{id}");
+        assert!(structure(id).tracer().regions().is_none(), "{id}");
     }
     for spec in SPECS.iter().filter(|spec| spec.contains("entry") || spec.contains("path")) {
         let whole = structure(spec);
-        let around = whole.view(&shaft(0.4, 0.0)).expect("it can be narrowed");
-        let part = around.view(&shaft(0.1, 0.1)).expect("and once more");
-        let aside = whole.view(&shaft(0.1, 40.0)).expect("to nothing as well");
-        for (number, view) in [&around, &part, &aside].into_iter().enumerate() {
-            let (hits, any) = answers(&**view, &rays, None, false);
+        let mut tracer = whole.tracer();
+        let mut check = |what: &str, change: &dyn Fn(&mut dyn Regions)| {
+            change(&mut *tracer.regions().expect("it can be narrowed"));
+            let (hits, any) = trace(&mut *tracer, &rays, None);
             let same = hits.iter().zip(&expected.0).all(|(hit, sure)| hit.same_bits(sure));
-            assert!(same && any == expected.1, "{spec}, view {number}");
-        }
+            assert!(same && any == expected.1, "{spec}, {what}");
+        };
+        check("around", &|regions| regions.enter(&shaft(0.4, 0.0)));
+        check("and once more", &|regions| regions.enter(&shaft(0.1, 0.1)));
+        check("around again", &|regions| regions.leave());
+        check("outside", &|regions| regions.leave());
+        check("aside, where there is nothing", &|regions| regions.enter(&shaft(0.1, 40.0)));
+        check("outside again, whatever is left", &|regions| {
+            regions.leave();
+            regions.leave();
+        });
     }
 }
 

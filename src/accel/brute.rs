@@ -15,8 +15,8 @@ use fearless_simd::{Level, Simd, SimdBase, SimdMask, f32x8};
 use rayon::prelude::*;
 
 use super::{
-    Batch, BuildInput, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse, Variant,
-    test_triangle,
+    Batch, BuildInput, BuildReport, Counters, Event, MemoryReport, PreparedRay, Query, RayContext,
+    SliceContext, Structure, Traverse, Variant,
 };
 use crate::geom::{TriangleSource, own_box};
 use crate::math::TriangleId;
@@ -67,48 +67,50 @@ impl Brute {
 
     /// Tests blocks `first..first + blocks.len()` of boxes.
     #[inline(always)]
-    fn test<S: Simd, Q: Query, C: Counters>(
+    fn test_blocks<S: Simd, Q: Query, C: Counters>(
         &self,
-        simd: S,
+        context: &mut RayContext<'_, S, Q, C>,
         first: usize,
         blocks: &[Boxes],
-        shot: &Shot<'_>,
-        query: &mut Q,
-        counters: &mut C,
     ) -> ControlFlow<()> {
         for (i, boxes) in blocks.iter().enumerate() {
-            counters.count(Event::BoxTest);
-            let mut lanes = boxes.entered(simd, shot, query.t_max());
+            context.counters.count(Event::BoxTest);
+            let mut lanes = boxes.entered(context.simd, context.ray, context.query.t_max());
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
                 let id = TriangleId::from_index((first + i) * 8 + lane);
-                counters.count(Event::TriangleTest);
-                test_triangle(simd, shot, id, &self.source.triangle(id), query, counters)?;
+                context.counters.count(Event::TriangleTest);
+                context.test_triangle(id, &self.source.triangle(id))?;
             }
         }
         ControlFlow::Continue(())
     }
 
+    /// Answers rays, the first of which is number `from` of the batch.
     #[inline(always)]
-    fn group<S: Simd, Q: Query, C: Counters>(
+    fn trace_group<S: Simd, Q: Query, C: Counters>(
         &self,
-        simd: S,
-        shots: &[Shot<'_>],
-        answers: &mut [Q::Answer],
-        counters: &mut C,
+        slice: &mut SliceContext<'_, S, Q, C>,
+        from: usize,
     ) {
+        let simd = slice.simd;
+        let filter = slice.batch.filter();
+        let rays: Vec<PreparedRay<'_>> = (slice.batch.rays().iter().enumerate())
+            .map(|(i, ray)| PreparedRay::new(ray, from + i, filter))
+            .collect();
         let mut queries: Vec<(Q, bool)> =
-            shots.iter().map(|shot| (Q::new(&shot.ray), false)).collect();
+            rays.iter().map(|prepared| (Q::new(&prepared.ray), false)).collect();
         for (group, blocks) in self.boxes.chunks(BLOCKS).enumerate() {
-            for (shot, (query, done)) in shots.iter().zip(&mut queries) {
+            for (ray, (query, done)) in rays.iter().zip(&mut queries) {
                 if !*done {
-                    let first = group * BLOCKS;
-                    *done = self.test(simd, first, blocks, shot, query, counters).is_break();
+                    let counters = &mut *slice.counters;
+                    let context = &mut RayContext { simd, ray, query, counters };
+                    *done = self.test_blocks(context, group * BLOCKS, blocks).is_break();
                 }
             }
         }
-        for ((query, _), answer) in queries.iter().zip(answers) {
+        for ((query, _), answer) in queries.iter().zip(&mut *slice.answers) {
             *answer = query.answer();
         }
     }
@@ -132,8 +134,8 @@ fn pack(source: &dyn TriangleSource, block: usize) -> Boxes {
 impl Boxes {
     /// Bit `i` is set if the ray enters box `i` at or before `t_max`.
     #[inline(always)]
-    fn entered<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> u32 {
-        let slab = &shot.slab;
+    fn entered<S: Simd>(&self, simd: S, prepared: &PreparedRay<'_>, t_max: f32) -> u32 {
+        let slab = &prepared.slab;
         let plane = |axis: usize, upper: usize, inverse: f32| {
             let planes = f32x8::load_array_ref(simd, &self.0[upper * 3 + axis]);
             (planes - slab.origin[axis]) * inverse
@@ -146,54 +148,10 @@ impl Boxes {
     }
 }
 
-impl Traverse for Brute {
+impl Structure for Brute {
     type Scratch = ();
 
     fn scratch(&self) {}
-
-    #[inline(always)]
-    fn walk<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        shot: &Shot<'_>,
-        query: &mut Q,
-        (): &mut (),
-        counters: &mut C,
-    ) {
-        // Break and end mean the same here: there is nothing left to do.
-        let _ = self.test(simd, 0, &self.boxes, shot, query, counters);
-    }
-
-    #[inline(always)]
-    fn shoot<S: Simd, Q: Query, C: Counters>(
-        &self,
-        _: S,
-        batch: &Batch<'_>,
-        answers: &mut [Q::Answer],
-        (): &mut (),
-        counters: &mut C,
-    ) {
-        // A closure that rayon runs elsewhere is not compiled for this instruction set, so each
-        // group finds its way to it anew.
-        let groups = batch.rays().par_chunks(RAYS).zip(answers.par_chunks_mut(RAYS)).enumerate();
-        let counts: Vec<C> = groups
-            .map(|(group, (rays, answers))| {
-                let mut counters = C::default();
-                let shots: Vec<Shot<'_>> = (rays.iter().enumerate())
-                    .map(|(i, ray)| Shot::new(ray, group * RAYS + i, batch.filter()))
-                    .collect();
-                crate::simd::vectorized!(self.level, simd =>
-                    self.group::<_, Q, C>(simd, &shots, answers, &mut counters));
-                counters
-            })
-            .collect();
-        for counted in counts {
-            let counted = counted.counts();
-            for event in Event::ALL {
-                counters.add(event, counted[event]);
-            }
-        }
-    }
 
     fn level(&self) -> Level {
         self.level
@@ -205,5 +163,37 @@ impl Traverse for Brute {
 
     fn report(&self) -> &BuildReport {
         &self.report
+    }
+}
+
+impl Traverse for Brute {
+    #[inline(always)]
+    fn trace<S: Simd, Q: Query, C: Counters>(
+        &self,
+        slice: &mut SliceContext<'_, S, Q, C>,
+        (): &mut (),
+    ) {
+        // A closure that rayon runs elsewhere is not compiled for this instruction set, so each
+        // group finds its way to it anew.
+        let (rays, filter) = (slice.batch.rays(), slice.batch.filter());
+        let groups = rays.par_chunks(RAYS).zip(slice.answers.par_chunks_mut(RAYS)).enumerate();
+        let counts: Vec<C> = groups
+            .map(|(group, (rays, answers))| {
+                let mut counters = C::default();
+                let batch = Batch::new(rays).with_filter(filter);
+                crate::simd::vectorized!(self.level, simd => {
+                    let counters = &mut counters;
+                    let slice = &mut SliceContext::<_, Q, _> { simd, batch, answers, counters };
+                    self.trace_group(slice, group * RAYS);
+                });
+                counters
+            })
+            .collect();
+        for counted in counts {
+            let counted = counted.counts();
+            for event in Event::ALL {
+                slice.counters.add(event, counted[event]);
+            }
+        }
     }
 }

@@ -26,82 +26,28 @@
 mod batch;
 pub mod brute;
 pub mod bvh;
-mod coherent;
+mod context;
 mod counters;
 mod error;
+mod interface;
 pub mod kd;
+mod narrowing;
 mod options;
+mod packet;
 mod query;
 mod report;
 mod traverse;
+mod variant;
 mod variants;
 
-use fearless_simd::Level;
-
 pub use batch::{AnyHit, Batch, ClosestHit, HitFilter};
+pub use context::{RayContext, SliceContext};
 pub use counters::{Counters, Counts, Event, NotCounted};
 pub use error::{BuildError, SpecError};
+pub use interface::{Accel, Regions, Tracer};
 pub use options::{OptionSpec, Options, Value, Values};
-pub use query::{Any, Closest, Query, Shot, Terms, test_block, test_each, test_triangle};
+pub use query::{Any, Closest, HitCriteria, PreparedRay, Query};
 pub use report::{BuildReport, MemoryReport, Phases, PoolUse};
-pub use traverse::Traverse;
-pub use variants::{AccelSpec, BuildInput, VARIANTS, Variant, build};
-
-use crate::geom::Shaft;
-
-/// A built structure: plain data, shared by all threads, never changed.
-pub trait Accel: Send + Sync {
-    /// What one worker thread shoots with; it owns stacks, caches and pools.
-    fn tracer(&self) -> Box<dyn Tracer + '_>;
-
-    /// The same, counting its work; slower, and at the portable instruction set.
-    fn counting_tracer(&self) -> Box<dyn Tracer + '_>;
-
-    /// The instruction set that it was built to be walked with.
-    fn level(&self) -> Level;
-
-    /// The same structure narrowed to a region, for many slices of rays that lie in it: a screen, a
-    /// tile, what a light reaches. Rays that the region does not hold are answered too. `None` if
-    /// the structure has nothing to gain by it.
-    fn view(&self, _: &Shaft) -> Option<Box<dyn Accel + '_>> {
-        None
-    }
-
-    /// Exact bytes by part.
-    fn memory(&self) -> MemoryReport;
-
-    /// How it was built.
-    fn report(&self) -> &BuildReport;
-}
-
-/// Answers slices of rays. One ray is a slice of one.
-pub trait Tracer {
-    /// The nearest hit of each ray.
-    ///
-    /// # Panics
-    /// If `hits` is not as long as the batch.
-    fn closest_hits(&mut self, batch: &Batch<'_>, hits: &mut [ClosestHit]);
-
-    /// Whether each ray hits anything.
-    ///
-    /// # Panics
-    /// If `hits` is not as long as the batch.
-    fn any_hits(&mut self, batch: &Batch<'_>, hits: &mut [AnyHit]);
-
-    /// Narrows what follows to a region, until [`Tracer::leave`]: for many slices of rays that lie
-    /// in it, such as those of a screen or of a tile of it. Regions are nested, each within the last.
-    /// What a structure derives for one lies in a pool of this thread, upon that of the region
-    /// around it, and goes when it is left. Rays that the region does not hold are answered too.
-    fn enter(&mut self, _: &Shaft) {}
-
-    /// Ends the innermost region; nothing happens if there is none.
-    fn leave(&mut self) {}
-
-    /// Bytes of this thread's pool.
-    fn pool(&mut self) -> PoolUse {
-        PoolUse::default()
-    }
-
-    /// What was counted since it was made; all zero unless it counts.
-    fn counts(&self) -> Counts;
-}
+pub use traverse::{Structure, Traverse, WalkRay};
+pub use variant::{BuildInput, Variant};
+pub use variants::{AccelSpec, VARIANTS, build};

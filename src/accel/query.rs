@@ -2,16 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Simd, SimdFloat};
-
-use super::{AnyHit, ClosestHit, Counters, Event, HitFilter};
-use crate::geom::{BlockRef, Corners, ShearRay, SlabRay, verdict};
-use crate::math::{Ray, TriangleId};
-use crate::simd::baseline;
+use super::{AnyHit, ClosestHit, HitFilter};
+use crate::geom::{ShearRay, SlabRay};
+use crate::math::Ray;
 
 /// A ray of a batch with all that its tests need.
 #[derive(Clone, Copy)]
-pub struct Shot<'a> {
+pub struct PreparedRay<'a> {
     /// The ray.
     pub ray: Ray,
     /// For boxes.
@@ -24,7 +21,7 @@ pub struct Shot<'a> {
     pub filter: Option<&'a dyn HitFilter>,
 }
 
-impl<'a> Shot<'a> {
+impl<'a> PreparedRay<'a> {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: &Ray, index: usize, filter: Option<&'a dyn HitFilter>) -> Self {
@@ -33,14 +30,14 @@ impl<'a> Shot<'a> {
 
     /// What its hits must meet.
     #[inline(always)]
-    pub fn terms(&self) -> Terms<'a> {
-        Terms { t_min: self.ray.t_min(), index: self.index, filter: self.filter }
+    pub fn criteria(&self) -> HitCriteria<'a> {
+        HitCriteria { t_min: self.ray.t_min(), index: self.index, filter: self.filter }
     }
 }
 
 /// What a ray's hits must meet, apart from what was found already.
 #[derive(Clone, Copy)]
-pub struct Terms<'a> {
+pub struct HitCriteria<'a> {
     /// They lie beyond this.
     pub t_min: f32,
     /// The ray's place in the batch.
@@ -49,7 +46,7 @@ pub struct Terms<'a> {
     pub filter: Option<&'a dyn HitFilter>,
 }
 
-impl Terms<'_> {
+impl HitCriteria<'_> {
     #[inline(always)]
     fn accepts(&self, hit: &ClosestHit) -> bool {
         self.filter.is_none_or(|filter| filter.accepts(self.index, hit))
@@ -71,7 +68,7 @@ pub trait Query: Sized {
     fn t_max(&self) -> f32;
 
     /// Considers a hit; `Break` if the answer is final.
-    fn offer(&mut self, terms: &Terms<'_>, hit: ClosestHit) -> ControlFlow<()>;
+    fn offer(&mut self, criteria: &HitCriteria<'_>, hit: ClosestHit) -> ControlFlow<()>;
 
     /// The answer.
     fn answer(&self) -> Self::Answer;
@@ -99,10 +96,10 @@ impl Query for Closest {
     }
 
     #[inline(always)]
-    fn offer(&mut self, terms: &Terms<'_>, hit: ClosestHit) -> ControlFlow<()> {
+    fn offer(&mut self, criteria: &HitCriteria<'_>, hit: ClosestHit) -> ControlFlow<()> {
         let best = &self.best;
         let better = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
-        if better && hit.t > terms.t_min && terms.accepts(&hit) {
+        if better && hit.t > criteria.t_min && criteria.accepts(&hit) {
             self.best = hit;
         }
         ControlFlow::Continue(())
@@ -136,8 +133,8 @@ impl Query for Any {
     }
 
     #[inline(always)]
-    fn offer(&mut self, terms: &Terms<'_>, hit: ClosestHit) -> ControlFlow<()> {
-        if hit.t > terms.t_min && hit.t <= self.t_max && terms.accepts(&hit) {
+    fn offer(&mut self, criteria: &HitCriteria<'_>, hit: ClosestHit) -> ControlFlow<()> {
+        if hit.t > criteria.t_min && hit.t <= self.t_max && criteria.accepts(&hit) {
             self.found = true;
             return ControlFlow::Break(());
         }
@@ -148,67 +145,4 @@ impl Query for Any {
     fn answer(&self) -> AnyHit {
         AnyHit(self.found)
     }
-}
-
-/// Lets the verdict speak over one triangle and offers what it finds.
-#[inline(always)]
-pub fn test_triangle<S: Simd, Q: Query, C: Counters>(
-    simd: S,
-    shot: &Shot<'_>,
-    id: TriangleId,
-    triangle: &impl Corners,
-    query: &mut Q,
-    counters: &mut C,
-) -> ControlFlow<()> {
-    counters.count(Event::Verdict);
-    match verdict(simd, &shot.slab, &shot.shear, triangle) {
-        Some([t, u, v]) => query.offer(&shot.terms(), ClosestHit { t, u, v, triangle: id }),
-        None => ControlFlow::Continue(()),
-    }
-}
-
-/// Tests a block: filters all at once, then lets the verdict speak over what is left.
-#[inline(always)]
-pub fn test_block<S, V, Q, C, const W: usize>(
-    simd: S,
-    shot: &Shot<'_>,
-    block: BlockRef<'_, W>,
-    query: &mut Q,
-    counters: &mut C,
-) -> ControlFlow<()>
-where
-    S: Simd,
-    V: SimdFloat<S, Element = f32, Array = [f32; W]>,
-    Q: Query,
-    C: Counters,
-{
-    counters.count(Event::TriangleTest);
-    if C::COUNTS {
-        counters.add(Event::TriangleLane, block.len() as u64);
-    }
-    let mut lanes = block.candidates::<S, V>(simd, &shot.ray, query.t_max());
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize;
-        lanes &= lanes - 1;
-        let id = block.ids[lane];
-        if id != TriangleId::NONE {
-            test_triangle(simd, shot, id, &block.lane(lane), query, counters)?;
-        }
-    }
-    ControlFlow::Continue(())
-}
-
-/// Lets the verdict speak over all triangles of a block, unfiltered: small, for rays that are
-/// hardly ever met.
-pub fn test_each<Q: Query, C: Counters, const W: usize>(
-    shot: &Shot<'_>,
-    block: BlockRef<'_, W>,
-    query: &mut Q,
-    counters: &mut C,
-) -> ControlFlow<()> {
-    counters.count(Event::TriangleTest);
-    for (lane, &id) in block.ids.iter().enumerate().filter(|(_, id)| **id != TriangleId::NONE) {
-        test_triangle(baseline(), shot, id, &block.lane(lane), query, counters)?;
-    }
-    ControlFlow::Continue(())
 }

@@ -1,83 +1,21 @@
-//! From a walk written once to the object that callers see.
+//! From a traversal written once to the object that callers see.
 
 use fearless_simd::{Level, Simd};
 
 use super::{
     Accel, Any, AnyHit, Batch, BuildReport, Closest, ClosestHit, Counters, Counts, MemoryReport,
-    NotCounted, PoolUse, Query, Shot, Tracer,
+    NotCounted, Query, RayContext, Regions, SliceContext, Tracer,
 };
-use crate::geom::Shaft;
 
-/// A structure that rays walk through.
-///
-/// Generic over instruction set, question and counters; [`Accel`] follows for every implementor.
-/// Everything below [`Traverse::shoot`] down to the vector instructions must be
-/// `#[inline(always)]`, or each of them becomes a call.
-pub trait Traverse: Send + Sync {
-    /// What a thread needs to walk: stacks, caches.
+/// What every structure says of itself, and the memory that a thread needs to trace through it.
+pub trait Structure: Send + Sync {
+    /// What a thread needs to trace: stacks, caches.
     type Scratch: Send;
 
-    /// Fresh scratch for one thread.
+    /// Makes scratch for one thread.
     fn scratch(&self) -> Self::Scratch;
 
-    /// Finds the answer for one ray.
-    fn walk<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        shot: &Shot<'_>,
-        query: &mut Q,
-        scratch: &mut Self::Scratch,
-        counters: &mut C,
-    );
-
-    /// Finds the answers for a slice of rays; ray by ray unless a structure knows better.
-    #[inline(always)]
-    fn shoot<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        batch: &Batch<'_>,
-        answers: &mut [Q::Answer],
-        scratch: &mut Self::Scratch,
-        counters: &mut C,
-    ) {
-        self.walk_each::<S, Q, C>(simd, batch, answers, scratch, counters);
-    }
-
-    /// Finds the answers for a slice of rays one after the other.
-    #[inline(always)]
-    fn walk_each<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        batch: &Batch<'_>,
-        answers: &mut [Q::Answer],
-        scratch: &mut Self::Scratch,
-        counters: &mut C,
-    ) {
-        for (index, (ray, answer)) in batch.rays().iter().zip(answers).enumerate() {
-            let mut query = Q::new(ray);
-            let shot = Shot::new(ray, index, batch.filter());
-            self.walk(simd, &shot, &mut query, scratch, counters);
-            *answer = query.answer();
-        }
-    }
-
-    /// See [`Tracer::enter`].
-    fn enter<C: Counters>(&self, _: &Shaft, _: &mut Self::Scratch, _: &mut C) {}
-
-    /// See [`Tracer::leave`].
-    fn leave(&self, _: &mut Self::Scratch) {}
-
-    /// See [`Tracer::pool`].
-    fn pool(&self, _: &mut Self::Scratch) -> PoolUse {
-        PoolUse::default()
-    }
-
-    /// See [`Accel::view`].
-    fn view(&self, _: &Shaft) -> Option<Box<dyn Accel + '_>> {
-        None
-    }
-
-    /// The instruction set to walk with, settled when it was built.
+    /// The instruction set to walk with, chosen when the structure was built.
     fn level(&self) -> Level;
 
     /// See [`Accel::memory`].
@@ -85,6 +23,53 @@ pub trait Traverse: Send + Sync {
 
     /// See [`Accel::report`].
     fn report(&self) -> &BuildReport;
+}
+
+/// A structure that slices of rays are traced through.
+///
+/// Generic over instruction set, question and counters; [`Accel`] follows for every implementor.
+/// Everything from [`Traverse::trace`] down to the vector instructions must be `#[inline(always)]`,
+/// or each of them becomes a call.
+pub trait Traverse: Structure {
+    /// Finds the answers for a slice of rays.
+    fn trace<S: Simd, Q: Query, C: Counters>(
+        &self,
+        slice: &mut SliceContext<'_, S, Q, C>,
+        scratch: &mut Self::Scratch,
+    );
+
+    /// See [`Tracer::regions`].
+    fn regions<'a, C: Counters>(
+        &'a self,
+        _: &'a mut Self::Scratch,
+        _: &'a mut C,
+    ) -> Option<Box<dyn Regions + 'a>> {
+        None
+    }
+}
+
+/// A structure that rays walk through one by one; [`Traverse`] follows for every implementor.
+pub trait WalkRay: Structure {
+    /// Finds the answer for one ray; to be `#[inline(always)]`, see [`Traverse`].
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        context: &mut RayContext<'_, S, Q, C>,
+        scratch: &mut Self::Scratch,
+    );
+}
+
+impl<T: WalkRay> Traverse for T {
+    #[inline(always)]
+    fn trace<S: Simd, Q: Query, C: Counters>(
+        &self,
+        slice: &mut SliceContext<'_, S, Q, C>,
+        scratch: &mut Self::Scratch,
+    ) {
+        slice.answer_each(
+            #[inline(always)]
+            |context| self.walk(context, scratch),
+        );
+    }
 }
 
 impl<T: Traverse> Accel for T {
@@ -97,19 +82,15 @@ impl<T: Traverse> Accel for T {
     }
 
     fn level(&self) -> Level {
-        Traverse::level(self)
-    }
-
-    fn view(&self, shaft: &Shaft) -> Option<Box<dyn Accel + '_>> {
-        Traverse::view(self, shaft)
+        Structure::level(self)
     }
 
     fn memory(&self) -> MemoryReport {
-        Traverse::memory(self)
+        Structure::memory(self)
     }
 
     fn report(&self) -> &BuildReport {
-        Traverse::report(self)
+        Structure::report(self)
     }
 }
 
@@ -119,60 +100,45 @@ struct Worker<'a, T: Traverse, C> {
     counters: C,
 }
 
-/// How a worker gets from its level to code; counted walks exist at one instruction set only.
-trait Shoot {
-    fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]);
+/// How a worker gets from its level to code; counted traversals exist at one instruction set only.
+trait TraceSlice {
+    fn trace_slice<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]);
 }
 
-impl<T: Traverse> Shoot for Worker<'_, T, NotCounted> {
-    fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
+impl<T: Traverse> TraceSlice for Worker<'_, T, NotCounted> {
+    fn trace_slice<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
         assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
-        crate::simd::vectorized!(self.structure.level(), simd => self.structure.shoot::<_, Q, _>(
-            simd,
-            batch,
-            answers,
-            &mut self.scratch,
-            &mut self.counters,
-        ));
+        let Self { structure, scratch, counters } = self;
+        crate::simd::vectorized!(structure.level(), simd => {
+            let slice = &mut SliceContext::<_, Q, _> { simd, batch: *batch, answers, counters };
+            structure.trace(slice, scratch);
+        });
     }
 }
 
-impl<T: Traverse> Shoot for Worker<'_, T, Counts> {
-    fn shoot<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
+impl<T: Traverse> TraceSlice for Worker<'_, T, Counts> {
+    fn trace_slice<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
         assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
-        let simd = crate::simd::baseline();
-        self.structure.shoot::<_, Q, _>(
-            simd,
-            batch,
-            answers,
-            &mut self.scratch,
-            &mut self.counters,
-        );
+        let (simd, counters) = (crate::simd::baseline(), &mut self.counters);
+        let slice = &mut SliceContext::<_, Q, _> { simd, batch: *batch, answers, counters };
+        self.structure.trace(slice, &mut self.scratch);
     }
 }
 
 impl<T: Traverse, C: Counters> Tracer for Worker<'_, T, C>
 where
-    Self: Shoot,
+    Self: TraceSlice,
 {
     fn closest_hits(&mut self, batch: &Batch<'_>, hits: &mut [ClosestHit]) {
-        self.shoot::<Closest>(batch, hits);
+        self.trace_slice::<Closest>(batch, hits);
     }
 
     fn any_hits(&mut self, batch: &Batch<'_>, hits: &mut [AnyHit]) {
-        self.shoot::<Any>(batch, hits);
+        self.trace_slice::<Any>(batch, hits);
     }
 
-    fn enter(&mut self, region: &Shaft) {
-        self.structure.enter(region, &mut self.scratch, &mut self.counters);
-    }
-
-    fn leave(&mut self) {
-        self.structure.leave(&mut self.scratch);
-    }
-
-    fn pool(&mut self) -> PoolUse {
-        self.structure.pool(&mut self.scratch)
+    fn regions(&mut self) -> Option<Box<dyn Regions + '_>> {
+        self.structure.regions(&mut self.scratch, &mut self.counters)
     }
 
     fn counts(&self) -> Counts {

@@ -4,36 +4,10 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use fearless_simd::Level;
-
-use super::{Accel, BuildError, OptionSpec, Options, SpecError, brute, bvh, kd};
+use super::{Accel, BuildError, BuildInput, Options, SpecError, Variant, brute, bvh, kd};
 use crate::geom::TriangleSource;
 use crate::names::near;
 use crate::simd::Isa;
-
-/// A row of the table: all that the rest of the program knows about a structure.
-pub struct Variant {
-    /// As `--accel` takes it.
-    pub id: &'static str,
-    /// One line.
-    pub summary: &'static str,
-    /// Where it comes from.
-    pub paper: &'static str,
-    /// Its options.
-    pub options: &'static [OptionSpec],
-    /// Builds it over the triangles, on the threads of the current pool.
-    pub build: fn(&BuildInput<'_>) -> Result<Box<dyn Accel>, BuildError>,
-}
-
-/// What a structure is built from.
-pub struct BuildInput<'a> {
-    /// The triangles.
-    pub source: Arc<dyn TriangleSource>,
-    /// The options of its row.
-    pub options: &'a Options,
-    /// The instruction set to walk with.
-    pub level: Level,
-}
 
 /// All structures; the only place where they are registered. The order is that of all listings.
 ///
@@ -45,10 +19,10 @@ pub static VARIANTS: &[Variant] = &[
     bvh::wide::MBVH4,
     bvh::wide::MBVH8,
     bvh::wide::MBVH16,
-    bvh::coherent::PACKET,
-    bvh::coherent::PARTITION,
-    bvh::coherent::ENTRY_POINT,
-    bvh::coherent::PATH_COMPRESSION,
+    bvh::packet::PACKET,
+    bvh::packet::PARTITION,
+    bvh::packet::ENTRY_POINT,
+    bvh::packet::PATH_COMPRESSION,
     kd::SEQUENTIAL,
     kd::STACK_ORIGIN,
     kd::STACK_DIRECTION,
@@ -73,12 +47,6 @@ pub static VARIANTS: &[Variant] = &[
     kd::PATH_COMPRESSION,
     kd::WIDE,
 ];
-
-impl fmt::Debug for Variant {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.id)
-    }
-}
 
 /// A structure with its options, as in `bvh2:build=sweep`.
 #[derive(Clone, Debug)]

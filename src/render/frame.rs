@@ -9,7 +9,7 @@ use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
 use super::tile::{LostSample, SIDE, Tile, first_lost};
 use crate::accel::Accel;
-use crate::camera::{Camera, CameraRays};
+use crate::camera::Camera;
 use crate::film::{Picture, Window};
 use crate::integrator::PathTracer;
 use crate::sampling::BLOCK;
@@ -132,14 +132,13 @@ impl<'a> Exposure<'a> {
         let first = tiles.first().map_or(end, |tile| lock(tile).next);
         let passes = passes(first, end);
         let camera = camera.rays(settings.aspect());
-        let view = seen(accel, &camera);
-        let accel = view.as_deref().unwrap_or(accel);
+        let region = camera.region();
         let next_job = AtomicUsize::new(0);
         let rays = Mutex::new(RayCounts::default());
 
         let work = || {
             let integrator = PathTracer::new(world, settings.transport);
-            let mut stream = Stream::new(integrator, accel);
+            let mut stream = Stream::new(integrator, accel, region.as_ref());
             loop {
                 let job = next_job.fetch_add(1, Ordering::Relaxed);
                 let Some(&end) = passes.get(job / tiles.len()) else { break };
@@ -190,12 +189,6 @@ impl<'a> Exposure<'a> {
             lost: first_lost(tiles.iter()),
         }
     }
-}
-
-/// The structure narrowed to what a camera sees, once for all threads; `None` if it, or the camera,
-/// gains nothing by that.
-fn seen<'a>(accel: &'a dyn Accel, camera: &CameraRays) -> Option<Box<dyn Accel + 'a>> {
-    camera.region().and_then(|region| accel.view(&region))
 }
 
 /// A panic elsewhere ends the render anyway; it need not be reported twice.
@@ -272,7 +265,7 @@ mod tests {
         let narrows = |id: &str, camera: Camera| {
             let spec = id.parse().expect("known");
             let accel = build(&spec, Arc::clone(&source), Isa::Auto).expect("it builds");
-            seen(&*accel, &camera.rays(1.0)).is_some()
+            camera.rays(1.0).region().is_some() && accel.tracer().regions().is_some()
         };
         assert!(narrows("bvh-path-compression", camera) && narrows("kd-entry-point", camera));
         assert!(!narrows("bvh2", camera));

@@ -14,6 +14,7 @@ use std::time::Instant;
 use fearless_simd::Level;
 
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
+use crate::geom::Shaft;
 use crate::integrator::{Path, PathSample, PathTracer};
 use crate::math::{Ray, Vec3};
 use crate::simd::vectorized;
@@ -77,12 +78,16 @@ struct ShadowEnd {
 }
 
 impl<'w> Stream<'w> {
-    /// A worker's stream.
-    pub fn new(integrator: PathTracer<'w>, accel: &'w dyn Accel) -> Self {
+    /// A worker's stream; structures that gain by it are narrowed to the region that the camera sees.
+    pub fn new(integrator: PathTracer<'w>, accel: &'w dyn Accel, region: Option<&Shaft>) -> Self {
+        let mut tracer = accel.tracer();
+        if let (Some(mut regions), Some(region)) = (tracer.regions(), region) {
+            regions.enter(region);
+        }
         Self {
             integrator,
             level: accel.level(),
-            tracer: accel.tracer(),
+            tracer,
             rays: Vec::new(),
             hits: Vec::new(),
             paths: Vec::new(),

@@ -8,12 +8,13 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
+use super::build::{BUILD, REFINE, build_tree_by};
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, ids_of, triangles_of};
 use super::link::Link;
-use super::{BinaryTree, Parts, build_tree_by, sah};
+use super::{BinaryTree, Parts, sah};
 use crate::accel::{
-    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, Query, Shot,
-    Traverse, Variant, test_block, test_each,
+    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
+    RayContext, Structure, Variant, WalkRay,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, TriangleId, Vec3, larger};
@@ -23,7 +24,7 @@ pub const VARIANT: Variant = Variant {
     id: "bvh2",
     summary: "binary bounding volume hierarchy, leaves of up to four triangles",
     paper: "Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007",
-    options: &[super::BUILD, super::REFINE, TRIANGLES, CACHE],
+    options: &[BUILD, REFINE, TRIANGLES, CACHE],
     build: |input| Ok(Box::new(Bvh2::build(input)?)),
 };
 
@@ -146,10 +147,15 @@ impl Node {
 
     /// Where the ray enters each child, and minus where it leaves it: `[in, in, -out, -out]`.
     #[inline(always)]
-    pub(super) fn intervals<S: Simd>(&self, simd: S, shot: &Shot<'_>, t_max: f32) -> [f32; 4] {
-        let slab = &shot.slab;
+    pub(super) fn intervals<S: Simd>(
+        &self,
+        simd: S,
+        prepared: &PreparedRay<'_>,
+        t_max: f32,
+    ) -> [f32; 4] {
+        let slab = &prepared.slab;
         let mut worst =
-            f32x4::from_fn(simd, |lane| if lane < 2 { shot.ray.t_min() } else { -t_max });
+            f32x4::from_fn(simd, |lane| if lane < 2 { prepared.ray.t_min() } else { -t_max });
         for axis in 0..3 {
             let near = self.planes[axis][slab.negative[axis]];
             let far = self.planes[axis][1 - slab.negative[axis]];
@@ -184,29 +190,27 @@ impl Bvh2 {
     #[inline(always)]
     pub(super) fn walk_below<S: Simd, Q: Query, C: Counters>(
         &self,
-        simd: S,
+        context: &mut RayContext<'_, S, Q, C>,
         mut link: Link,
-        shot: &Shot<'_>,
-        query: &mut Q,
         Scratch { stack, fetched }: &mut Scratch,
-        counters: &mut C,
     ) -> ControlFlow<()> {
         let mut pending = 0;
         loop {
             if link.is_leaf() {
-                let block = self.block(link.place(), fetched, counters);
-                test_block::<S, f32x4<S>, Q, C, WIDTH>(simd, shot, block, query, counters)?;
+                let block = self.block(link.place(), fetched, context.counters);
+                context.test_block::<f32x4<S>, WIDTH>(block)?;
             } else {
-                counters.count(Event::InnerNode);
-                counters.count(Event::BoxTest);
+                context.counters.count(Event::InnerNode);
+                context.counters.count(Event::BoxTest);
                 let node = &self.nodes[link.place()];
-                let [in0, in1, out0, out1] = node.intervals(simd, shot, query.t_max());
+                let t_max = context.query.t_max();
+                let [in0, in1, out0, out1] = node.intervals(context.simd, context.ray, t_max);
                 match (in0 <= -out0, in1 <= -out1) {
                     (true, true) => {
                         let first = usize::from(in1 < in0);
                         stack[pending] = (node.children[1 - first], larger(in0, in1));
                         pending += 1;
-                        counters.count(Event::Push);
+                        context.counters.count(Event::Push);
                         link = node.children[first];
                         continue;
                     }
@@ -228,7 +232,7 @@ impl Bvh2 {
                 }
                 pending -= 1;
                 let (next, enter) = stack[pending];
-                if enter <= query.t_max() {
+                if enter <= context.query.t_max() {
                     link = next;
                     break;
                 }
@@ -238,45 +242,27 @@ impl Bvh2 {
 
     /// Tests all triangles: for the few rays that boxes of parts are not good for.
     #[inline(never)]
-    fn walk_all<Q: Query, C: Counters>(
+    fn test_all<Q: Query, C: Counters>(
         &self,
-        shot: &Shot<'_>,
-        query: &mut Q,
+        mut context: RayContext<'_, impl Simd, Q, C>,
         fetched: &mut Fetched<WIDTH>,
-        counters: &mut C,
     ) {
         for leaf in 0..self.report.leaves {
-            let block = self.block(leaf, fetched, counters);
-            if test_each(shot, block, query, counters).is_break() {
+            let block = self.block(leaf, fetched, context.counters);
+            if context.test_each(block).is_break() {
                 return;
             }
         }
     }
 }
 
-impl Traverse for Bvh2 {
+impl Structure for Bvh2 {
     type Scratch = Scratch;
 
     fn scratch(&self) -> Scratch {
         let fetched = self.fetch.as_ref().map(|fetch| fetch.table(self.report.leaves));
         let stack = Box::new([(Link(0), 0.0); STACK]);
         Scratch { stack, fetched: fetched.unwrap_or_else(Fetched::none) }
-    }
-
-    #[inline(always)]
-    fn walk<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        shot: &Shot<'_>,
-        query: &mut Q,
-        scratch: &mut Scratch,
-        counters: &mut C,
-    ) {
-        let Some(root) = self.root else { return };
-        if self.parts.is_some_and(|parts| !parts.covers(&shot.ray)) {
-            return self.walk_all(shot, query, &mut scratch.fetched, counters);
-        }
-        let _final = self.walk_below(simd, root, shot, query, scratch, counters);
     }
 
     fn level(&self) -> Level {
@@ -294,5 +280,20 @@ impl Traverse for Bvh2 {
 
     fn report(&self) -> &BuildReport {
         &self.report
+    }
+}
+
+impl WalkRay for Bvh2 {
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        context: &mut RayContext<'_, S, Q, C>,
+        scratch: &mut Scratch,
+    ) {
+        let Some(root) = self.root else { return };
+        if self.parts.is_some_and(|parts| !parts.covers(&context.ray.ray)) {
+            return self.test_all(context.reborrow(), &mut scratch.fetched);
+        }
+        let _final = self.walk_below(context, root, scratch);
     }
 }

@@ -9,11 +9,12 @@
 pub mod binary;
 pub mod binned;
 mod bins;
-pub mod coherent;
+mod build;
 pub mod early;
 mod leaves;
 mod link;
 mod objects;
+pub mod packet;
 pub mod parts;
 mod prims;
 pub mod refine;
@@ -26,69 +27,6 @@ mod tests;
 mod tree;
 pub mod wide;
 
+pub use build::BUILD;
 pub use parts::Parts;
 pub use tree::{BinaryNode, BinaryTree};
-
-use parts::Cutter;
-
-use crate::accel::{BuildInput, OptionSpec, Phases, Value, Values};
-use crate::geom::TriangleSource;
-
-/// The option that names the builder, for `build_tree`.
-pub const BUILD: OptionSpec = OptionSpec {
-    name: "build",
-    summary: "binned SAH, a full sweep, binned after early split clipping, or spatial splits",
-    values: Values::Choice(&["binned", "sweep", "esc", "sbvh"]),
-    default: Value::Choice("binned"),
-};
-
-/// The option that says whether the tree is refined, for `build_tree_by`.
-pub const REFINE: OptionSpec = OptionSpec {
-    name: "refine",
-    summary: "whether subtrees of the finished tree are moved to where boxes get smaller",
-    values: Values::Choice(&["off", "on"]),
-    default: Value::Choice("off"),
-};
-
-/// Builds a binary tree by the options [`BUILD`] and [`REFINE`]; see `build_tree`.
-fn build_tree_by(input: &BuildInput<'_>, cost: sah::Cost, phases: &mut Phases) -> BinaryTree {
-    let tree = build_tree(&*input.source, input.options.choice("build"), cost, phases);
-    if input.options.choice("refine") == "off" {
-        return tree;
-    }
-    let refined = refine::refine(tree);
-    phases.end("refinement");
-    refined
-}
-
-/// Builds a binary tree by the builder of that name.
-///
-/// The tree does not depend on the number of threads.
-fn build_tree(
-    source: &dyn TriangleSource,
-    builder: &str,
-    cost: sah::Cost,
-    phases: &mut Phases,
-) -> BinaryTree {
-    let mut prims = prims::prims(source);
-    let cutter = match builder {
-        // None for scenes that can't be cut: they are built from whole triangles.
-        "esc" | "sbvh" => Cutter::new(source, objects::boxes(&prims).0),
-        _ => None,
-    };
-    phases.end("boxes");
-    let tree = match (builder, &cutter) {
-        ("sweep", _) => sweep::build(&prims, cost),
-        ("sbvh", Some(cutter)) => sbvh::build(std::mem::take(&mut prims), cutter, cost),
-        ("esc", Some(cutter)) => {
-            prims = early::split(prims, cutter);
-            phases.end("early splits");
-            BinaryTree { parts: Some(cutter.parts()), ..binned::build(&mut prims, cost) }
-        }
-        _ => binned::build(&mut prims, cost),
-    };
-    // The builder gives its memory back; that takes time too.
-    drop((prims, cutter));
-    phases.end("tree");
-    tree
-}

@@ -1,8 +1,9 @@
 //! What all builders promise.
 
+use super::BinaryTree;
+use super::build::build_tree;
 use super::refine::refine;
 use super::sah::{Cost, Fill};
-use super::{BinaryTree, build_tree};
 use crate::accel::Phases;
 use crate::geom::{Triangle, TriangleList, TriangleSource, own_box};
 use crate::math::{TriangleId, Vec3};

@@ -5,7 +5,7 @@
 //!
 //! A builder ([`build`]) makes a [`tree::KdTree`], plain data in depth-first order. A layout
 //! ([`layout`]) puts its nodes into memory; links and boxes are derived from it for those walks
-//! that need them; a walk ([`walk`]) visits leaves along a ray, or (`coherent`) along many. [`lines`]
+//! that need them; a walk ([`walk`]) visits leaves along a ray, or (`packet`) along many. [`wide_nodes`]
 //! are a form of the tree for one walk alone, that by vector instructions.
 //!
 //! # Why all walks find what brute force finds
@@ -54,15 +54,15 @@
 //! as those of tame rays. Beyond, all triangles are tested, their own boxes first.
 
 pub mod build;
-mod coherent;
 pub mod layout;
-pub mod lines;
-pub mod links;
+mod packet;
 pub mod ray;
-mod rows;
+pub mod ropes;
 pub mod slack;
 pub mod tree;
 mod validate;
+mod variants;
 pub mod walk;
+pub mod wide_nodes;
 
-pub use rows::*;
+pub use variants::*;

@@ -70,15 +70,11 @@ impl Frame {
 
     /// Within the screen's region, a slice a tile.
     fn shoot(&self, tracer: &mut dyn Tracer, hits: &mut [ClosestHit]) {
-        if let Some(screen) = &self.screen {
-            tracer.enter(screen);
-        }
-        for (at, batch) in self.slices() {
-            tracer.closest_hits(&batch, &mut hits[at]);
-        }
-        if self.screen.is_some() {
-            tracer.leave();
-        }
+        in_region(tracer, self.screen.as_ref(), |tracer| {
+            for (at, batch) in self.slices() {
+                tracer.closest_hits(&batch, &mut hits[at]);
+            }
+        });
     }
 
     fn room(&self) -> Vec<ClosestHit> {
@@ -109,7 +105,7 @@ impl Frame {
     pub fn work(&self, accel: &dyn Accel) -> Work {
         let mut tracer = accel.counting_tracer();
         self.shoot(&mut *tracer, &mut self.room());
-        Work { counts: tracer.counts(), pool: tracer.pool() }
+        Work { counts: tracer.counts(), pool: pool_use(&mut *tracer) }
     }
 
     /// Seconds in which the regions of the screen and of all tiles are entered, and left again.
@@ -119,18 +115,40 @@ impl Frame {
             .map(|tile| Shaft::of_rays(simd, &self.rays[tile.rays.clone()], tile.width as usize))
             .collect();
         let start = Instant::now();
+        let Some(mut regions) = tracer.regions() else { return 0.0 };
         if let Some(screen) = &self.screen {
-            tracer.enter(screen);
+            regions.enter(screen);
         }
         for shaft in shafts.iter().flatten() {
-            tracer.enter(shaft);
-            tracer.leave();
+            regions.enter(shaft);
+            regions.leave();
         }
         if self.screen.is_some() {
-            tracer.leave();
+            regions.leave();
         }
         start.elapsed().as_secs_f64()
     }
+}
+
+/// Runs something while a tracer is narrowed to a region, if there is one and it gains by that.
+pub fn in_region(
+    tracer: &mut dyn Tracer,
+    region: Option<&Shaft>,
+    run: impl FnOnce(&mut dyn Tracer),
+) {
+    let Some(region) = region else { return run(tracer) };
+    if let Some(mut regions) = tracer.regions() {
+        regions.enter(region);
+    }
+    run(tracer);
+    if let Some(mut regions) = tracer.regions() {
+        regions.leave();
+    }
+}
+
+/// The memory of what a tracer has derived for regions.
+pub fn pool_use(tracer: &mut dyn Tracer) -> PoolUse {
+    tracer.regions().map_or_else(PoolUse::default, |mut regions| regions.pool_use())
 }
 
 /// Pixels along a side, in as many equal parts.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::bench::{Bench, Named};
 use super::figures::{Column, Light};
-use super::frame::Frame;
+use super::frame::{Frame, in_region};
 use super::structures::{ACROSS, LIGHT_STRUCTURES, LightKind, Region, STRUCTURES};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, Tracer};
 use crate::bench::measure::{Answers, BenchError, interleaved};
@@ -166,16 +166,12 @@ impl Shadows {
     }
 
     fn shoot(&self, tracer: &mut dyn Tracer, region: Option<&Shaft>, answers: &mut [AnyHit]) {
-        if let Some(region) = region {
-            tracer.enter(region);
-        }
-        for (at, width) in &self.slices {
-            let batch =
-                Batch::new(&self.rays[at.clone()]).with_grid(*width, at.len() as u32 / width);
-            tracer.any_hits(&batch, &mut answers[at.clone()]);
-        }
-        if region.is_some() {
-            tracer.leave();
-        }
+        in_region(tracer, region, |tracer| {
+            for (at, width) in &self.slices {
+                let batch =
+                    Batch::new(&self.rays[at.clone()]).with_grid(*width, at.len() as u32 / width);
+                tracer.any_hits(&batch, &mut answers[at.clone()]);
+            }
+        });
     }
 }

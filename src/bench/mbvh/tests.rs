@@ -1,5 +1,6 @@
 //! Tables over a small scene.
 
+use super::structures::Mode;
 use super::structures::{INCOHERENCE, INCOHERENT, STRUCTURES};
 use super::*;
 use crate::bench::test_scene::cloud;

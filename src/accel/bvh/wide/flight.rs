@@ -14,23 +14,22 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::arena::Rows;
+use super::node;
 use super::stack::{Sorting, Stack};
-use super::{Scratch, Wide, node};
+use super::wide_bvh::{RAYS, Scratch, WideBvh};
 use crate::accel::bvh::leaves::Fetched;
 use crate::accel::bvh::link::Link;
-use crate::accel::{Batch, Counters, Query, Shot};
+use crate::accel::{Counters, PreparedRay, Query, RayContext, SliceContext, Traverse};
 use crate::math::Ray;
 use crate::simd::order::key_limit;
-use crate::simd::{Lanes, Vectors};
+use crate::simd::{Lanes, Vectors, is_wide};
 
-/// Rays in flight; 12 to 32 are equal.
-pub const RAYS: usize = 16;
 /// Slices of fewer are walked ray by ray.
 const FEW: usize = 4;
 
 /// Whether a slice is worth it: rays that run alike find their nodes in the cache anyway.
 #[inline]
-pub fn pays(rays: &[Ray]) -> bool {
+fn pays(rays: &[Ray]) -> bool {
     if rays.len() < FEW {
         return false;
     }
@@ -55,7 +54,7 @@ fn run_alike(a: &Ray, b: &Ray) -> bool {
 
 /// A ray under way.
 struct Flight<'a, Q> {
-    shot: Shot<'a>,
+    ray: PreparedRay<'a>,
     query: Q,
     /// Taken off the stack for its next turn.
     key: u32,
@@ -65,26 +64,22 @@ struct Flight<'a, Q> {
     stack: usize,
 }
 
-impl<const W: usize> Wide<W>
+impl<const W: usize> WideBvh<W>
 where
     Lanes: Vectors<W>,
 {
-    /// Shoots a slice.
+    /// Traces a slice.
     #[inline(always)]
-    pub(super) fn fly<S: Simd, Q: Query, C: Counters>(
+    fn fly<S: Simd, Q: Query, C: Counters>(
         &self,
-        simd: S,
-        batch: &Batch<'_>,
-        answers: &mut [Q::Answer],
+        slice: &mut SliceContext<'_, S, Q, C>,
         scratch: &mut Scratch<W>,
-        counters: &mut C,
     ) {
-        let Some(root) = self.root else {
-            return batch.rays().iter().zip(answers).for_each(|(r, a)| *a = Q::new(r).answer());
-        };
-        let (rays, rows) = (batch.rays(), self.arena.rows());
+        let Some(root) = self.root else { return slice.answer_nothing() };
+        let (simd, rays, rows) = (slice.simd, slice.batch.rays(), self.arena.rows());
+        let filter = slice.batch.filter();
         let start = |index: usize, stack: usize| Flight {
-            shot: Shot::new(&rays[index], index, batch.filter()),
+            ray: PreparedRay::new(&rays[index], index, filter),
             query: Q::new(&rays[index]),
             key: 1,
             link: root,
@@ -97,7 +92,7 @@ where
         while !flights.is_empty() {
             let mut turn = 0;
             while turn < flights.len() {
-                let Flight { shot, query, key, link, top, stack } = &mut flights[turn];
+                let Flight { ray, query, key, link, top, stack } = &mut flights[turn];
                 let own = *stack;
                 let stack = &mut stacks[own];
                 let limit = key_limit(query.t_max());
@@ -105,8 +100,9 @@ where
                     (*key, *link) = stack.pop(top);
                 }
                 let ended = *key == 0 || {
-                    let step = (simd, rows, &mut *fetched, &mut *counters);
-                    self.step(step, shot, query, *link, (stack, top)).is_break()
+                    let counters = &mut *slice.counters;
+                    let context = &mut RayContext { simd, ray, query, counters };
+                    self.step(context, (rows, fetched), *link, (stack, top)).is_break()
                 };
                 if !ended {
                     (*key, *link) = stack.pop(top);
@@ -114,7 +110,7 @@ where
                     turn += 1;
                     continue;
                 }
-                answers[shot.index] = query.answer();
+                slice.answers[ray.index] = query.answer();
                 if next < rays.len() {
                     flights[turn] = start(next, own);
                     next += 1;
@@ -131,19 +127,43 @@ where
     #[inline(always)]
     fn step<S: Simd, Q: Query, C: Counters>(
         &self,
-        (simd, rows, fetched, counters): (S, Rows<'_, W>, &mut Fetched<W>, &mut C),
-        shot: &Shot<'_>,
-        query: &mut Q,
+        context: &mut RayContext<'_, S, Q, C>,
+        (rows, fetched): (Rows<'_, W>, &mut Fetched<W>),
         link: Link,
         (stack, top): (&mut Stack<W>, &mut usize),
     ) -> ControlFlow<()> {
         if link.is_leaf() {
-            return self.test_leaf(simd, rows, shot, query, link, fetched, counters);
+            return self.test_leaf(context, rows, link, fetched);
         }
         let (planes, links) = rows.node(link);
-        let (keys, hits) = node::enter(simd, planes, shot, query.t_max());
-        let sorting = if Q::ANY { Sorting::None } else { self.sorting(rows, link, shot) };
+        let (simd, ray) = (context.simd, context.ray);
+        let (keys, hits) = node::enter(simd, planes, ray, context.query.t_max());
+        let sorting = if Q::ANY { Sorting::None } else { self.sorting(rows, link, ray) };
         stack.push(simd, sorting, keys, hits, links, top);
         ControlFlow::Continue(())
+    }
+}
+
+impl<const W: usize> Traverse for WideBvh<W>
+where
+    Lanes: Vectors<W>,
+{
+    #[inline(always)]
+    fn trace<S: Simd, Q: Query, C: Counters>(
+        &self,
+        slice: &mut SliceContext<'_, S, Q, C>,
+        scratch: &mut Scratch<W>,
+    ) {
+        let rays = slice.batch.rays();
+        let covered = |ray| self.parts.is_none_or(|parts| parts.covers(ray));
+        let in_flight = is_wide(slice.simd) && !C::COUNTS && pays(rays);
+        if in_flight && rays.iter().all(covered) {
+            self.fly(slice, scratch);
+        } else {
+            slice.answer_each(
+                #[inline(always)]
+                |context| self.walk(context, scratch),
+            );
+        }
     }
 }

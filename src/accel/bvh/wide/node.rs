@@ -2,7 +2,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
 
-use crate::accel::Shot;
+use crate::accel::PreparedRay;
 use crate::simd::order::{BIAS, DISTANCE};
 use crate::simd::{Lanes, Vectors};
 
@@ -18,18 +18,18 @@ type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 pub fn enter<S: Simd, const W: usize>(
     simd: S,
     planes: &[[f32; W]; 6],
-    shot: &Shot<'_>,
+    prepared: &PreparedRay<'_>,
     t_max: f32,
 ) -> ([u32; W], u32)
 where
     Lanes: Vectors<W>,
 {
-    let slab = &shot.slab;
+    let slab = &prepared.slab;
     let distance = |axis: usize, side: usize, inverse: f32| {
         let planes = Floats::<S, W>::load_array_ref(simd, &planes[2 * axis + side]);
         (planes - slab.origin[axis]) * inverse
     };
-    let mut enter = Floats::<S, W>::splat(simd, shot.ray.t_min());
+    let mut enter = Floats::<S, W>::splat(simd, prepared.ray.t_min());
     let mut exit = Floats::<S, W>::splat(simd, t_max);
     for axis in 0..3 {
         let near = slab.negative[axis] & 1;

@@ -1,6 +1,6 @@
 //! Two child pointers, axis and split: 13 bytes of content in 16 (figure 9a of the review).
 
-use super::{Layout, Nodes, View};
+use super::nodes::{Layout, Nodes, View};
 use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::math::NodeId;
 

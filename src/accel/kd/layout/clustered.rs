@@ -13,7 +13,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::{Layout, Nodes, View};
+use super::nodes::{Layout, Nodes, View};
 use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::math::NodeId;
 

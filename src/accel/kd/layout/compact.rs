@@ -1,6 +1,6 @@
 //! Eight bytes a node, in depth-first order (figure 9b of the review).
 
-use super::{Layout, Nodes, View};
+use super::nodes::{Layout, Nodes, View};
 use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::math::NodeId;
 use crate::simd::prefetch;

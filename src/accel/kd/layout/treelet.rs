@@ -8,7 +8,7 @@
 //! Both leave places empty below leaves that lie higher up, so they need more memory than
 //! [`super::Compact`]; a step within a line is free of cache misses.
 
-use super::{Layout, Nodes, View};
+use super::nodes::{Layout, Nodes, View};
 use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::math::NodeId;
 

@@ -9,10 +9,11 @@
 //! planes. Ours cuts the span on the way down, as restart does, so that leaves need no box of
 //! their own. Boxes at the rim are infinite.
 
-use super::super::layout::{Compact, Layout, Nodes, View};
-use super::super::ray::{Crossing, Span};
-use super::super::tree::KdTree;
-use super::{Visit, Walk};
+use super::interface::Walk;
+use super::visit::Visit;
+use crate::accel::kd::layout::{Compact, Layout, Nodes, View};
+use crate::accel::kd::ray::{Crossing, Span};
+use crate::accel::kd::tree::KdTree;
 use crate::accel::{Counters, Event, Query};
 use crate::math::{Aabb, NodeId, smaller};
 
@@ -132,7 +133,7 @@ impl<R: Recorded> Walk for Backtrack<R> {
 
     #[inline(never)]
     fn walk<Q: Query, C: Counters>(&self, visit: &mut Visit<'_, Q, C>, span: Span, (): &mut ()) {
-        let ray = visit.ray;
+        let ray = visit.kd_ray;
         let end = span.exit;
         let mut enter = span.enter;
         let mut record = 0;
@@ -163,7 +164,7 @@ impl<R: Recorded> Walk for Backtrack<R> {
                     record = lower;
                 }
             };
-            if visit.leaf_ends(leaf, span.exit) || span.exit >= end {
+            if visit.ends_in_leaf(leaf, span.exit) || span.exit >= end {
                 return;
             }
             visit.counters.count(Event::Restart);

@@ -7,11 +7,12 @@
 //! farther child also counts as crossed where it is the only one by the tie rule, which matters
 //! when a span is a single point.
 
-use super::super::layout::{Layout, Nodes, View};
-use super::super::ray::Span;
-use super::super::tree::KdTree;
+use super::interface::Walk;
 use super::todo::LEVELS;
-use super::{Visit, Walk};
+use super::visit::Visit;
+use crate::accel::kd::layout::{Layout, Nodes, View};
+use crate::accel::kd::ray::Span;
+use crate::accel::kd::tree::KdTree;
 use crate::accel::{BuildError, Counters, Event, Query};
 use crate::math::{NodeId, smaller};
 
@@ -62,8 +63,8 @@ impl<L: Layout> Walk for Branchless<L> {
             match self.layout.view(at) {
                 View::Inner { axis, split, children } => {
                     visit.counters.count(Event::InnerNode);
-                    let t_split = visit.ray.t_split(axis, split);
-                    let near = visit.ray.near(axis);
+                    let t_split = visit.kd_ray.t_split(axis, split);
+                    let near = visit.kd_ray.near(axis);
                     let skip_near = t_split <= enter;
                     let cross_far = u8::from(skip_near) | u8::from(t_split < exit);
                     stack[top & MASK] = (children[1 - near], exit);
@@ -73,7 +74,7 @@ impl<L: Layout> Walk for Branchless<L> {
                     visit.counters.add(Event::Push, u64::from(cross_far & u8::from(!skip_near)));
                 }
                 View::Leaf(leaf) => {
-                    if visit.leaf_ends(leaf, exit) || top == 0 {
+                    if visit.ends_in_leaf(leaf, exit) || top == 0 {
                         return;
                     }
                     enter = exit;

@@ -9,11 +9,12 @@
 
 use std::marker::PhantomData;
 
-use super::super::layout::{Layout, Nodes, View};
-use super::super::ray::{Crossing, KdRay, Span};
-use super::super::tree::KdTree;
+use super::interface::Walk;
 use super::todo::Todo;
-use super::{Visit, Walk};
+use super::visit::Visit;
+use crate::accel::kd::layout::{Layout, Nodes, View};
+use crate::accel::kd::ray::{Crossing, KdRay, Span};
+use crate::accel::kd::tree::KdTree;
 use crate::accel::{BuildError, Counters, Event, Query};
 
 /// How the near child is told from the far one.
@@ -109,7 +110,7 @@ impl<L: Layout, K: Classify, T: Todo> Walk for FrontToBack<L, K, T> {
                     View::Leaf(leaf) => break leaf,
                 };
                 visit.counters.count(Event::InnerNode);
-                let (near, t_split, crossing) = K::classify(&visit.ray, axis, split, span);
+                let (near, t_split, crossing) = K::classify(&visit.kd_ray, axis, split, span);
                 match crossing {
                     Crossing::Far => at = children[1 - near],
                     Crossing::Near => at = children[near],
@@ -123,7 +124,7 @@ impl<L: Layout, K: Classify, T: Todo> Walk for FrontToBack<L, K, T> {
                     restart_at = at; // all that is left of the ray lies in here
                 }
             };
-            if visit.leaf_ends(leaf, span.exit) {
+            if visit.ends_in_leaf(leaf, span.exit) {
                 return;
             }
             (at, span) = match todo.pop() {

@@ -9,10 +9,11 @@
 //! planes of several axes have the same distance, links lead through leaves of no length, which
 //! are not tested: so those that are tested are the same as in every other walk.
 
-use super::super::layout::{Compact, Layout, Nodes, View};
-use super::super::ray::{KdRay, Span};
-use super::super::tree::{KdTree, LeafId};
-use super::{Visit, Walk};
+use super::interface::Walk;
+use super::visit::Visit;
+use crate::accel::kd::layout::{Compact, Layout, Nodes, View};
+use crate::accel::kd::ray::{KdRay, Span};
+use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::accel::{Counters, Event, Query};
 use crate::math::{Aabb, NodeId};
 
@@ -63,13 +64,13 @@ impl<N: Next> Walk for LeafByLeaf<N> {
 
     #[inline(never)]
     fn walk<Q: Query, C: Counters>(&self, visit: &mut Visit<'_, Q, C>, span: Span, (): &mut ()) {
-        let ray = visit.ray;
+        let ray = visit.kd_ray;
         let mut enter = span.enter;
         let mut leaf = locate(&self.layout, self.layout.root(), &ray, enter, visit.counters);
         loop {
             let (exit, axis) = ray.exit(self.next.cell(leaf));
             if exit > enter {
-                if visit.leaf_ends(leaf, exit) || exit >= span.exit {
+                if visit.ends_in_leaf(leaf, exit) || exit >= span.exit {
                     return;
                 }
                 enter = exit;
@@ -124,7 +125,7 @@ impl Next for FromRoot {
     fn new(tree: &KdTree) -> Self {
         let mut cells = Vec::with_capacity(tree.base.leaves.count());
         tree.for_each_cell(KdTree::SPACE, |at, cell, _| {
-            if let super::super::tree::Node::Leaf(_) = tree.nodes[at.index()] {
+            if let Node::Leaf(_) = tree.nodes[at.index()] {
                 cells.push(*cell);
             }
         });

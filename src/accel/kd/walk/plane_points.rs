@@ -12,11 +12,12 @@
 //! this walk may visit another leaf than the others do: one whose cell, grown by the rounding, has
 //! the point in it. The slack is wide enough for that (see [`crate::accel::kd`]).
 
-use super::super::layout::{Layout, Nodes, View};
-use super::super::ray::{KdRay, Span};
-use super::super::tree::KdTree;
+use super::interface::Walk;
 use super::todo::LEVELS;
-use super::{Visit, Walk};
+use super::visit::Visit;
+use crate::accel::kd::layout::{Layout, Nodes, View};
+use crate::accel::kd::ray::{KdRay, Span};
+use crate::accel::kd::tree::KdTree;
 use crate::accel::{BuildError, Counters, Event, Query};
 use crate::math::{NodeId, larger, smaller};
 
@@ -79,7 +80,7 @@ impl<L: Layout> Walk for PlanePoints<L> {
         span: Span,
         stack: &mut Self::Scratch,
     ) {
-        let ray = visit.ray;
+        let ray = visit.kd_ray;
         let (mut enter, mut exit) = (Point::new(&ray, span.enter), Point::new(&ray, span.exit));
         let mut at = self.layout.root();
         let mut pending = 0;
@@ -110,7 +111,7 @@ impl<L: Layout> Walk for PlanePoints<L> {
                 let t_split = smaller(larger(ray.t_split(axis, split), enter.t), exit.t);
                 (at, exit) = (near, Point::on_plane(&ray, t_split, axis, split));
             };
-            if visit.leaf_ends(leaf, exit.t) || pending == 0 {
+            if visit.ends_in_leaf(leaf, exit.t) || pending == 0 {
                 return;
             }
             pending -= 1;

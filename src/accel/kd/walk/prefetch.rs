@@ -14,13 +14,15 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
 
-use super::super::layout::{Compact, Layout, Nodes, View};
-use super::super::ray::{Crossing, KdRay, Span};
-use super::super::tree::{Base, KdTree, LeafId};
+use super::robust;
 use super::todo::{Full, Todo};
-use super::{LeafTest, Visit, With, robust};
+use super::visit::{LeafTest, Visit, With};
+use crate::accel::kd::layout::{Compact, Layout, Nodes, View};
+use crate::accel::kd::ray::{Crossing, KdRay, Span};
+use crate::accel::kd::tree::{Base, KdTree, LeafId};
 use crate::accel::{
-    Batch, BuildError, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse,
+    BuildError, BuildReport, Counters, Event, MemoryReport, PreparedRay, Query, SliceContext,
+    Structure, Traverse,
 };
 use crate::math::NodeId;
 
@@ -51,33 +53,31 @@ impl Prefetch {
         })
     }
 
-    /// Shoots a slice; compiled once, whatever the instruction set of `leaf_test`.
+    /// Traces a slice; compiled once, whatever the instruction set of `leaf_test`.
     #[inline(never)]
-    fn shoot_all<Q: Query, C: Counters>(
+    fn trace_slice<Q: Query, C: Counters>(
         &self,
         leaf_test: &dyn LeafTest<Q, C>,
-        batch: &Batch<'_>,
-        answers: &mut [Q::Answer],
+        slice: &mut SliceContext<'_, impl Simd, Q, C>,
         robust: &mut robust::Todo,
-        counters: &mut C,
     ) {
-        let mut waiting = Waiting { walk: self, batch, next: 0 };
+        let mut waiting = Waiting { walk: self, leaf_test, robust, next: 0 };
         let mut flights: Vec<Flight<'_, Q>> = Vec::with_capacity(self.rays);
         while flights.len() < self.rays
-            && let Some(shot) = waiting.take(leaf_test, answers, robust, counters)
+            && let Some(start) = waiting.take(slice)
         {
-            flights.push(Flight::new(self, shot));
+            flights.push(Flight::new(self, start));
         }
         while !flights.is_empty() {
             let mut turn = 0;
             while let Some(flight) = flights.get_mut(turn) {
-                if !flight.step(self, leaf_test, counters) {
+                if !flight.step(self, leaf_test, slice.counters) {
                     turn += 1;
                     continue;
                 }
-                answers[flight.shot.index] = flight.query.answer();
-                match waiting.take(leaf_test, answers, robust, counters) {
-                    Some(shot) => flight.restart(self, shot),
+                slice.answers[flight.ray.index] = flight.query.answer();
+                match waiting.take(slice) {
+                    Some(start) => flight.restart(self, start),
                     None => drop(flights.swap_remove(turn)),
                 }
             }
@@ -85,38 +85,36 @@ impl Prefetch {
     }
 }
 
+/// A ray that crosses the tree, and where.
+type Start<'a> = (PreparedRay<'a>, KdRay, Span);
+
 /// The rays of a slice that are not under way yet.
-struct Waiting<'a> {
+struct Waiting<'a, Q, C> {
     walk: &'a Prefetch,
-    batch: &'a Batch<'a>,
+    leaf_test: &'a dyn LeafTest<Q, C>,
+    robust: &'a mut robust::Todo,
     next: usize,
 }
 
-impl<'a> Waiting<'a> {
-    /// The next ray that crosses the tree, and where; those before it are answered.
+impl<Q: Query, C: Counters> Waiting<'_, Q, C> {
+    /// Takes the next ray that crosses the tree; those before it are answered.
     #[inline(always)]
-    fn take<Q: Query, C: Counters>(
-        &mut self,
-        leaf_test: &dyn LeafTest<Q, C>,
-        answers: &mut [Q::Answer],
-        robust: &mut robust::Todo,
-        counters: &mut C,
-    ) -> Option<(Shot<'a>, KdRay, Span)> {
-        let base = &*self.walk.base;
+    fn take<'a>(&mut self, slice: &mut SliceContext<'a, impl Simd, Q, C>) -> Option<Start<'a>> {
+        let (base, leaf_test) = (&*self.walk.base, self.leaf_test);
         loop {
             let index = self.next;
-            let ray = self.batch.rays().get(index)?;
+            let ray = slice.batch.rays().get(index)?;
             self.next += 1;
-            let shot = Shot::new(ray, index, self.batch.filter());
-            let (mut query, prepared) = (Q::new(ray), KdRay::new(ray));
-            let mut visit =
-                Visit { base, shot: &shot, ray: prepared, leaf_test, query: &mut query, counters };
+            let (prepared, kd_ray) =
+                (PreparedRay::new(ray, index, slice.batch.filter()), KdRay::new(ray));
+            let (query, counters) = (&mut Q::new(ray), &mut *slice.counters);
+            let mut visit = Visit { base, ray: &prepared, kd_ray, leaf_test, query, counters };
             if !base.slack.is_tame(ray) {
-                robust::walk(&self.walk.layout, &mut visit, robust);
+                robust::walk(&self.walk.layout, &mut visit, self.robust);
             } else if let Some(span) = visit.span() {
-                return Some((shot, prepared, span));
+                return Some((prepared, kd_ray, span));
             }
-            answers[index] = query.answer();
+            slice.answers[index] = visit.query.answer();
         }
     }
 }
@@ -136,8 +134,8 @@ enum Turn {
 
 /// A ray under way.
 struct Flight<'a, Q> {
-    shot: Shot<'a>,
-    ray: KdRay,
+    ray: PreparedRay<'a>,
+    kd_ray: KdRay,
     query: Q,
     span: Span,
     at: NodeId,
@@ -146,11 +144,11 @@ struct Flight<'a, Q> {
 }
 
 impl<'a, Q: Query> Flight<'a, Q> {
-    fn new(walk: &Prefetch, (shot, ray, span): (Shot<'a>, KdRay, Span)) -> Self {
+    fn new(walk: &Prefetch, (ray, kd_ray, span): Start<'a>) -> Self {
         Self {
-            query: Q::new(&shot.ray),
-            shot,
+            query: Q::new(&ray.ray),
             ray,
+            kd_ray,
             span,
             at: walk.layout.root(),
             turn: Turn::Node,
@@ -160,9 +158,9 @@ impl<'a, Q: Query> Flight<'a, Q> {
 
     /// Takes another ray in place of one that is done.
     #[inline(always)]
-    fn restart(&mut self, walk: &Prefetch, (shot, ray, span): (Shot<'a>, KdRay, Span)) {
-        self.query = Q::new(&shot.ray);
-        (self.shot, self.ray, self.span, self.at) = (shot, ray, span, walk.layout.root());
+    fn restart(&mut self, walk: &Prefetch, (ray, kd_ray, span): Start<'a>) {
+        self.query = Q::new(&ray.ray);
+        (self.ray, self.kd_ray, self.span, self.at) = (ray, kd_ray, span, walk.layout.root());
         self.turn = Turn::Node;
         self.todo.clear();
     }
@@ -187,10 +185,10 @@ impl<'a, Q: Query> Flight<'a, Q> {
                 self.turn = Turn::Test(leaf);
             }
             Turn::Test(leaf) => {
-                let Self { shot, ray, query, .. } = self;
-                let base = &*walk.base;
-                let mut visit = Visit { base, shot, ray: *ray, leaf_test, query, counters };
-                if visit.leaf_ends(leaf, self.span.exit) || self.ends() {
+                let Self { ray, kd_ray, query, .. } = self;
+                let (base, kd_ray) = (&*walk.base, *kd_ray);
+                let mut visit = Visit { base, ray, kd_ray, leaf_test, query, counters };
+                if visit.ends_in_leaf(leaf, self.span.exit) || self.ends() {
                     return true;
                 }
                 walk.layout.ask_for(self.at);
@@ -219,8 +217,8 @@ impl<'a, Q: Query> Flight<'a, Q> {
                 }
                 View::Inner { axis, split, children } => {
                     counters.count(Event::InnerNode);
-                    let t_split = self.ray.t_split(axis, split);
-                    let near = self.ray.near(axis);
+                    let t_split = self.kd_ray.t_split(axis, split);
+                    let near = self.kd_ray.near(axis);
                     let far = children[1 - near];
                     self.at = match Crossing::of(t_split, self.span) {
                         Crossing::Far => far,
@@ -250,38 +248,11 @@ impl<'a, Q: Query> Flight<'a, Q> {
     }
 }
 
-impl Traverse for Prefetch {
+impl Structure for Prefetch {
     type Scratch = robust::Todo;
 
     fn scratch(&self) -> robust::Todo {
         robust::Todo::default()
-    }
-
-    #[inline(always)]
-    fn walk<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        shot: &Shot<'_>,
-        query: &mut Q,
-        scratch: &mut robust::Todo,
-        counters: &mut C,
-    ) {
-        // A ray by itself: what a slice of one would do, into the caller's query.
-        let (base, ray) = (&*self.base, KdRay::new(&shot.ray));
-        let visit = &mut Visit { base, shot, ray, leaf_test: &With(simd), query, counters };
-        robust::walk(&self.layout, visit, scratch);
-    }
-
-    #[inline(always)]
-    fn shoot<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        batch: &Batch<'_>,
-        answers: &mut [Q::Answer],
-        scratch: &mut robust::Todo,
-        counters: &mut C,
-    ) {
-        self.shoot_all::<Q, C>(&With(simd), batch, answers, scratch, counters);
     }
 
     fn level(&self) -> Level {
@@ -296,5 +267,17 @@ impl Traverse for Prefetch {
 
     fn report(&self) -> &BuildReport {
         &self.report
+    }
+}
+
+impl Traverse for Prefetch {
+    #[inline(always)]
+    fn trace<S: Simd, Q: Query, C: Counters>(
+        &self,
+        slice: &mut SliceContext<'_, S, Q, C>,
+        scratch: &mut robust::Todo,
+    ) {
+        let leaf_test = &With(slice.simd);
+        self.trace_slice(leaf_test, &mut slice.reborrow(), scratch);
     }
 }

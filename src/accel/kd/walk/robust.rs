@@ -6,10 +6,10 @@
 
 use std::ops::ControlFlow;
 
-use super::super::layout::{Nodes, View};
-use super::Visit;
 use super::todo::LEVELS;
-use crate::accel::{Counters, Event, Query, test_triangle};
+use super::visit::Visit;
+use crate::accel::kd::layout::{Nodes, View};
+use crate::accel::{Counters, Event, Query, RayContext};
 use crate::geom::own_box;
 use crate::math::{NodeId, TriangleId, larger, smaller};
 use crate::simd::baseline;
@@ -31,14 +31,14 @@ pub fn walk<Q: Query, C: Counters>(
     visit: &mut Visit<'_, Q, C>,
     todo: &mut Todo,
 ) {
-    if !visit.base.slack.is_placed(&visit.shot.ray) {
+    if !visit.base.slack.is_placed(&visit.ray.ray) {
         // Break and end mean the same here.
-        let _ = all(visit);
+        let _ = test_all(visit);
         return;
     }
     /// A limit counts from the hit's true distance, before it was rounded.
     const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
-    let slab = &visit.shot.slab;
+    let slab = &visit.ray.slab;
     let (enter, exit) = slab.interval(&visit.base.bounds);
     let (mut at, mut enter, mut exit) =
         (nodes.root(), larger(enter, 0.0), smaller(exit, visit.query.t_max() * ROUNDING));
@@ -68,7 +68,7 @@ pub fn walk<Q: Query, C: Counters>(
                 (at, enter) = (children[1 - near], larger(enter, first));
             }
         };
-        if visit.leaf(leaf) {
+        if visit.test_leaf(leaf) {
             return;
         }
         loop {
@@ -86,15 +86,17 @@ pub fn walk<Q: Query, C: Counters>(
 
 /// Tests all triangles: for rays from so far away that even in double precision a hit point can't
 /// be told from its neighbours. Their own boxes stand before the verdict.
-fn all<Q: Query, C: Counters>(visit: &mut Visit<'_, Q, C>) -> ControlFlow<()> {
+fn test_all<Q: Query, C: Counters>(visit: &mut Visit<'_, Q, C>) -> ControlFlow<()> {
     let source = &*visit.base.source;
     for i in 0..source.len() {
         let id = TriangleId::from_index(i);
         let triangle = source.triangle(id);
         visit.counters.count(Event::BoxTest);
-        let (enter, exit) = visit.shot.slab.interval(&own_box(&triangle));
+        let (enter, exit) = visit.ray.slab.interval(&own_box(&triangle));
         if enter <= exit && enter <= visit.query.t_max() {
-            test_triangle(baseline(), visit.shot, id, &triangle, visit.query, visit.counters)?;
+            let Visit { ray, query, counters, .. } = visit;
+            let (simd, query, counters) = (baseline(), &mut **query, &mut **counters);
+            RayContext { simd, ray, query, counters }.test_triangle(id, &triangle)?;
         }
     }
     ControlFlow::Continue(())

@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Simd, f32x4};
 
-use super::super::ray::{KdRay, Span};
-use super::super::tree::{Base, LANES, LeafId, Leaves, Slot};
-use crate::accel::{Counters, Event, Query, Shot, test_block};
+use crate::accel::kd::ray::{KdRay, Span};
+use crate::accel::kd::tree::{Base, LANES, LeafId, Slot};
+use crate::accel::{Counters, Event, PreparedRay, Query, RayContext};
 use crate::math::{larger, smaller};
 
 /// Tests the triangles of a leaf with some instruction set.
@@ -15,48 +15,31 @@ use crate::math::{larger, smaller};
 /// indirect call for each leaf that is not empty.
 pub trait LeafTest<Q, C>: Sync {
     /// Tests some triangles; true if the answer is final.
-    fn test(
-        &self,
-        leaves: &Leaves,
-        slots: &[Slot],
-        shot: &Shot<'_>,
-        query: &mut Q,
-        counters: &mut C,
-    ) -> bool;
+    fn test(&self, visit: &mut Visit<'_, Q, C>, slots: &[Slot]) -> bool;
 }
 
 /// An instruction set.
 pub struct With<S>(pub S);
 
 impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
-    fn test(
-        &self,
-        leaves: &Leaves,
-        slots: &[Slot],
-        shot: &Shot<'_>,
-        query: &mut Q,
-        counters: &mut C,
-    ) -> bool {
+    fn test(&self, visit: &mut Visit<'_, Q, C>, slots: &[Slot]) -> bool {
         self.0.vectorize(
             #[inline(always)]
-            || test_all(self.0, leaves, slots, shot, query, counters).is_break(),
+            || test_slots(self.0, visit, slots).is_break(),
         )
     }
 }
 
-/// Tests the triangles of a leaf.
 #[inline(always)]
-pub fn test_all<S: Simd, Q: Query, C: Counters>(
+fn test_slots<S: Simd, Q: Query, C: Counters>(
     simd: S,
-    leaves: &Leaves,
+    Visit { base, ray, query, counters, .. }: &mut Visit<'_, Q, C>,
     slots: &[Slot],
-    shot: &Shot<'_>,
-    query: &mut Q,
-    counters: &mut C,
 ) -> ControlFlow<()> {
+    let context = &mut RayContext { simd, ray, query: &mut **query, counters: &mut **counters };
     for slots in slots.chunks(LANES) {
-        let block = leaves.block(simd, slots);
-        test_block::<S, f32x4<S>, Q, C, LANES>(simd, shot, block.parts(), query, counters)?;
+        let block = base.leaves.block(simd, slots);
+        context.test_block::<f32x4<S>, LANES>(block.parts())?;
     }
     ControlFlow::Continue(())
 }
@@ -66,9 +49,9 @@ pub struct Visit<'a, Q, C> {
     /// What all walks share.
     pub base: &'a Base,
     /// The ray.
-    pub shot: &'a Shot<'a>,
+    pub ray: &'a PreparedRay<'a>,
     /// The ray, prepared for planes.
-    pub ray: KdRay,
+    pub kd_ray: KdRay,
     /// How leaves are tested.
     pub leaf_test: &'a dyn LeafTest<Q, C>,
     /// The question.
@@ -77,31 +60,46 @@ pub struct Visit<'a, Q, C> {
     pub counters: &'a mut C,
 }
 
-impl<Q: Query, C: Counters> Visit<'_, Q, C> {
-    /// The part of a tame ray inside the root's box, if any.
+impl<'a, Q: Query, C: Counters> Visit<'a, Q, C> {
+    /// Begins a visit; leaves are tested with the instruction set of the context.
+    #[inline(always)]
+    pub fn new<S: Simd>(
+        base: &'a Base,
+        context: &'a mut RayContext<'_, S, Q, C>,
+        leaf_test: &'a With<S>,
+    ) -> Self {
+        let RayContext { ray, query, counters, .. } = context;
+        Self { base, ray, kd_ray: KdRay::new(&ray.ray), leaf_test, query, counters }
+    }
+
+    /// See [`find_span`].
     #[inline(always)]
     pub fn span(&self) -> Option<Span> {
-        let (enter, exit) = self.shot.slab.interval(&self.base.bounds);
-        let enter = larger(enter, self.shot.ray.t_min());
-        let exit = smaller(exit, self.query.t_max());
-        (enter <= exit).then_some(Span { enter, exit })
+        find_span(self.base, self.ray, self.query.t_max())
     }
 
     /// Tests a leaf; true if nothing beyond `exit` can change the answer any more.
     #[inline(always)]
-    pub fn leaf_ends(&mut self, leaf: LeafId, exit: f32) -> bool {
-        self.leaf(leaf) || self.query.t_max() < exit
+    pub fn ends_in_leaf(&mut self, leaf: LeafId, exit: f32) -> bool {
+        self.test_leaf(leaf) || self.query.t_max() < exit
     }
 
     /// Tests a leaf; true if the answer is final.
     #[inline(always)]
-    pub fn leaf(&mut self, leaf: LeafId) -> bool {
+    pub fn test_leaf(&mut self, leaf: LeafId) -> bool {
         self.counters.count(Event::Leaf);
         if leaf.is_empty() {
             return false;
         }
-        let leaves = &self.base.leaves;
-        let slots = leaves.triangles(leaf);
-        self.leaf_test.test(leaves, slots, self.shot, self.query, self.counters)
+        let (base, leaf_test) = (self.base, self.leaf_test);
+        leaf_test.test(self, base.leaves.triangles(leaf))
     }
+}
+
+/// Finds the part of a tame ray inside the root's box, if any.
+#[inline(always)]
+pub fn find_span(base: &Base, ray: &PreparedRay<'_>, t_max: f32) -> Option<Span> {
+    let (enter, exit) = ray.slab.interval(&base.bounds);
+    let (enter, exit) = (larger(enter, ray.ray.t_min()), smaller(exit, t_max));
+    (enter <= exit).then_some(Span { enter, exit })
 }

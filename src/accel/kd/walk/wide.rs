@@ -1,12 +1,12 @@
-//! Three levels at a step: a line of seven planes, and the spans of its eight children at once.
+//! Three levels at a step: a wide node of seven planes, and the spans of its eight children at once.
 //!
 //! Not in the review. The plain stack's arithmetic by vector instructions: the distances to all
-//! planes of a line, [`KdRay::t_split`]'s lane by lane; then for each child what is left of the
-//! line's span, up to the nearest plane that it lies in front of, from the farthest that it lies
+//! planes of a wide node, [`KdRay::t_split`]'s lane by lane; then for each child what is left of the
+//! node's span, up to the nearest plane that it lies in front of, from the farthest that it lies
 //! behind. Cells don't overlap, so neither do the spans of those children that are crossed, and
 //! where they begin gives their order. A ray branches once for three levels, where it can hardly be
 //! guessed, in place of six times; meets no empty leaves; and waits for memory once for three
-//! levels, and once for a leaf (see [`super::super::lines`]). The tree is made for it: a step of a
+//! levels, and once for a leaf (see [`super::super::wide_nodes`]). The tree is made for it: a step of a
 //! vector is cheap and a miss of the cache is not, so leaves are large.
 //!
 //! By the tie rule of all walks, a child is crossed if what is left of the span has a length. A span
@@ -22,20 +22,21 @@ use fearless_simd::{
     Bytes, Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x8, i32x8, u32x8,
 };
 
-use super::super::layout::{Compact, Layout, Nodes};
-use super::super::lines::{Below, Block, Child, Line, Lines, WIDTH};
-use super::super::ray::{KdRay, Span};
-use super::super::tree::{Base, KdTree};
-use super::{Visit, With, robust};
+use super::robust;
+use super::visit::{Visit, With, find_span};
+use crate::accel::kd::layout::{Compact, Layout, Nodes};
+use crate::accel::kd::ray::{KdRay, Span};
+use crate::accel::kd::tree::{Base, KdTree};
+use crate::accel::kd::wide_nodes::{Block, Child, Target, WIDTH, WideNode, WideNodes};
 use crate::accel::{
-    BuildError, BuildReport, Counters, Event, MemoryReport, Query, Shot, Traverse, test_block,
+    BuildError, BuildReport, Counters, Event, MemoryReport, Query, RayContext, Structure, WalkRay,
 };
 use crate::simd::pick;
 
-/// Walks by lines.
+/// Walks by wide nodes.
 pub struct WideWalk {
     base: Arc<Base>,
-    lines: Lines,
+    wide: WideNodes,
     /// For rays that are not tame.
     nodes: Compact,
     level: Level,
@@ -54,7 +55,7 @@ impl WideWalk {
         }
         Ok(Self {
             base: Arc::clone(&tree.base),
-            lines: Lines::new(tree)?,
+            wide: WideNodes::new(tree)?,
             nodes: Compact::new(tree),
             level,
             report: tree.report.clone(),
@@ -77,14 +78,14 @@ struct Entry {
 pub struct Stack([Entry; ENTRIES]);
 
 impl Stack {
-    /// Hands out the nearest of a line's children that are crossed, if any, and puts the others on
+    /// Hands out the nearest of a wide node's children that are crossed, if any, and puts the others on
     /// top.
     #[inline(always)]
-    fn put(&mut self, children: &Children, line: &Line, top: &mut usize) -> Option<Entry> {
+    fn put(&mut self, children: &Children, node: &WideNode, top: &mut usize) -> Option<Entry> {
         let entry = |child: u32| {
             let child = child as usize & 7;
             let span = Span { enter: children.enter[child], exit: children.exit[child] };
-            Entry { child: line.children[child], span }
+            Entry { child: node.children[child], span }
         };
         let mut left = children.crossed;
         if left == 0 {
@@ -111,7 +112,7 @@ impl Stack {
     }
 }
 
-/// The spans of a line's children.
+/// The spans of a wide node's children.
 struct Children {
     enter: [f32; 8],
     exit: [f32; 8],
@@ -127,7 +128,7 @@ impl Children {
     }
 }
 
-/// A ray, prepared for lines: origin and reciprocal direction by axis, and the same once more, as
+/// A ray, prepared for wide nodes: origin and reciprocal direction by axis, and the same once more, as
 /// lanes are picked modulo eight.
 struct Planes<S: Simd> {
     origin: f32x8<S>,
@@ -144,9 +145,9 @@ impl<S: Simd> Planes<S> {
         }
     }
 
-    /// The spans of a line's children within its own.
+    /// The spans of a wide node's children within its own.
     #[inline(always)]
-    fn children(&self, simd: S, line: &Line, span: Span) -> Children {
+    fn children(&self, simd: S, node: &WideNode, span: Span) -> Children {
         /// On each level, the plane of each child, and a sign where the child is above it.
         const PLANE: [[u32; 8]; 3] = [[0; 8], [1, 1, 1, 1, 2, 2, 2, 2], [3, 3, 4, 4, 5, 5, 6, 6]];
         const UP: i32 = i32::MIN;
@@ -157,9 +158,9 @@ impl<S: Simd> Planes<S> {
         ];
         const SHIFT: [u32; 8] = [0, 2, 4, 6, 8, 10, 12, 14];
         let row = |row: &[u32; 8]| u32x8::load_array(simd, *row);
-        let axes = u32x8::splat(simd, line.planes[7]) >> row(&SHIFT);
+        let axes = u32x8::splat(simd, node.planes[7]) >> row(&SHIFT);
         let inverse = pick(simd, self.inverse, axes);
-        let splits = f32x8::from_bits(row(&line.planes));
+        let splits = f32x8::from_bits(row(&node.planes));
         let t = (splits - pick(simd, self.origin, axes)) * inverse;
         let mut enter = f32x8::splat(simd, span.enter);
         let mut exit = f32x8::splat(simd, span.exit);
@@ -172,7 +173,7 @@ impl<S: Simd> Planes<S> {
             enter = behind.select(enter.max(t), enter);
             exit = behind.select(exit, exit.min(t));
         }
-        let crossed = enter.simd_lt(exit).to_bitmask() as u32 & line.occupied();
+        let crossed = enter.simd_lt(exit).to_bitmask() as u32 & node.occupied();
         Children { enter: enter.to_array(), exit: exit.to_array(), crossed }
     }
 }
@@ -181,28 +182,27 @@ impl WideWalk {
     #[inline(always)]
     fn descend<S: Simd, Q: Query, C: Counters>(
         &self,
-        simd: S,
-        visit: &mut Visit<'_, Q, C>,
+        context: &mut RayContext<'_, S, Q, C>,
         span: Span,
         stack: &mut Stack,
     ) {
-        let planes = Planes::new(simd, &visit.ray);
+        let planes = Planes::new(context.simd, &KdRay::new(&context.ray.ray));
         let mut next = Entry { child: Child::ROOT, span };
         let mut top = 0;
         loop {
-            match self.lines.below(next.child) {
-                Below::Line(line) => {
-                    visit.counters.count(Event::InnerNode);
-                    let children = planes.children(simd, line, next.span);
-                    visit.counters.add(Event::Push, u64::from(children.others()));
-                    if let Some(nearest) = stack.put(&children, line, &mut top) {
+            match self.wide.follow(next.child) {
+                Target::Node(node) => {
+                    context.counters.count(Event::InnerNode);
+                    let children = planes.children(context.simd, node, next.span);
+                    context.counters.add(Event::Push, u64::from(children.others()));
+                    if let Some(nearest) = stack.put(&children, node, &mut top) {
                         next = nearest;
                         continue;
                     }
                 }
-                Below::Leaf(blocks) => {
-                    visit.counters.count(Event::Leaf);
-                    if test_leaf(simd, visit, blocks).is_break() {
+                Target::Leaf(blocks) => {
+                    context.counters.count(Event::Leaf);
+                    if test_leaf(context, blocks).is_break() {
                         return;
                     }
                 }
@@ -213,7 +213,7 @@ impl WideWalk {
             top -= 1;
             next = stack.0[top & MASK];
             // All that wait lie behind it.
-            if next.span.enter > visit.query.t_max() {
+            if next.span.enter > context.query.t_max() {
                 return;
             }
         }
@@ -222,49 +222,21 @@ impl WideWalk {
 
 #[inline(always)]
 fn test_leaf<S: Simd, Q: Query, C: Counters>(
-    simd: S,
-    visit: &mut Visit<'_, Q, C>,
+    context: &mut RayContext<'_, S, Q, C>,
     blocks: &[Block],
 ) -> ControlFlow<()> {
-    let Visit { shot, query, counters, .. } = visit;
     for block in blocks {
-        let block = block.parts();
-        test_block::<S, f32x8<S>, Q, C, WIDTH>(simd, shot, block, *query, *counters)?;
+        context.test_block::<f32x8<S>, WIDTH>(block.parts())?;
     }
     ControlFlow::Continue(())
 }
 
-impl Traverse for WideWalk {
+impl Structure for WideWalk {
     type Scratch = (Stack, robust::Todo);
 
     fn scratch(&self) -> Self::Scratch {
         let nothing = Entry { child: Child::ROOT, span: Span { enter: 0.0, exit: 0.0 } };
         (Stack([nothing; ENTRIES]), robust::Todo::default())
-    }
-
-    #[inline(always)]
-    fn walk<S: Simd, Q: Query, C: Counters>(
-        &self,
-        simd: S,
-        shot: &Shot<'_>,
-        query: &mut Q,
-        (stack, todo): &mut Self::Scratch,
-        counters: &mut C,
-    ) {
-        let (base, ray) = (&*self.base, KdRay::new(&shot.ray));
-        let leaf_test = &With(simd);
-        let mut visit = Visit { base, shot, ray, leaf_test, query, counters };
-        let span = visit.span();
-        if !base.slack.is_tame(&shot.ray) {
-            robust::walk(&self.nodes, &mut visit, todo);
-        } else if let Some(span) = span {
-            if span.enter < span.exit {
-                self.descend(simd, &mut visit, span, stack);
-            } else {
-                // A point: no child has a part of it.
-                robust::walk(&self.nodes, &mut visit, todo);
-            }
-        }
     }
 
     fn level(&self) -> Level {
@@ -273,12 +245,34 @@ impl Traverse for WideWalk {
 
     fn memory(&self) -> MemoryReport {
         let mut parts = vec![("nodes", self.nodes.bytes())];
-        parts.extend(self.lines.memory());
+        parts.extend(self.wide.memory());
         parts.extend(self.base.leaves.memory());
         MemoryReport::new(parts)
     }
 
     fn report(&self) -> &BuildReport {
         &self.report
+    }
+}
+
+impl WalkRay for WideWalk {
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        context: &mut RayContext<'_, S, Q, C>,
+        (stack, todo): &mut Self::Scratch,
+    ) {
+        let is_tame = self.base.slack.is_tame(&context.ray.ray);
+        let span = find_span(&self.base, context.ray, context.query.t_max());
+        if is_tame && span.is_none() {
+            return;
+        }
+        // A span that is a point has no part in any child.
+        if let Some(span) = span.filter(|span| is_tame && span.enter < span.exit) {
+            self.descend(context, span, stack);
+        } else {
+            let leaf_test = &With(context.simd);
+            robust::walk(&self.nodes, &mut Visit::new(&self.base, context, leaf_test), todo);
+        }
     }
 }

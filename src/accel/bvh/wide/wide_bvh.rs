@@ -1,0 +1,245 @@
+//! A hierarchy of nodes with up to `W` children, and the walk of one ray.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::{Level, Simd};
+
+use super::arena::{Arena, BLOCK, Rows};
+use super::shape::{Shape, Source};
+use super::stack::{Sorting, Stack};
+use super::{collapse, direct, node, octants};
+use crate::accel::bvh::Parts;
+use crate::accel::bvh::build::build_tree_by;
+use crate::accel::bvh::leaves::{Fetch, Fetched};
+use crate::accel::bvh::link::Link;
+use crate::accel::bvh::prims::prims;
+use crate::accel::bvh::sah::{self, Cost, Fill, TRAVERSAL};
+use crate::accel::{
+    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
+    RayContext, Structure,
+};
+use crate::geom::BlockRef;
+use crate::simd::order::key_limit;
+use crate::simd::{Lanes, Vectors};
+
+/// A hierarchy of width `W`.
+pub struct WideBvh<const W: usize> {
+    /// `None` without triangles.
+    pub root: Option<Link>,
+    /// Nodes and leaves.
+    pub arena: Arena<W>,
+    /// `None` if the leaves store their triangles.
+    fetch: Option<Fetch>,
+    /// Whether children are taken in the order of the direction's octant.
+    by_octant: bool,
+    /// If leaves hold parts of triangles: the rays that the boxes are good for.
+    pub parts: Option<Parts>,
+    /// Row of the first leaf.
+    first_leaf: usize,
+    level: Level,
+    report: BuildReport,
+}
+
+/// Rays in flight; 12 to 32 are equal.
+pub const RAYS: usize = 16;
+
+/// A thread's own.
+pub struct Scratch<const W: usize> {
+    /// For each ray in flight.
+    pub stacks: Box<[Stack<W>]>,
+    /// Leaves that were fetched.
+    pub fetched: Fetched<W>,
+}
+
+impl<const W: usize> WideBvh<W>
+where
+    Lanes: Vectors<W>,
+{
+    /// Builds the tree, binary first or in one pass, and says how long each phase took.
+    pub fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
+        let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
+        let cost = Cost { traversal: TRAVERSAL, width: W, fill };
+        let mut phases = Phases::start();
+        if input.options.choice("build") == "direct" {
+            let prims = prims(&*input.source);
+            phases.end("boxes");
+            let shape = direct::build::<W>(prims, cost);
+            phases.end("tree");
+            return Self::lay_out(input, &shape, phases);
+        }
+        let tree = build_tree_by(input, cost, &mut phases);
+        let shape = collapse::collapse::<W>(tree);
+        phases.end("collapse");
+        Self::lay_out(input, &shape, phases)
+    }
+
+    /// Writes a tree's nodes and leaves.
+    fn lay_out(
+        input: &BuildInput<'_>,
+        shape: &Shape<W, impl Source<W>>,
+        mut phases: Phases,
+    ) -> Result<Self, BuildError> {
+        if shape.report.max_depth > sah::MAX_DEPTH {
+            let (depth, limit) = (shape.report.max_depth, sah::MAX_DEPTH);
+            return Err(BuildError::TooDeep { depth, limit });
+        }
+        let fetch = Fetch::new(input);
+        let (inline, by_octant) = (fetch.is_none(), input.options.choice("order") == "octant");
+        let rows = shape.rows(inline);
+        if rows >= Link::LIMIT {
+            let count = input.source.len();
+            let limit = (count as u64 * Link::LIMIT as u64 / rows as u64) as usize;
+            return Err(BuildError::TooManyTriangles { count, limit });
+        }
+        let mut arena = Arena::new(rows)
+            .map_err(|_| BuildError::NoMemory { needed: (rows * size_of::<[f32; W]>()) as u64 })?;
+        shape.write_nodes(&mut arena, inline, by_octant);
+        phases.end("nodes");
+        shape.write_leaves(&mut arena, &*input.source, inline);
+        phases.end("leaves");
+        Ok(Self {
+            root: shape.root(),
+            arena,
+            fetch,
+            by_octant,
+            parts: shape.parts,
+            first_leaf: shape.first_leaf(),
+            level: input.level,
+            report: BuildReport {
+                phases: phases.ended(),
+                triangles: input.source.len(),
+                ..shape.report.clone()
+            },
+        })
+    }
+
+    /// In which order the children of a node go on the stack.
+    #[inline(always)]
+    pub fn sorting(&self, rows: Rows<'_, W>, node: Link, prepared: &PreparedRay<'_>) -> Sorting {
+        if self.by_octant {
+            Sorting::Listed(octants::list(rows.orders(node), octants::octant(&prepared.slab)))
+        } else {
+            Sorting::ByDistance
+        }
+    }
+
+    /// A leaf's triangles.
+    #[inline(always)]
+    fn block<'a, C: Counters>(
+        &self,
+        rows: Rows<'a, W>,
+        link: Link,
+        fetched: &'a mut Fetched<W>,
+        counters: &mut C,
+    ) -> BlockRef<'a, W> {
+        counters.count(Event::Leaf);
+        match &self.fetch {
+            None => rows.block(link),
+            Some(fetch) => {
+                let leaf = link.place() - self.first_leaf;
+                fetched.block(fetch, leaf, rows.ids(link), counters)
+            }
+        }
+    }
+
+    /// Tests a leaf's triangles.
+    #[inline(always)]
+    pub fn test_leaf<S: Simd, Q: Query, C: Counters>(
+        &self,
+        context: &mut RayContext<'_, S, Q, C>,
+        rows: Rows<'_, W>,
+        link: Link,
+        fetched: &mut Fetched<W>,
+    ) -> ControlFlow<()> {
+        let block = self.block(rows, link, fetched, context.counters);
+        context.test_block::<<Lanes as Vectors<W>>::Floats<S>, W>(block)
+    }
+
+    /// Tests all triangles: for the few rays that boxes of parts are not good for.
+    #[inline(never)]
+    fn test_all<Q: Query, C: Counters>(
+        &self,
+        mut context: RayContext<'_, impl Simd, Q, C>,
+        fetched: &mut Fetched<W>,
+    ) {
+        let (rows, of_leaf) = (self.arena.rows(), if self.fetch.is_some() { 1 } else { BLOCK });
+        for leaf in 0..self.report.leaves {
+            let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
+            let block = self.block(rows, link, fetched, context.counters);
+            if context.test_each(block).is_break() {
+                return;
+            }
+        }
+    }
+
+    /// Walks one ray.
+    #[inline(always)]
+    pub fn walk<S: Simd, Q: Query, C: Counters>(
+        &self,
+        context: &mut RayContext<'_, S, Q, C>,
+        scratch: &mut Scratch<W>,
+    ) {
+        let Some(mut link) = self.root else { return };
+        let rows = self.arena.rows();
+        let Scratch { stacks, fetched } = scratch;
+        if self.parts.is_some_and(|parts| !parts.covers(&context.ray.ray)) {
+            return self.test_all(context.reborrow(), fetched);
+        }
+        let (stack, mut top) = (&mut stacks[0], 1);
+        loop {
+            if link.is_leaf() {
+                if self.test_leaf(context, rows, link, fetched).is_break() {
+                    return;
+                }
+            } else {
+                context.counters.count(Event::InnerNode);
+                context.counters.count(Event::BoxTest);
+                let (planes, links) = rows.node(link);
+                let (simd, ray) = (context.simd, context.ray);
+                let (keys, hits) = node::enter(simd, planes, ray, context.query.t_max());
+                let sorting = self.sorting(rows, link, ray);
+                let below = stack.descend(simd, sorting, &keys, hits, links, &mut top);
+                if let Some(nearest) = below {
+                    context.counters.add(Event::Push, u64::from(hits.count_ones()) - 1);
+                    if hits & (hits - 1) != 0 {
+                        // Where it will turn to when it comes back from below `nearest`.
+                        rows.prefetch(stack.peek(top));
+                    }
+                    link = nearest;
+                    continue;
+                }
+            }
+            match stack.next(&mut top, key_limit(context.query.t_max())) {
+                Some(next) => link = next,
+                None => return,
+            }
+        }
+    }
+}
+
+impl<const W: usize> Structure for WideBvh<W>
+where
+    Lanes: Vectors<W>,
+{
+    type Scratch = Scratch<W>;
+
+    fn scratch(&self) -> Scratch<W> {
+        let stacks = (0..RAYS).map(|_| Stack::new()).collect();
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.table(self.report.leaves));
+        Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none) }
+    }
+
+    fn level(&self) -> Level {
+        self.level
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let nodes = self.first_leaf * size_of::<[f32; W]>();
+        let leaves = if self.fetch.is_some() { "references" } else { "leaves" };
+        MemoryReport::new([("nodes", nodes), (leaves, self.arena.bytes() - nodes)])
+    }
+
+    fn report(&self) -> &BuildReport {
+        &self.report
+    }
+}

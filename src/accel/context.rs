@@ -1,0 +1,129 @@
+//! What a traversal carries along: for one ray, and for a slice of rays.
+//!
+//! Both are taken apart by the optimiser where all that takes them is `#[inline(always)]`: then each
+//! part is in a register, as if it stood in the signature by itself. What is not inlined is handed
+//! a context of its own ([`RayContext::reborrow`]), so that the caller's need not lie in memory.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::{Simd, SimdFloat};
+
+use super::{Batch, ClosestHit, Counters, Event, PreparedRay, Query};
+use crate::geom::{BlockRef, Corners, verdict};
+use crate::math::TriangleId;
+use crate::simd::baseline;
+
+/// A ray on its way through a structure.
+pub struct RayContext<'a, S, Q, C> {
+    /// The instruction set to walk with.
+    pub simd: S,
+    /// The ray.
+    pub ray: &'a PreparedRay<'a>,
+    /// The question, with the best answer so far.
+    pub query: &'a mut Q,
+    /// What is counted.
+    pub counters: &'a mut C,
+}
+
+impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
+    /// The same context, for a function that is not inlined, at the baseline instruction set.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> RayContext<'_, impl Simd, Q, C> {
+        let (query, counters) = (&mut *self.query, &mut *self.counters);
+        RayContext { simd: baseline(), ray: self.ray, query, counters }
+    }
+
+    /// Asks the exact test about one triangle and offers the hit it finds; `Break` if the answer is
+    /// final.
+    #[inline(always)]
+    pub fn test_triangle(&mut self, id: TriangleId, triangle: &impl Corners) -> ControlFlow<()> {
+        self.counters.count(Event::Verdict);
+        match verdict(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
+            Some([t, u, v]) => {
+                self.query.offer(&self.ray.criteria(), ClosestHit { t, u, v, triangle: id })
+            }
+            None => ControlFlow::Continue(()),
+        }
+    }
+
+    /// Tests a block: filters all its triangles at once, then asks the exact test about those that
+    /// are left.
+    #[inline(always)]
+    pub fn test_block<V, const W: usize>(&mut self, block: BlockRef<'_, W>) -> ControlFlow<()>
+    where
+        V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+    {
+        self.counters.count(Event::TriangleTest);
+        if C::COUNTS {
+            self.counters.add(Event::TriangleLane, block.len() as u64);
+        }
+        let mut lanes = block.candidates::<S, V>(self.simd, &self.ray.ray, self.query.t_max());
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let id = block.ids[lane];
+            if id != TriangleId::NONE {
+                self.test_triangle(id, &block.lane(lane))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Asks the exact test about all triangles of a block, unfiltered: small, for rays that are
+    /// hardly ever met.
+    pub fn test_each<const W: usize>(&mut self, block: BlockRef<'_, W>) -> ControlFlow<()> {
+        self.counters.count(Event::TriangleTest);
+        for (lane, &id) in block.ids.iter().enumerate().filter(|(_, id)| **id != TriangleId::NONE) {
+            self.test_triangle(id, &block.lane(lane))?;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// A slice of rays on its way through a structure, and the place of its answers.
+pub struct SliceContext<'a, S, Q: Query, C> {
+    /// The instruction set to walk with.
+    pub simd: S,
+    /// The rays.
+    pub batch: Batch<'a>,
+    /// An answer for each ray.
+    pub answers: &'a mut [Q::Answer],
+    /// What is counted.
+    pub counters: &'a mut C,
+}
+
+impl<S: Simd, Q: Query, C: Counters> SliceContext<'_, S, Q, C> {
+    /// The same context, for a function that is not inlined, at the baseline instruction set.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> SliceContext<'_, impl Simd, Q, C> {
+        let (answers, counters) = (&mut *self.answers, &mut *self.counters);
+        SliceContext { simd: baseline(), batch: self.batch, answers, counters }
+    }
+
+    /// Answers one ray by a walk.
+    #[inline(always)]
+    pub fn answer(&mut self, index: usize, walk: impl FnOnce(&mut RayContext<'_, S, Q, C>)) {
+        let ray = &self.batch.rays()[index];
+        let mut query = Q::new(ray);
+        let prepared = PreparedRay::new(ray, index, self.batch.filter());
+        let (ray, counters) = (&prepared, &mut *self.counters);
+        walk(&mut RayContext { simd: self.simd, ray, query: &mut query, counters });
+        self.answers[index] = query.answer();
+    }
+
+    /// Answers all rays by a walk, one after the other.
+    #[inline(always)]
+    pub fn answer_each(&mut self, mut walk: impl FnMut(&mut RayContext<'_, S, Q, C>)) {
+        for index in 0..self.batch.rays().len() {
+            self.answer(index, &mut walk);
+        }
+    }
+
+    /// Answers all rays as if there were nothing to hit.
+    #[inline(always)]
+    pub fn answer_nothing(&mut self) {
+        for (answer, ray) in self.answers.iter_mut().zip(self.batch.rays()) {
+            *answer = Q::new(ray).answer();
+        }
+    }
+}
