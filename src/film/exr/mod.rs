@@ -6,7 +6,7 @@ mod write;
 pub use read::{decode, read, read_rgb};
 pub(crate) use read::{decode_rgb, decode_rgba, size};
 #[cfg(test)]
-use write::encode;
+pub(crate) use write::encode;
 pub use write::write;
 
 #[cfg(test)]
