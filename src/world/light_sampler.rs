@@ -1,7 +1,7 @@
 //! Which light to ask: by its power alone, or by what it may send to the point that asks.
 
 use crate::geom::TriangleSource;
-use crate::light::{LightBounds, LightTree, PunctualKind, Sides, Vantage};
+use crate::light::{LightBounds, LightSampleContext, LightTree, PunctualKind, Sides};
 use crate::math::{InstanceId, TriangleId, Vec3};
 use crate::names::choices;
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON};
@@ -62,11 +62,11 @@ impl LightSampler {
 
     /// A light and the probability with which it is chosen; `None`: none that shines there.
     #[inline]
-    pub fn sample(&self, vantage: &Vantage, u: f32) -> Option<(usize, f32)> {
+    pub fn sample(&self, context: &LightSampleContext, u: f32) -> Option<(usize, f32)> {
         let Some(tree) = &self.tree else { return Some(self.table.as_ref()?.sample(u)) };
         if u < self.tree_share {
             let u = (u / self.tree_share).min(ONE_MINUS_EPSILON);
-            let (light, probability) = tree.sample(vantage, u)?;
+            let (light, probability) = tree.sample(context, u)?;
             return Some((light, probability * self.tree_share));
         }
         let rest = 1.0 - self.tree_share;
@@ -83,9 +83,9 @@ impl LightSampler {
 
     /// The probability with which a light that is somewhere is chosen for a point.
     #[inline]
-    pub fn near_probability(&self, vantage: &Vantage, light: usize) -> f32 {
+    pub fn near_probability(&self, context: &LightSampleContext, light: usize) -> f32 {
         match (&self.tree, &self.table) {
-            (Some(tree), _) => tree.probability(vantage, light) * self.tree_share,
+            (Some(tree), _) => tree.probability(context, light) * self.tree_share,
             (None, Some(table)) => table.pmf(light),
             (None, None) => 0.0,
         }
@@ -147,7 +147,7 @@ mod tests {
         let lamp =
             |x: f32, power| LightBounds::point(Vec3::X * x, Vec3::Y, std::f32::consts::PI, power);
         let bounds = || vec![lamp(1.0, 1.0), lamp(0.0, 0.0), lamp(3.0, 1.0)];
-        let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::ZERO };
+        let context = LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO };
         for (choice, expected) in [
             (LightSamplerKind::Power, [0.25, 0.5, 0.25]),
             (LightSamplerKind::Tree, [0.45, 0.5, 0.05]),
@@ -156,10 +156,10 @@ mod tests {
             let mut counts = [0.0_f64; 3];
             for i in 0..1000 {
                 let u = (i as f32 + 0.5) / 1000.0;
-                let (light, probability) = sampler.sample(&vantage, u).expect("all shine");
+                let (light, probability) = sampler.sample(&context, u).expect("all shine");
                 let told = match light {
                     1 => sampler.far_probability(1),
-                    near => sampler.near_probability(&vantage, near),
+                    near => sampler.near_probability(&context, near),
                 };
                 assert!((probability - told).abs() < 1e-6);
                 counts[light] += 1e-3;
@@ -185,20 +185,21 @@ mod tests {
             };
             (0..LIGHTS).map(lamp).collect()
         };
-        let vantage = Vantage { position: Vec3::new(9.0, 0.0, 1.0), normal: Vec3::NEG_Z };
+        let context =
+            LightSampleContext { position: Vec3::new(9.0, 0.0, 1.0), normal: Vec3::NEG_Z };
         for choice in LightSamplerKind::ALL {
             let weights = (0..LIGHTS).map(|light| f64::from(power(light))).collect();
             let sampler = LightSampler::new(weights, choice, bounds);
             let mut counts = [0; LIGHTS];
             for i in 0..COUNT {
                 let u = Sampler::independent(i, 0, 5).next_1d();
-                counts[sampler.sample(&vantage, u).expect("all shine").0] += 1;
+                counts[sampler.sample(&context, u).expect("all shine").0] += 1;
             }
             let chance = |light: usize| {
                 if far(light) {
                     sampler.far_probability(light)
                 } else {
-                    sampler.near_probability(&vantage, light)
+                    sampler.near_probability(&context, light)
                 }
             };
             let expected: Vec<f64> =

@@ -6,7 +6,7 @@ use super::interpolation::Interpolation;
 use super::light_sampler::{LightSampler, LightSamplerKind, punctual_bounds, triangle_bounds};
 use super::lookup::emission;
 use crate::geom::TriangleSource;
-use crate::light::{Environment, LightBounds, Sides, Vantage};
+use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
 use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::scene::defaults::bounds;
@@ -115,8 +115,12 @@ impl Lights {
 
     /// Chooses a light for a point by `u`, with its probability; `None`: none shines there.
     #[inline(always)]
-    pub(super) fn choose(&self, vantage: &Vantage, u: f32) -> Option<(ChosenLight, f32)> {
-        let (light, pmf) = self.sampler.sample(vantage, u)?;
+    pub(super) fn choose(
+        &self,
+        context: &LightSampleContext,
+        u: f32,
+    ) -> Option<(ChosenLight, f32)> {
+        let (light, pmf) = self.sampler.sample(context, u)?;
         let chosen = if light >= self.first_triangle {
             ChosenLight::Emitter(self.triangles[light - self.first_triangle])
         } else if light < self.punctual {
@@ -136,13 +140,13 @@ impl Lights {
     /// instance.
     pub(super) fn triangle_pmf(
         &self,
-        vantage: &Vantage,
+        context: &LightSampleContext,
         instance: InstanceId,
         index: usize,
     ) -> f32 {
         match self.instances[instance.index()] {
             u32::MAX => 0.0,
-            first => self.sampler.near_probability(vantage, first as usize + index),
+            first => self.sampler.near_probability(context, first as usize + index),
         }
     }
 }

@@ -27,7 +27,7 @@ pub struct World {
     /// What shines in it.
     pub lights: Lights,
     pub(super) materials: Vec<PreparedMaterial>,
-    /// Bounds how far off a verdict in f64 may put a plane of the scene, metres: some 2000 units
+    /// Bounds how far off an exact test in f64 may put a plane of the scene, metres: some 2000 units
     /// in the last place of the scene's size.
     pub(super) slack: f32,
     pub(super) form: BsdfForm,
