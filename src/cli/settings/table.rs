@@ -35,6 +35,11 @@ impl Table {
         self.settings().find(|setting| setting.name == name)
     }
 
+    /// Whether the word that a setting is set to names a file.
+    pub fn names_file(&self, name: &str, word: &str) -> bool {
+        self.find(name).is_some_and(|setting| (setting.names_file)(word))
+    }
+
     /// The values that all settings have unless others are given.
     pub fn defaults(&self) -> RenderArgs {
         let mut args = RenderArgs::default();
