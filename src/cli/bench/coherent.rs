@@ -16,8 +16,8 @@ use crate::cli::{input, memory};
 use crate::generate::Generator;
 use crate::geom::TriangleSource;
 
-/// Packets, entry points and compressed paths over flights: the tables of Barczak's paper, its
-/// figures beside.
+/// Packets, entry points and compressed paths over flights: the tables of Barczak's paper, next to
+/// its figures.
 ///
 /// On one thread, primary rays that were made before: nodes visited (table 1), rates of packets
 /// (2), memory and construction of compressed paths (3), partitioned packets and single rays (4),
@@ -56,7 +56,7 @@ pub struct CoherentArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
-    /// How trees are built; `dapple accels` tells
+    /// How trees are built; see the option `build` in `dapple accels`
     #[arg(long, default_value = "binned", value_parser = parse_builder)]
     build: &'static str,
     #[command(flatten)]
@@ -67,7 +67,7 @@ pub struct CoherentArgs {
     output: OutputArgs,
 }
 
-/// The scenes that stand beside the paper's, in its order.
+/// The scenes that are compared with the paper's, in its order.
 const MADE: [Generator; 4] =
     [Generator::Assembly, Generator::City, Generator::Kitchen, Generator::Landscape];
 

@@ -17,8 +17,8 @@ use crate::cli::flags::Quiet;
 use crate::cli::{input, memory};
 use crate::generate::Generator;
 
-/// All kd-trees: bytes, rates, nodes, leaves and tests a ray; then builds by layouts; with --report
-/// also the time of builds over machines of 10^4 to 10^6 triangles.
+/// All kd-trees: bytes, rates, nodes, leaves and tests per ray; then builds by layouts; with
+/// --report also the build times over machines of 10^4 to 10^6 triangles.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out")]
 pub struct KdArgs {

@@ -10,8 +10,8 @@ use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
 use crate::cli::{input, memory};
 
-/// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, its figures
-/// beside.
+/// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, next to its
+/// figures.
 ///
 /// On one thread: construction (table 1), random rays with and without a cache of triangles (2),
 /// the size of that cache, on the largest scene (3), width (4), and packets of rays that lose their
@@ -38,7 +38,7 @@ pub struct MbvhArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
-    /// How trees are built; `dapple accels` tells
+    /// How trees are built; see the option `build` in `dapple accels`
     #[arg(long, default_value = "binned", value_parser = parse_builder)]
     build: &'static str,
     /// Refine all trees by reinsertion, bvh2's too; auto's always is
@@ -52,7 +52,7 @@ pub struct MbvhArgs {
     output: OutputArgs,
 }
 
-/// Below so many a pass takes less than some tenths of a second.
+/// With fewer rays, a pass takes less than some tenths of a second.
 const FEW_RAYS: u64 = 100_000;
 
 /// Runs the command.

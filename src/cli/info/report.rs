@@ -1,4 +1,4 @@
-//! What there is to tell of a scene, and the words for it.
+//! What there is to report of a scene, and the words for it.
 
 use crate::camera::Projection;
 use crate::light::{Punctual, PunctualKind};
@@ -6,7 +6,7 @@ use crate::math::{Aabb, Vec3};
 use crate::scene::{AlphaMode, Material, MaterialLayers, Scene, Survey};
 use crate::texture::{ColorSpace, Texels};
 
-/// All that there is to tell.
+/// All that there is to report.
 pub struct Report<'a> {
     pub file: &'a str,
     pub bounds: Aabb,

@@ -15,8 +15,8 @@ use crate::sampling::SamplePattern;
 use crate::simd::Isa;
 use crate::world::LightSamplerKind;
 
-/// What `dapple render` is asked for: a field for each entry of the table of settings, which tells
-/// what it means.
+/// What `dapple render` is asked for: a field for each entry of the table of settings, where its
+/// meaning is documented.
 #[derive(Clone, Debug, Default)]
 pub struct RenderArgs {
     pub scene_file: PathBuf,

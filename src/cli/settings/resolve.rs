@@ -16,7 +16,7 @@ use crate::cli::error::CliError;
 use crate::formats::LoadError;
 use crate::formats::toml::{self, Setting as Line, SettingValue};
 
-/// What is asked for, all told.
+/// What is asked for.
 #[derive(Debug)]
 pub struct Request {
     /// The values of all settings.
