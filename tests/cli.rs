@@ -18,7 +18,21 @@ macro_rules! transcripts {
     };
 }
 
-transcripts![bench, errors, generate, info, pictures, rays, scenes];
+transcripts![
+    bench_coherent_cameras,
+    bench_mbvh,
+    bench_mbvh_help,
+    bench_refusals,
+    bench_render,
+    bench_render_help,
+    generate,
+    info,
+    missing_inputs,
+    pictures,
+    rays,
+    scenes,
+    slips_in_structures,
+];
 
 #[test]
 fn every_transcript_is_a_test() {

@@ -37,8 +37,8 @@ impl Picture {
     }
 }
 
-/// Compares the colours of a picture with those of a reference of the same size: errors, FLIP over a
-/// range of exposures, and a z-test where the pictures tell the variance of their pixels.
+/// Compares the colours of a picture with those of a reference of the same size: errors, FLIP over
+/// a range of exposures, and a z-test where the pictures tell the variance of their pixels.
 ///
 /// # Examples
 /// ```

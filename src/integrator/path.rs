@@ -130,8 +130,8 @@ impl<'w> PathTracer<'w> {
     }
 }
 
-/// Takes a path on in the direction that its BSDF has scattered it to, and returns that direction in
-/// world space. `None` where the path ends.
+/// Takes a path on in the direction that its BSDF has scattered it to, and returns that direction
+/// in world space. `None` where the path ends.
 #[inline(always)]
 fn scatter(
     world: &World,

@@ -36,7 +36,7 @@ impl Lobe {
         2.0 * w.z / self.inverse_masking(w)
     }
 
-    /// A normal as seen from `wo` (Dupuy and Benyoub 2023).
+    /// Samples a normal visible from `wo` (Dupuy and Benyoub 2023).
     pub fn sample_visible_normal(&self, wo: Vec3, u: Vec2) -> Vec3 {
         let stretched = Vec3::new(wo.x * self.along, wo.y * self.across, wo.z).normalize();
         let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;

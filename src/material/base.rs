@@ -5,7 +5,7 @@ use super::form::BsdfForm;
 use super::lambert::Lambert;
 use super::metallic_roughness::MetallicRoughness;
 use super::mixed::Mixed;
-use super::params::{SurfaceParams, unit};
+use super::params::{SurfaceParams, saturate};
 use super::sample::BsdfSample;
 use crate::math::{Vec2, Vec3};
 
@@ -25,8 +25,8 @@ pub enum BaseBsdf {
 impl BaseBsdf {
     /// The BSDF that `params` describe.
     pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
-        let metallic = unit(params.metallic);
-        let share = unit(params.transmission) * (1.0 - metallic);
+        let metallic = saturate(params.metallic);
+        let share = saturate(params.transmission) * (1.0 - metallic);
         // Less than this no picture shows, and probabilities would underflow.
         let share = if share < 1e-6 { 0.0 } else { share };
         if share >= 1.0 {

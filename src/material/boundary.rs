@@ -4,7 +4,7 @@ use super::energy::GlassAlbedo;
 use super::form::BsdfForm;
 use super::fresnel;
 use super::metallic_roughness::coat_f0;
-use super::params::{SurfaceParams, unit};
+use super::params::{SurfaceParams, saturate};
 use super::sample::mean;
 use super::thin_film::ThinFilm;
 use crate::math::Vec3;
@@ -15,7 +15,7 @@ const SMOOTH: f32 = 0.02;
 /// Stands for the infinite index that KHR_materials_ior writes as 0.
 const INFINITE_IOR: f32 = 1e4;
 
-/// What `params` say of a dielectric's boundary.
+/// The boundary of a dielectric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary {
     /// Colour of the light that passes.
@@ -24,7 +24,6 @@ pub struct Boundary {
     pub ior: f32,
     /// GGX's alpha, where it is rough.
     pub alpha: f32,
-    /// By glTF's letter, or conserving energy.
     pub form: BsdfForm,
     /// Which of the four models it follows.
     pub kind: Kind,
@@ -48,25 +47,27 @@ pub enum Kind {
     ThinRough,
 }
 
-/// The two things that a boundary does to light, for one direction of view.
+/// How a boundary divides light into reflected and transmitted light, for one direction of view.
 pub struct Split {
+    /// By colour.
     pub reflectance: Vec3,
-    /// Probability of drawing the reflection.
-    pub choice: f32,
+    /// The probability with which the reflection is sampled.
+    pub reflection_probability: f32,
 }
 
 impl Split {
     #[inline]
     fn new(reflectance: f32, tint: Vec3) -> Self {
-        Self::by(Vec3::splat(reflectance), reflectance, tint)
+        Self::colored(Vec3::splat(reflectance), reflectance, tint)
     }
 
     #[inline]
-    fn by(colors: Vec3, reflectance: f32, tint: Vec3) -> Self {
+    fn colored(colors: Vec3, reflectance: f32, tint: Vec3) -> Self {
         let transmitted = (1.0 - reflectance) * tint.max_element().max(0.0);
-        // Black glass seen where it does not reflect: draw the nothing that is transmitted.
+        // Black glass seen where it does not reflect: sample the nothing that is transmitted.
         let all = reflectance + transmitted;
-        Self { reflectance: colors, choice: if all > 0.0 { reflectance / all } else { 0.0 } }
+        let reflection_probability = if all > 0.0 { reflectance / all } else { 0.0 };
+        Self { reflectance: colors, reflection_probability }
     }
 
     /// Tinted share of the light that passes.
@@ -81,7 +82,7 @@ impl Boundary {
     pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
         let usable = params.ior.is_finite() && params.ior > 1e-3;
         let ior = if usable { params.ior.min(INFINITE_IOR) } else { INFINITE_IOR };
-        let roughness = unit(params.roughness);
+        let roughness = saturate(params.roughness);
         // Rough or not, what does not bend light lets it pass straight.
         let rough = roughness > SMOOTH && (ior - 1.0).abs() > 1e-3;
         let kind = match (params.thin, rough) {
@@ -98,7 +99,7 @@ impl Boundary {
             kind,
             plain: params.specular >= 1.0 && params.specular_color == Vec3::ONE,
             f0: coat_f0(&SurfaceParams { ior, ..*params }),
-            f90: unit(params.specular),
+            f90: saturate(params.specular),
         }
     }
 
@@ -108,8 +109,8 @@ impl Boundary {
         if wo.z < 0.0 { 1.0 / self.ior } else { self.ior }
     }
 
-    /// What the boundary of a solid does to light that meets it, or a facet of it, at that cosine;
-    /// and the cosine of the refracted ray.
+    /// Divides light that meets the boundary of a solid, or a facet of it, at that cosine. Returns
+    /// the cosine of the refracted ray too.
     #[inline]
     pub fn split(&self, cos: f32, eta: f32, film: Option<&ThinFilm>) -> (Split, f32) {
         let (exact, cos_t) = fresnel::dielectric(cos, eta);
@@ -119,10 +120,10 @@ impl Boundary {
         // What is reflected within is what is reflected back along the same way.
         let outside = if eta == self.ior { cos } else { cos_t };
         let colors = self.face(film, outside, exact);
-        (Split::by(colors, mean(colors), self.tint), cos_t)
+        (Split::colored(colors, mean(colors), self.tint), cos_t)
     }
 
-    /// The same of a thin sheet.
+    /// Divides light that meets a thin sheet.
     #[inline]
     pub fn split_thin(&self, cos: f32, film: Option<&ThinFilm>) -> Split {
         let (exact, _) = fresnel::dielectric(cos, self.ior);
@@ -130,7 +131,7 @@ impl Boundary {
             return Split::new(fresnel::thin_sheet(exact), self.tint);
         }
         let colors = self.face(film, cos, exact).map(fresnel::thin_sheet);
-        Split::by(colors, mean(colors), self.tint)
+        Split::colored(colors, mean(colors), self.tint)
     }
 
     /// The reflectance of one face of light that meets it from outside at `cos`, given that of its
@@ -149,22 +150,22 @@ impl Boundary {
         if self.ior >= INFINITE_IOR {
             return fresnel::schlick_weight(cos);
         }
-        let least = self.of_index();
-        unit((exact - least) / (1.0 - least))
+        let least = self.f0_of_index();
+        saturate((exact - least) / (1.0 - least))
     }
 
     /// The reflectance of the index at normal incidence.
-    fn of_index(&self) -> f32 {
+    fn f0_of_index(&self) -> f32 {
         let root = (self.ior - 1.0) / (self.ior + 1.0);
         root * root
     }
 
-    /// What makes up for the light that one bounce on a rough boundary loses.
-    pub fn gain(&self, albedo: GlassAlbedo) -> Vec3 {
+    /// The factor that compensates for the light that one bounce on a rough boundary loses.
+    pub fn compensation(&self, albedo: GlassAlbedo) -> Vec3 {
         if self.plain {
             return Vec3::splat(1.0 / albedo.exact);
         }
-        let least = self.of_index();
+        let least = self.f0_of_index();
         let slope = if self.ior >= INFINITE_IOR {
             Vec3::ZERO
         } else {

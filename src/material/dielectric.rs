@@ -29,7 +29,7 @@ impl Dielectric {
         Self { boundary: Boundary::new(params, form) }
     }
 
-    /// Whether it only reflects and refracts as mirrors and lenses do.
+    /// Whether both of its lobes are delta lobes.
     #[inline]
     pub fn is_delta(&self) -> bool {
         matches!(self.boundary.kind, Kind::Smooth | Kind::ThinSmooth)
@@ -38,12 +38,12 @@ impl Dielectric {
     /// See [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        self.eval_under(None, wo, wi)
+        self.eval_under_film(None, wo, wi)
     }
 
-    /// The same, under a film on the outside.
+    /// The same under a film on the outside.
     #[inline]
-    pub fn eval_under(&self, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+    pub fn eval_under_film(&self, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         match self.boundary.kind {
             Kind::Smooth | Kind::ThinSmooth => (Vec3::ZERO, 0.0),
             Kind::Rough => rough_dielectric::eval_solid(&self.boundary, film, wo, wi),
@@ -54,12 +54,12 @@ impl Dielectric {
     /// See [`super::Bsdf::sample`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        self.sample_under(None, wo, u_lobe, u)
+        self.sample_under_film(None, wo, u_lobe, u)
     }
 
-    /// The same, under a film on the outside.
+    /// The same under a film on the outside.
     #[inline]
-    pub fn sample_under(
+    pub fn sample_under_film(
         &self,
         film: Option<&ThinFilm>,
         wo: Vec3,
@@ -86,11 +86,11 @@ impl Dielectric {
 fn sample_smooth(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
     let eta = glass.eta(wo);
     let (split, cos_t) = glass.split(wo.z.abs(), eta, film);
-    if u_lobe < split.choice {
-        return mirror(wo, &split);
+    if u_lobe < split.reflection_probability {
+        return sample_mirror(wo, &split);
     }
     let inverse = 1.0 / eta;
-    let pdf = 1.0 - split.choice;
+    let pdf = 1.0 - split.reflection_probability;
     BsdfSample {
         wi: Vec3::new(-wo.x * inverse, -wo.y * inverse, -cos_t.copysign(wo.z)),
         weight: split.transmittance(glass.tint) * (inverse * inverse / pdf),
@@ -102,19 +102,19 @@ fn sample_smooth(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f3
 
 fn sample_thin(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
     let split = glass.split_thin(wo.z.abs(), film);
-    if u_lobe < split.choice {
-        return mirror(wo, &split);
+    if u_lobe < split.reflection_probability {
+        return sample_mirror(wo, &split);
     }
-    let pdf = 1.0 - split.choice;
+    let pdf = 1.0 - split.reflection_probability;
     let weight = split.transmittance(glass.tint) / pdf;
     BsdfSample { wi: -wo, weight, pdf, delta: true, eta: 1.0 }
 }
 
-fn mirror(wo: Vec3, split: &Split) -> BsdfSample {
+fn sample_mirror(wo: Vec3, split: &Split) -> BsdfSample {
     BsdfSample {
         wi: Vec3::new(-wo.x, -wo.y, wo.z),
-        weight: split.reflectance / split.choice,
-        pdf: split.choice,
+        weight: split.reflectance / split.reflection_probability,
+        pdf: split.reflection_probability,
         delta: true,
         eta: 1.0,
     }

@@ -2,14 +2,14 @@
 
 use crate::names::choices;
 
-/// How faithful to glTF's letter, or to the conservation of energy, a BSDF is.
+/// Whether a BSDF follows glTF's formulas to the letter, or conserves energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BsdfForm {
     /// glTF 2.0, Appendix B, with separable Smith shadowing. Gains energy at grazing angles and
     /// loses it on rough metal and rough glass.
     AppendixB,
-    /// The same with multiple scattering made up for, and the opaque part below a dielectric
-    /// scaled by what the coat lets through: white surfaces reflect all light.
+    /// The same with compensation for multiple scattering, and with the opaque part below a
+    /// dielectric scaled by what the coat lets through: white surfaces reflect all light.
     #[default]
     Conserving,
 }

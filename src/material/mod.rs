@@ -6,6 +6,16 @@
 //!
 //! Everything that transports radiance across a boundary scales it by the square of the relative
 //! index of refraction (Veach, PhD thesis 1997, 5.2), so these are BSDFs for paths from the camera.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `params`, `layers`, `form` | what a material is at a point |
+//! | `bsdf`, `base`, `layered` | the BSDF: which lobes the parameters make |
+//! | `lambert`, `metallic_roughness`, `anisotropic`, `dielectric`, `mixed`, `filmed` | bases |
+//! | `clearcoat`, `sheen` | layers |
+//! | `boundary`, `rough_dielectric` | glass: what it reflects, and its rough form |
+//! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
+//! | `energy`, `anisotropic_energy` | tables of albedos, by which energy is conserved |
 
 mod anisotropic;
 mod anisotropic_energy;

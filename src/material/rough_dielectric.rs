@@ -42,7 +42,7 @@ pub fn sample_solid(
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
     let along = wo.dot(h);
     let (split, cos_t) = glass.split(along, eta, film);
-    let reflects = u_lobe < split.choice;
+    let reflects = u_lobe < split.reflection_probability;
     let wi = if reflects {
         h * (2.0 * along) - wo
     } else {
@@ -53,8 +53,7 @@ pub fn sample_solid(
     }
     let (value, pdf) = evaluate_solid(glass, film, eta, wo, wi, h);
     let eta = if reflects { 1.0 } else { eta };
-    let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta };
-    (pdf > 0.0).then_some(sample)
+    BsdfSample::from_value(wi * side, value, pdf, eta)
 }
 
 /// For `wo` and the half vector `h` above the surface.
@@ -76,18 +75,18 @@ fn evaluate_solid(
     let lobe = ggx::Lobe::new(h, wo.z, wi.z.abs(), glass.alpha);
     let gain = match glass.form {
         BsdfForm::AppendixB => Vec3::ONE,
-        BsdfForm::Conserving => glass.gain(energy::rough_glass(glass.alpha, wo.z, eta)),
+        BsdfForm::Conserving => glass.compensation(energy::rough_glass(glass.alpha, wo.z, eta)),
     };
     if wi.z > 0.0 {
         let value = split.reflectance * gain * (lobe.reflected * wi.z);
-        (value, split.choice * lobe.visible * 0.5)
+        (value, split.reflection_probability * lobe.visible * 0.5)
     } else {
         let denominator = along_o + eta * along_i;
         let spread = 2.0 * along_o * along_i.abs() / (denominator * denominator);
         let scattered = 2.0 * spread * lobe.reflected * wi.z.abs();
         let value = split.transmittance(glass.tint) * gain * scattered;
         // Radiance is denser behind the boundary: the value lacks the factor eta² of the density.
-        (value, (1.0 - split.choice) * spread * lobe.visible * eta * eta)
+        (value, (1.0 - split.reflection_probability) * spread * lobe.visible * eta * eta)
     }
 }
 
@@ -119,11 +118,10 @@ pub fn sample_thin(
     if !is_above(mirrored.z) {
         return None;
     }
-    let reflects = u_lobe < glass.split_thin(along, film).choice;
+    let reflects = u_lobe < glass.split_thin(along, film).reflection_probability;
     let (value, pdf) = evaluate_thin(glass, film, wo, mirrored, h, reflects);
     let wi = if reflects { mirrored } else { Vec3::new(mirrored.x, mirrored.y, -mirrored.z) };
-    let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta: 1.0 };
-    (pdf > 0.0).then_some(sample)
+    BsdfSample::from_value(wi * side, value, pdf, 1.0)
 }
 
 #[inline]
@@ -141,8 +139,11 @@ fn evaluate_thin(
     let scattered = lobe.reflected * mirrored.z / (1.0 - albedo.loss());
     let density = lobe.visible * 0.5;
     if reflects {
-        (split.reflectance * scattered, split.choice * density)
+        (split.reflectance * scattered, split.reflection_probability * density)
     } else {
-        (split.transmittance(glass.tint) * scattered, (1.0 - split.choice) * density)
+        (
+            split.transmittance(glass.tint) * scattered,
+            (1.0 - split.reflection_probability) * density,
+        )
     }
 }

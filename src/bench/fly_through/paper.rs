@@ -111,8 +111,9 @@ impl Scene {
 mod tests {
     use super::*;
 
-    /// The ratios that the paper prints, against slips of the pen. Two of table 1 do not follow from
-    /// its own figures: the city's entry points (0.99) and the kitchen's compressed paths (0.36).
+    /// The ratios that the paper prints, against slips of the pen. Two of table 1 do not follow
+    /// from its own figures: the city's entry points (0.99) and the kitchen's compressed paths
+    /// (0.36).
     #[test]
     fn ratios_are_those_that_the_paper_prints() {
         for scene in SCENES {

@@ -77,11 +77,6 @@ pub(super) fn choices<T: ValueEnum>() -> Vec<PossibleValue> {
     T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect()
 }
 
-/// A name, or a number that stands for one.
-pub(super) fn name(text: &str) -> Result<String, String> {
-    Ok(text.to_owned())
-}
-
 /// Whether a switch is on.
 pub(super) fn switch(text: &str) -> Result<bool, String> {
     text.parse().map_err(|_| "is either given or not: true or false".to_owned())

@@ -120,7 +120,7 @@ impl Source {
                 continue;
             }
             let assignment = read(setting, &value).map_err(|message| fault(line, message))?;
-            if let Some(other) = values.iter().find(|it| table.conflict(it.setting, setting)) {
+            if let Some(other) = values.iter().find(|it| it.setting.excludes(setting)) {
                 let (first, second) = (other.setting.usage(), setting.usage());
                 let message = format!("the argument '{first}' cannot be used with '{second}'");
                 return Err(fault(other.line, message));

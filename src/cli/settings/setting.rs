@@ -219,6 +219,11 @@ impl Setting {
         }
     }
 
+    /// Whether the two cannot be given together.
+    pub fn excludes(&self, other: &Setting) -> bool {
+        self.conflicts.contains(&other.name) || other.conflicts.contains(&self.name)
+    }
+
     /// Whether the flag is followed by a value.
     pub fn takes_value(&self) -> bool {
         !matches!(self.form, Form::Switch | Form::Count)

@@ -58,15 +58,10 @@ impl Table {
         self.defaults.clone()
     }
 
-    /// Whether two settings cannot be given together.
-    pub fn conflict(&self, a: &Setting, b: &Setting) -> bool {
-        a.conflicts.contains(&b.name) || b.conflicts.contains(&a.name)
-    }
-
     /// Whether the command line's `typed` takes the place of a file's `other`: the two are the same
     /// setting, or they conflict, or `other` is of no use without what `typed` replaces.
     pub fn replaces(&self, typed: &Setting, other: &Setting) -> bool {
-        let clashes = |it: &Setting| self.conflict(typed, it);
+        let clashes = |it: &Setting| typed.excludes(it);
         let needed: Vec<_> = other.requires.iter().filter_map(|name| self.find(name)).collect();
         typed.name == other.name
             || clashes(other)

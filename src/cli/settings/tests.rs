@@ -99,7 +99,7 @@ static WALLPAPER: Setting = Setting {
     help: "What is on the walls",
     requires: &["time"],
     conflicts: &["sky"],
-    read: Reader::Text(|word| assign(parse::name(word), |args| &mut args.variant)),
+    read: Reader::Text(|word| assign(parse::from_str::<String>(word), |args| &mut args.variant)),
     write: |args| args.variant.to_toml(),
     ..Setting::new(Group::Light, Role::Scene)
 };
