@@ -19,14 +19,15 @@
 //!
 //! | floor | rooms |
 //! |---|---|
-//! | 7 | `cli`: one file a command |
-//! | 6 | [`render`]: tiles, streams of paths · `bench` |
-//! | 5 | [`integrator`]: the algorithm of path tracing |
-//! | 4 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
-//! | 3 | [`scene`]: what a scene is · [`generate`]: scenes by rule |
-//! | 2 | [`accel`] · [`material`] · [`light`] · [`camera`] · [`texture`] |
-//! | 1 | [`geom`] · [`sampling`] · [`film`]: pictures and their comparison |
-//! | 0 | `files` · [`math`] · `names` · `simd` |
+//! | 8 | `cli`: one file a command |
+//! | 7 | [`render`]: tiles, streams of paths · `bench` |
+//! | 6 | [`integrator`]: the algorithm of path tracing |
+//! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
+//! | 4 | [`scene`]: what a scene is · [`generate`]: scenes by rule |
+//! | 3 | [`accel`] · [`material`] · [`light`] · [`camera`] · [`texture`] |
+//! | 2 | [`geom`] · [`sampling`] · [`film`]: pictures and their comparison |
+//! | 1 | `files` · [`math`] · `simd` |
+//! | 0 | `names`: choices by name |
 //!
 //! # Words that are dapple's own
 //! - **variant**: a row of the table of structures, [`accel::VARIANTS`]; its id is what `--accel`
@@ -77,7 +78,7 @@ pub use render::{Aov, Control, Progress, Rendered, Settings, render};
 pub use sampling::SamplePattern;
 pub use scene::{Notice, Scene, TooManyTriangles};
 pub use simd::Isa;
-pub use world::{LightChoice, World};
+pub use world::{LightSamplerKind, World};
 
 /// The command `dapple`, with the arguments of the process: what `main` calls.
 #[doc(hidden)]

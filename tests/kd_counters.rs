@@ -66,7 +66,7 @@ fn leaves_are_the_same(name: &str, source: &Arc<dyn TriangleSource>, build: &str
     let expected = counts(&tree, SAME[0], rays);
     for spec in SAME {
         for (i, (found, expected)) in counts(&tree, spec, rays).iter().zip(&expected).enumerate() {
-            for event in [Event::Leaf, Event::TriangleTest, Event::Verdict] {
+            for event in [Event::Leaf, Event::TriangleTest, Event::ExactTest] {
                 assert_eq!(
                     found[event],
                     expected[event],

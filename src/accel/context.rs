@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, SimdFloat};
 
 use super::{Batch, ClosestHit, Counters, Event, PreparedRay, Query};
-use crate::geom::{BlockRef, Corners, verdict};
+use crate::geom::{BlockRef, Corners, intersect_triangle};
 use crate::math::TriangleId;
 use crate::simd::baseline;
 
@@ -37,8 +37,8 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     /// final.
     #[inline(always)]
     pub fn test_triangle(&mut self, id: TriangleId, triangle: &impl Corners) -> ControlFlow<()> {
-        self.counters.count(Event::Verdict);
-        match verdict(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
+        self.counters.count(Event::ExactTest);
+        match intersect_triangle(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
             Some([t, u, v]) => {
                 self.query.offer(&self.ray.criteria(), ClosestHit { t, u, v, triangle: id })
             }
@@ -92,7 +92,7 @@ pub struct SliceContext<'a, S, Q: Query, C> {
     pub counters: &'a mut C,
 }
 
-impl<S: Simd, Q: Query, C: Counters> SliceContext<'_, S, Q, C> {
+impl<'a, S: Simd, Q: Query, C: Counters> SliceContext<'a, S, Q, C> {
     /// The same context, for a function that is not inlined, at the baseline instruction set.
     #[inline(always)]
     pub fn reborrow(&mut self) -> SliceContext<'_, impl Simd, Q, C> {
@@ -100,22 +100,33 @@ impl<S: Simd, Q: Query, C: Counters> SliceContext<'_, S, Q, C> {
         SliceContext { simd: baseline(), batch: self.batch, answers, counters }
     }
 
+    /// Prepares a ray, and asks nothing of it yet.
+    #[inline(always)]
+    fn begin(&self, index: usize) -> (PreparedRay<'a>, Q) {
+        let ray = &self.batch.rays()[index];
+        (PreparedRay::new(ray, index, self.batch.filter()), Q::new(ray))
+    }
+
     /// Answers one ray by a walk.
+    ///
+    /// The walk is a closure that stands in the call itself and is `#[inline(always)]`: one that is
+    /// handed on by reference would not be compiled for the instruction set.
     #[inline(always)]
     pub fn answer(&mut self, index: usize, walk: impl FnOnce(&mut RayContext<'_, S, Q, C>)) {
-        let ray = &self.batch.rays()[index];
-        let mut query = Q::new(ray);
-        let prepared = PreparedRay::new(ray, index, self.batch.filter());
-        let (ray, counters) = (&prepared, &mut *self.counters);
-        walk(&mut RayContext { simd: self.simd, ray, query: &mut query, counters });
+        let (ray, mut query) = self.begin(index);
+        let (simd, counters) = (self.simd, &mut *self.counters);
+        walk(&mut RayContext { simd, ray: &ray, query: &mut query, counters });
         self.answers[index] = query.answer();
     }
 
-    /// Answers all rays by a walk, one after the other.
+    /// Answers all rays by a walk, one after the other; see [`SliceContext::answer`].
     #[inline(always)]
     pub fn answer_each(&mut self, mut walk: impl FnMut(&mut RayContext<'_, S, Q, C>)) {
         for index in 0..self.batch.rays().len() {
-            self.answer(index, &mut walk);
+            let (ray, mut query) = self.begin(index);
+            let (simd, counters) = (self.simd, &mut *self.counters);
+            walk(&mut RayContext { simd, ray: &ray, query: &mut query, counters });
+            self.answers[index] = query.answer();
         }
     }
 

@@ -17,8 +17,8 @@ pub enum Event {
     TriangleTest,
     /// Lanes of the triangle tests that held a triangle.
     TriangleLane,
-    /// Candidates that reached the verdict.
-    Verdict,
+    /// Triangles, after all filters, that the exact test was asked about.
+    ExactTest,
     /// A node was put aside for later.
     Push,
     /// The walk began again at the root, or below it.
@@ -39,7 +39,7 @@ impl Event {
         Self::BoxTest,
         Self::TriangleTest,
         Self::TriangleLane,
-        Self::Verdict,
+        Self::ExactTest,
         Self::Push,
         Self::Restart,
         Self::Search,
@@ -55,7 +55,7 @@ impl Event {
             Self::BoxTest => "box_tests",
             Self::TriangleTest => "triangle_tests",
             Self::TriangleLane => "triangle_lanes",
-            Self::Verdict => "verdicts",
+            Self::ExactTest => "exact_tests",
             Self::Push => "pushes",
             Self::Restart => "restarts",
             Self::Search => "searched_nodes",

@@ -13,7 +13,7 @@ pub struct PreparedRay<'a> {
     pub ray: Ray,
     /// For boxes.
     pub slab: SlabRay,
-    /// For verdicts.
+    /// For the exact test.
     pub shear: ShearRay,
     /// Its place in the batch.
     pub index: usize,

@@ -27,18 +27,18 @@ Examples:
 pub struct DiffArgs {
     /// The image to judge (.exr or .png)
     pub image: PathBuf,
-    /// The image that it is held against (.exr or .png)
+    /// The image to compare it with (.exr or .png)
     pub reference: PathBuf,
-    /// Write FLIP per pixel as a picture: black is equal, pale yellow as different as can be
+    /// Write a picture of FLIP per pixel: from black, equal, to pale yellow, entirely different
     #[arg(long, value_name = "PNG")]
     pub heatmap: Option<PathBuf>,
-    /// Ends with 1 if METRIC is above VALUE: rmse, relmse, flip, bias, bad-tiles, max, not-finite
+    /// Exits with 1 if METRIC is above VALUE: rmse, relmse, flip, bias, bad-tiles, max, not-finite
     #[arg(long, value_name = "METRIC=VALUE")]
     pub fail: Vec<Limit>,
     /// FLIP of what a display shows, clamped, instead of FLIP over a range of exposures
     #[arg(long)]
     pub ldr: bool,
-    /// One JSON object instead of the table
+    /// Print one JSON object instead of the table
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
@@ -95,11 +95,25 @@ fn explain_unknown_metric(name: &str) -> String {
 }
 
 impl Limit {
-    /// A figure that does not exist exceeds any limit, and so does a pixel that is finite in one
-    /// image only: no mean can tell of it.
+    /// A figure that does not exist exceeds any limit. So does a pixel that is finite in one image
+    /// only, which no mean shows.
     fn is_exceeded(&self, found: &Comparison) -> bool {
         let value = (self.metric)(found);
         value.is_nan() || value > self.limit || found.not_finite.only_one > 0
+    }
+
+    /// How it is exceeded.
+    fn explain(&self, found: &Comparison) -> String {
+        let value = (self.metric)(found);
+        let why = if value > self.limit {
+            format!("is {}", text::format_figure(value))
+        } else if value.is_nan() {
+            "does not exist for these images".to_owned()
+        } else {
+            let pixels = found.not_finite.only_one;
+            format!("cannot be told: {pixels} pixels are finite in one image only")
+        };
+        format!("exceeded: {} {why}, the limit is {}", self.name, self.limit)
     }
 }
 
@@ -184,15 +198,7 @@ fn to_text(found: &Comparison, exceeded: &[&Limit]) -> String {
         let _ = writeln!(text, "{name:width$}  {value}");
     }
     for limit in exceeded {
-        let value = (limit.metric)(found);
-        let why = if value > limit.limit {
-            format!("is {}", text::format_figure(value))
-        } else if value.is_nan() {
-            "does not exist for these images".to_owned()
-        } else {
-            format!("cannot be told: {} pixels are finite in one image only", not_finite.only_one)
-        };
-        let _ = writeln!(text, "exceeded: {} {why}, the limit is {}", limit.name, limit.limit);
+        let _ = writeln!(text, "{}", limit.explain(found));
     }
     text
 }

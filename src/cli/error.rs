@@ -13,7 +13,7 @@ use crate::formats::npy::NpyError;
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// The words make no sense together.
+    /// The command line makes no sense.
     #[error("{0}")]
     Usage(String),
     /// A scene could not be read.

@@ -2,6 +2,7 @@
 
 use crate::accel::{AccelSpec, VARIANTS};
 use crate::cli::error::CliError;
+use crate::cli::progress::say;
 
 /// A flag of commands that print little besides their results.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -11,8 +12,17 @@ pub struct Quiet {
     pub quiet: bool,
 }
 
-/// Reads a list of structures. Options of one may hold commas, so a part without an id joins the one
-/// before.
+impl Quiet {
+    /// Prints a line on standard error, unless it is to be quiet.
+    pub fn tell(self, line: &str) {
+        if !self.quiet {
+            say(line);
+        }
+    }
+}
+
+/// Reads a list of structures. Options of one may hold commas, so a part without an id joins the
+/// one before.
 ///
 /// # Errors
 /// [`CliError::Usage`] for a structure that there is none of.

@@ -1,4 +1,4 @@
-//! `dapple golden`: a folder of pictures that renders are held against.
+//! `dapple golden`: a folder of pictures that renders are compared with.
 
 use crate::cli::error::CliError;
 use crate::cli::golden_page::Page;
@@ -25,7 +25,7 @@ In render, {folder} stands for the folder of golden.toml.
 Limits are pixels-off (0.001) beyond tolerance (1e-4), flip (0.001) and relmse. With rule = "ztest"
 pixels need not be equal but have the same expectation: then bad-tiles (0.01) counts."#;
 
-/// Hold renders against the stored pictures of a folder, or store them anew.
+/// Compare renders with the stored pictures of a folder, or store new ones.
 ///
 /// The folder has a `golden.toml` that lists scenes, how to render them, and how much may differ.
 #[derive(Args, Clone, Debug)]
@@ -56,7 +56,7 @@ A picture with the same pixels is left alone. Put the table into the commit's me
     Update(FolderArgs),
 }
 
-/// Which scenes, and how they are told of.
+/// Which scenes, and how results are printed.
 #[derive(Args, Clone, Debug)]
 pub struct FolderArgs {
     /// The folder that holds golden.toml
@@ -64,15 +64,15 @@ pub struct FolderArgs {
     /// Only the scene of this name; may be given several times
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
-    /// One JSON array instead of the table
+    /// Print one JSON array instead of the table
     #[arg(long)]
     pub json: bool,
-    /// Says nothing but errors and the table
+    /// Prints nothing but errors and the table
     #[arg(short, long)]
     pub quiet: bool,
 }
 
-/// Which scenes, and how they are rendered otherwise.
+/// Which scenes, and how they are rendered differently.
 #[derive(Args, Clone, Debug)]
 pub struct CheckArgs {
     /// The scenes
@@ -111,7 +111,7 @@ fn run_with(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmEr
     let mut outcomes = Vec::new();
     for scene in &choose_scenes(folder, words)? {
         if !folder.quiet {
-            // Where it takes long one wants to know; whether anybody reads it is no concern.
+            // It may take long; whether anybody reads this is no concern.
             let file = scene.file.display();
             let _ = writeln!(std::io::stderr(), "{}: rendering {file}", scene.name);
         }
@@ -153,7 +153,7 @@ fn choose_scenes(args: &FolderArgs, words: &[String]) -> Result<Vec<GoldenScene>
     Ok(scenes)
 }
 
-/// What could not be done weighs more than what differs.
+/// Failures weigh more than differences.
 fn exit_status(outcomes: &[Outcome], updates: bool) -> u8 {
     let of = |outcome: &Outcome| match outcome.verdict {
         Verdict::Failed => outcome.exit_code,

@@ -1,4 +1,4 @@
-//! Outputs, looked at before the work is done: they destroy nothing, and can be written.
+//! Outputs, checked before the work: they destroy nothing, and can be written.
 
 use std::path::Path;
 
@@ -57,7 +57,7 @@ pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
     }))
 }
 
-/// Does all of it, whatever fails on the way.
+/// Does every step, whatever fails on the way.
 ///
 /// # Errors
 /// Every error, if there are any.

@@ -1,4 +1,4 @@
-//! How far a render is, as a bar, as lines or as JSON.
+//! Progress of a render: as a bar, as lines or as JSON.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::Mutex;
@@ -10,7 +10,7 @@ use crate::cli::settings::parse::ProgressStyle;
 use crate::render::Progress;
 use crate::scene::Notice;
 
-/// Tells on standard error how far a render is.
+/// Reports the progress of a render on standard error.
 pub struct Reporter {
     form: Form,
 }
@@ -29,7 +29,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 const JSON_EVERY: Duration = Duration::from_secs(1);
 
 impl Reporter {
-    /// A reporter of a style; on `Auto`, a bar if someone may be looking.
+    /// A reporter of some style; with `Auto`, a bar if someone may be looking.
     pub fn new(style: ProgressStyle) -> Self {
         let form = match style {
             ProgressStyle::None => Form::Silent,
@@ -41,7 +41,7 @@ impl Reporter {
         Self { form }
     }
 
-    /// Takes note of where a render is, and says so if it is time to.
+    /// Takes note of the progress, and reports it if it is time to.
     pub fn update(&self, progress: Progress) {
         match &self.form {
             Form::Silent => {}
@@ -64,7 +64,7 @@ impl Reporter {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         if let Form::Bar(bar) = &self.form {
             bar.finish_and_clear();
@@ -81,7 +81,7 @@ fn make_bar() -> ProgressBar {
     bar
 }
 
-/// Whether to say something now; if so, the next time is later.
+/// Whether a report is due; if so, the next one is due later.
 fn is_due(due: &Mutex<Duration>, progress: Progress, every: Duration) -> bool {
     let Ok(mut due) = due.lock() else { return false };
     if progress.elapsed < *due {
@@ -121,12 +121,12 @@ fn to_json(progress: Progress) -> String {
     .to_string()
 }
 
-/// What a scene asks for in vain, or what was decided for the user.
+/// Prints what a scene asks for that is not honoured, or what was decided for the user.
 pub fn note(notice: &Notice) {
     say(&format!("note: {}: {}", notice.place, notice.message));
 }
 
-/// A line on standard error; that no one may be reading is no reason to stop.
+/// Prints a line on standard error. That no one may be reading is no reason to stop.
 pub fn say(line: &str) {
     let _ = writeln!(stderr(), "{line}");
 }
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_read_like_a_format_clock() {
+    fn durations_read_like_a_clock() {
         assert_eq!(format_clock(Duration::from_millis(400)), "0s");
         assert_eq!(format_clock(Duration::from_secs(125)), "2m 05s");
         assert_eq!(format_clock(Duration::from_secs(2 * 3600 + 61)), "2h 01m");

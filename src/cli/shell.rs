@@ -1,4 +1,4 @@
-//! Commands to be copied into a shell.
+//! Commands to copy into a shell.
 
 use std::ffi::OsStr;
 

@@ -17,7 +17,8 @@ pub fn print(text: &str) -> Result<(), FilmError> {
     }
 }
 
-/// Formats a figure with six significant digits, in scientific notation where it is very small or large.
+/// Formats a figure with six significant digits, in scientific notation where it is very small or
+/// large.
 pub fn format_figure(value: f64) -> String {
     if !value.is_finite() {
         return value.to_string();

@@ -22,9 +22,10 @@ use crate::simd::Isa;
 
 /// Check that structures answer as brute force does, to the bit.
 ///
-/// Rays are random, shadow, primary, bounce and hostile ones in equal parts: aimed at vertices and
-/// edges, along axes and planes, from far away, with zeros, denormals and NaN. Each structure is
-/// compared to brute force on as many as a time allows, and to `bvh2` on the rest.
+/// Rays are random, shadow, primary, bounce and hostile ones in equal parts. Hostile ones are aimed
+/// at vertices and edges, along axes and planes, from far away, with zeros, denormals and NaN. Each
+/// structure is compared to brute force on as many rays as the time allows, and to `bvh2` on the
+/// rest.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  dapple validate bunny.obj --accel all --rays 1000000\n  \
     dapple validate tris.npy --accel bvh2,kd-ropes --brute-rays 100000")]
@@ -34,23 +35,23 @@ pub struct ValidateArgs {
     /// Structures, separated by commas, or `all`
     #[arg(long, default_value = "all")]
     accel: String,
-    /// How many rays in all
+    /// Number of rays
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     rays: u64,
-    /// How many of them brute force answers, too [default: what it can in 30 seconds]
+    /// How many of them brute force answers, too [default: as many as it can in 30 seconds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     brute_rays: Option<u64>,
-    /// Another seed, other rays
+    /// Another number, other rays
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The instruction set
     #[arg(long, default_value_t)]
     isa: Isa,
-    /// Threads; 0: one a core
+    /// Threads; 0: one per core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
-    /// Where to leave rays that differ; each structure's id is put in before the ending
+    /// Where to write rays that differ; each structure's id is added before the ending
     #[arg(long, value_name = "FILE", default_value = "differs.npy")]
     save: PathBuf,
     #[command(flatten)]
@@ -121,7 +122,7 @@ fn validate(
     for spec in specs {
         let name = spec.to_string();
         if name == SECOND {
-            continue; // against its own answers it would be compared in vain
+            continue; // it gave the answers
         }
         let accel = build(spec)?;
         match first_difference(&*accel, &rays, &expected) {
@@ -139,7 +140,7 @@ fn validate(
     Ok(all_agree)
 }
 
-/// Tells of a ray that differs, leaves it in a file, with its slice if it differs only there, and
+/// Reports a ray that differs, writes it to a file, with its slice if it differs only there, and
 /// says how to shoot it again.
 fn report_difference(
     args: &ValidateArgs,

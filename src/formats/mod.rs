@@ -18,7 +18,7 @@ mod triangulate;
 mod uri;
 
 pub use choice::find_by_name_or_number;
-pub use environment::{EnvironmentImage, EnvironmentSource};
+pub use environment::{EnvironmentImage, EnvironmentSource, NeitherColorNorFile};
 pub use error::{Broken, LoadError};
 pub use load::load;
 pub use options::{LoadOptions, MissingTexture};

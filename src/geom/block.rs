@@ -1,7 +1,7 @@
 //! Blocks of triangles that one vector instruction stream tests at once.
 //!
 //! [`BlockRef::candidates`] only filters: it may let a miss pass but never stops a triangle
-//! that [`super::verdict()`] would take. Width, instruction set and rounding can't change a hit.
+//! that [`super::intersect_triangle()`] would take. Width, instruction set and rounding can't change a hit.
 //!
 //! # The bound
 //! The test is Möller and Trumbore's with the edge functions as dot products of `r = c × d`, `c`
@@ -231,7 +231,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geom::{ShearRay, SlabRay, verdict};
+    use crate::geom::{ShearRay, SlabRay, intersect_triangle};
 
     fn coordinate() -> impl Strategy<Value = f32> {
         prop_oneof![
@@ -250,7 +250,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default() })]
         #[test]
-        fn what_the_verdict_takes_is_never_stopped(
+        fn what_the_exact_test_takes_is_never_stopped(
             a in point(), b in point(), c in point(), origin in point(),
             w in [0.0_f32..=1.0, 0.0_f32..=1.0], on_edge in 0..4, exponent in -60_i32..60,
         ) {
@@ -266,7 +266,7 @@ mod tests {
             let ray = Ray::new(origin * scale, (target - origin) * scale, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
             let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
-            if let Some([t, ..]) = verdict(crate::simd::baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
+            if let Some([t, ..]) = intersect_triangle(crate::simd::baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
                 let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
                 let found = dispatch!(Level::new(), simd => block.parts().candidates::<_, f32x4<_>>(simd, &ray, t));
                 prop_assert_eq!(found, 0b1111);

@@ -6,9 +6,9 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 
 use super::block::Edges;
+use super::heading::Heading;
 use super::slab::{FARTHEST_ALONG, INVERSE_ALONG};
-use super::verdict::axes;
-use super::{Heading, SlabRay, Triangle};
+use super::{SlabRay, Triangle};
 use crate::math::{Aabb, Ray, Vec3};
 
 /// Rays of a bundle.
@@ -163,30 +163,6 @@ impl RayBundle {
         let norm = f32x8::load_array_ref(simd, &self.norm);
         triangle.0.candidates(self.rays(simd), norm, self.spans(simd)[1]) as u32
     }
-}
-
-impl Heading {
-    /// That of a direction.
-    #[inline(always)]
-    pub fn of(direction: Vec3) -> Self {
-        let Vec3 { x, y, z } = direction;
-        let negative = [
-            usize::from(x.is_sign_negative()),
-            usize::from(y.is_sign_negative()),
-            usize::from(z.is_sign_negative()),
-        ];
-        Self { negative, axes: axes(direction) }
-    }
-
-    /// The same as a number below [`Heading::COUNT`].
-    #[inline(always)]
-    pub fn number(self) -> usize {
-        let [x, y, z] = self.negative;
-        (x | y << 1 | z << 2) * 3 + self.axes[2]
-    }
-
-    /// How many there are.
-    pub const COUNT: usize = 24;
 }
 
 /// A triangle, prepared for bundles.

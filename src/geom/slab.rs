@@ -118,7 +118,7 @@ fn recip(x: f32) -> f32 {
     1.0 / x.abs().max(SlabRay::SMALLEST).copysign(x)
 }
 
-/// The box that a triangle's hits lie in by definition (see [`super::verdict()`]), and that every
+/// The box that a triangle's hits lie in by definition (see [`super::intersect_triangle()`]), and that every
 /// structure must build with: that of its vertices, grown by 2^-22 of the coordinates, at least by
 /// 2^-90, so that no box is flat.
 #[inline(always)]

@@ -4,14 +4,14 @@ use super::settings::{Aov, Settings};
 use super::tile::{Means, PixelSums, Tile};
 use crate::film::{Picture, Window};
 
-/// Bytes that a picture of such settings takes while it is rendered, beside scene and structure.
+/// Bytes that a picture of such settings takes while it is rendered, without scene and structure.
 pub fn film_bytes(settings: &Settings) -> u64 {
     let channels = channels(settings).len() as u64;
     let pixel = PixelSums::bytes(settings.spp) + channels * size_of::<f32>() as u64;
     pixel.saturating_mul(settings.crop.area() as u64)
 }
 
-/// A channel of the picture, and what a pixel has in it.
+/// The name of a channel, and the value of a pixel in it.
 type Channel = (String, Box<dyn Fn(&Means) -> f32>);
 
 /// All channels that the settings ask for.

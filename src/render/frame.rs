@@ -17,29 +17,29 @@ use crate::world::World;
 
 /// How a render talks to its caller while it runs.
 pub struct Control<'a> {
-    /// Once true, the tiles under way are finished to the end of their block of samples, and what
-    /// there is is the picture.
+    /// Once true, tiles under way finish their block of samples, and the picture is made of what
+    /// there is.
     pub cancel: &'a AtomicBool,
     /// Called from a thread of its own, some ten times a second and once at the end.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
 impl Default for Control<'static> {
-    /// Nothing is told, and nothing ends the render early.
+    /// Reports nothing and never cancels.
     fn default() -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { cancel: &NEVER, progress: &|_| {} }
     }
 }
 
-/// How far a render is.
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Samples taken, over all pixels.
     pub done: u64,
     /// Samples wanted.
     pub total: u64,
-    /// Since it began.
+    /// Time since it began.
     pub elapsed: Duration,
 }
 
@@ -60,15 +60,15 @@ pub struct Rendered {
     pub rays: RayCounts,
     /// Paths that were followed.
     pub paths: u64,
-    /// Time for all but the preparations.
+    /// Time that rendering took, without loading and building.
     pub elapsed: Duration,
     /// The fewest and the most samples a pixel has, lost ones included.
     pub samples: (u64, u64),
-    /// Pixels without any: black.
+    /// Pixels without any sample, which are black.
     pub without_samples: u64,
     /// Whether it was cancelled before all samples were taken.
     pub cancelled: bool,
-    /// Samples that were not finite: how many.
+    /// The number of samples that were not finite.
     pub lost_count: u64,
     /// The first ten of them, by row, column and sample.
     pub lost: Vec<LostSample>,
@@ -77,8 +77,9 @@ pub struct Rendered {
 /// Renders a picture, on the threads of the current rayon pool.
 ///
 /// The result is a function of the world, the camera and the settings: neither `accel` nor the
-/// number of threads changes a bit of it, but for the layer `cost`. All pixels take 16 samples, then
-/// all of them 16 more, then 32, 64 and so on, so that a cancelled picture is whole, if noisier.
+/// number of threads changes a bit of it, except for the layer `cost`. All pixels take 16 samples,
+/// then all of them 16 more, then 32, 64 and so on, so that a cancelled picture is complete, only
+/// noisier.
 pub fn render(
     world: &World,
     camera: &Camera,
@@ -91,7 +92,7 @@ pub fn render(
     film.finish()
 }
 
-/// Adds up the samples of a picture. What moves may be elsewhere from one part of them to the next.
+/// Adds up the samples of a picture. The scene may be posed anew from one part of them to the next.
 pub struct FilmAccumulator<'a> {
     settings: &'a Settings,
     tiles: Vec<Mutex<Tile>>,
@@ -104,7 +105,7 @@ pub struct FilmAccumulator<'a> {
 }
 
 impl<'a> FilmAccumulator<'a> {
-    /// No samples yet.
+    /// A film without samples.
     pub fn new(settings: &'a Settings) -> Self {
         Self {
             settings,
@@ -116,8 +117,8 @@ impl<'a> FilmAccumulator<'a> {
         }
     }
 
-    /// Takes every pixel on to its sample `end`, exclusively, on the threads of the current rayon
-    /// pool; see [`render`].
+    /// Takes the samples of every pixel up to `end`, exclusively, on the threads of the current
+    /// rayon pool; see [`render`].
     pub fn accumulate(
         &mut self,
         world: &World,
@@ -164,7 +165,7 @@ impl<'a> FilmAccumulator<'a> {
         self.elapsed += start.elapsed();
     }
 
-    /// The picture of what there is.
+    /// Makes the picture of the samples so far.
     pub fn finish(self) -> Rendered {
         let tiles: Vec<Tile> = self
             .tiles

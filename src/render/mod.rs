@@ -6,7 +6,7 @@
 //! | `tile` | a rectangle of pixels and the sums of their samples |
 //! | `frame` | hands tiles to threads, pass after pass |
 //! | `aov` | makes the layers of the picture |
-//! | [`replay`] | one path alone, told step by step |
+//! | `replay` | one path alone, described step by step |
 
 mod aov;
 mod frame;

@@ -1,4 +1,4 @@
-//! What a picture is a function of, beside its scene and camera.
+//! What a picture is a function of, besides its scene and camera.
 
 use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
@@ -7,7 +7,7 @@ use crate::math::{Ray, Vec2};
 use crate::names::choices;
 use crate::sampling::SamplePattern;
 
-/// A layer of the picture beside its colours.
+/// A layer of the picture besides its colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
     /// The share of light that the first surface scatters.
@@ -22,7 +22,7 @@ pub enum Aov {
     Variance,
     /// The number of samples in each pixel's mean.
     Samples,
-    /// Nanoseconds a sample. The only layer that differs from run to run.
+    /// Nanoseconds per sample. The only layer that differs from run to run.
     Cost,
 }
 
@@ -43,7 +43,7 @@ pub struct Settings {
     pub resolution: (u32, u32),
     /// The part of it to render; inside the frame, not empty.
     pub crop: Window,
-    /// Samples a pixel, at least 1.
+    /// Samples per pixel, at least 1.
     pub spp: u64,
     /// Another number, another noise.
     pub seed: u64,
@@ -58,8 +58,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// 64 samples a pixel of a frame of that many pixels, and whatever else `dapple render` takes
-    /// where nothing is said.
+    /// A frame of that many pixels with 64 samples each, and otherwise the defaults of
+    /// `dapple render`.
     ///
     /// # Examples
     /// ```

@@ -21,8 +21,8 @@ pub fn automatic_sky_radiance(direction: Vec3) -> f32 {
 
 impl Scene {
     /// Adds what a picture needs and the scene lacks: a camera that sees all of it in a picture of
-    /// `aspect` (width over height), and a neutral sky where nothing shines. What was added is among
-    /// the notices.
+    /// `aspect` (width over height), and a neutral sky where nothing shines. What was added is
+    /// among the notices.
     ///
     /// # Examples
     /// ```

@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use super::interpolation::Interpolation;
-use super::light_choice::{Chooser, LightChoice, punctual_bounds, triangle_bounds};
+use super::light_sampler::{LightSampler, LightSamplerKind, punctual_bounds, triangle_bounds};
 use super::lookup::emission;
 use crate::geom::TriangleSource;
 use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
@@ -16,7 +16,7 @@ use crate::scene::{Scene, Triangles};
 /// then emitting triangles by instance; and what chooses one.
 #[derive(Debug)]
 pub struct Lights {
-    chooser: Chooser,
+    sampler: LightSampler,
     punctual: usize,
     environment: Option<usize>,
     first_triangle: usize,
@@ -47,7 +47,7 @@ pub(super) enum ChosenLight {
 
 impl Lights {
     /// The lights of a scene, to be chosen as told.
-    pub fn new(scene: &Scene, triangles: &Triangles, choice: LightChoice) -> Self {
+    pub fn new(scene: &Scene, triangles: &Triangles, choice: LightSamplerKind) -> Self {
         let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
@@ -94,13 +94,13 @@ impl Lights {
             }));
             bounds
         };
-        let chooser = Chooser::new(weights.clone(), choice, bounds);
-        Self { chooser, punctual, environment, first_triangle, triangles: emitters, instances }
+        let sampler = LightSampler::new(weights.clone(), choice, bounds);
+        Self { sampler, punctual, environment, first_triangle, triangles: emitters, instances }
     }
 
     /// Whether nothing shines.
     pub fn is_dark(&self) -> bool {
-        self.chooser.is_empty()
+        self.sampler.is_empty()
     }
 
     /// The number of lights, each emitting triangle one.
@@ -120,7 +120,7 @@ impl Lights {
         context: &LightSampleContext,
         u: f32,
     ) -> Option<(ChosenLight, f32)> {
-        let (light, pmf) = self.chooser.sample(context, u)?;
+        let (light, pmf) = self.sampler.sample(context, u)?;
         let chosen = if light >= self.first_triangle {
             ChosenLight::Emitter(self.triangles[light - self.first_triangle])
         } else if light < self.punctual {
@@ -133,7 +133,7 @@ impl Lights {
 
     /// The probability that the environment is chosen.
     pub(super) fn environment_pmf(&self) -> f32 {
-        self.environment.map_or(0.0, |light| self.chooser.far_probability(light))
+        self.environment.map_or(0.0, |light| self.sampler.far_probability(light))
     }
 
     /// The probability that a triangle is chosen for a point: the one numbered `index` of an
@@ -146,7 +146,7 @@ impl Lights {
     ) -> f32 {
         match self.instances[instance.index()] {
             u32::MAX => 0.0,
-            first => self.chooser.near_probability(context, first as usize + index),
+            first => self.sampler.near_probability(context, first as usize + index),
         }
     }
 }

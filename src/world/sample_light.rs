@@ -23,7 +23,8 @@ pub struct LightSample {
 
 impl World {
     /// Chooses a light and a direction to it, from a `surface` that is asked about as `context`
-    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from there.
+    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from
+    /// there.
     #[inline(always)]
     pub fn sample_light(
         &self,

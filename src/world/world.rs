@@ -8,7 +8,7 @@ use super::lookup::{alpha, emission, surface_params};
 use super::prepared_material::{PreparedMaterial, materials_with_clear_vertices};
 use super::shading_normal::{NormalContext, shading_normal};
 use super::surface::{normal_and_area, triangle_point};
-use super::{Attributes, LightChoice, Lights, Surface};
+use super::{Attributes, LightSamplerKind, Lights, Surface};
 use crate::accel::ClosestHit;
 use crate::geom::Triangle;
 use crate::material::{Bsdf, BsdfForm, SurfaceParams, Wavelength};
@@ -27,7 +27,7 @@ pub struct World {
     /// What shines in it.
     pub lights: Lights,
     pub(super) materials: Vec<PreparedMaterial>,
-    /// Bounds how far off a verdict in f64 may put a plane of the scene, metres: some 2000 units
+    /// Bounds how far off an exact test in f64 may put a plane of the scene, metres: some 2000 units
     /// in the last place of the scene's size.
     pub(super) slack: f32,
     pub(super) form: BsdfForm,
@@ -43,7 +43,7 @@ impl World {
     /// # Errors
     /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
     pub fn new(scene: impl Into<Arc<Scene>>, form: BsdfForm) -> Result<Self, TooManyTriangles> {
-        Self::with_lights(scene, form, LightChoice::default())
+        Self::with_lights(scene, form, LightSamplerKind::default())
     }
 
     /// The same, with lights chosen as told.
@@ -53,7 +53,7 @@ impl World {
     pub fn with_lights(
         scene: impl Into<Arc<Scene>>,
         form: BsdfForm,
-        choice: LightChoice,
+        choice: LightSamplerKind,
     ) -> Result<Self, TooManyTriangles> {
         let scene = scene.into();
         let triangles = Arc::new(Triangles::new(&scene)?);

@@ -7,8 +7,9 @@ mod sources;
 use sources::{Source, sources};
 
 /// Rooms by floor, from the bottom; see the crate's documentation.
-const FLOORS: [&[&str]; 8] = [
-    &["files", "math", "names", "simd"],
+const FLOORS: [&[&str]; 9] = [
+    &["names"],
+    &["files", "math", "simd"],
     &["geom", "sampling", "film"],
     &["accel", "material", "light", "camera", "texture"],
     &["scene", "generate"],

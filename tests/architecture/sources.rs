@@ -90,7 +90,8 @@ fn without_comments(text: &str) -> String {
     code
 }
 
-/// The code with `#[cfg(test)] mod name { … }` taken out, which ends at a brace in the first column.
+/// The code with `#[cfg(test)] mod name { … }` taken out, which ends at a brace in the first
+/// column.
 fn without_tests(code: &str) -> String {
     let mut kept = String::with_capacity(code.len());
     let mut lines = code.lines().peekable();

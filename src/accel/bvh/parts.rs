@@ -9,12 +9,12 @@
 //! Let u be 2^-24, `size` the longest edge of the triangle's box, and the z axis that of the
 //! direction's largest component.
 //!
-//! *The verdict is near the triangle.* Take the foot of the ray among the projected vertices, as
+//! *The exact test is near the triangle.* Take the foot of the ray among the projected vertices, as
 //! they were rounded. The signs of the weights are right or zero, and a zero that should have been
 //! negative puts the foot outside the projected triangle by a rounding error of distances from that
 //! very edge. So there is a point P of the triangle that projects to the foot, up to errors that
 //! are relative to distances from it along each axis, by some 2^-51. Let t' be the distance of P.
-//! The verdict's distance is that of the point with the verdict's weights: a triangle is missed
+//! The exact test's distance is that of the point with the exact test's weights: a triangle is missed
 //! that is edge-on to within 2^-30, so that the weights are off by at most 3 * 2^-52 * 2^30 in sum,
 //! and P's own by a third of that. Along z both distances differ by at most 2^-20 `size`, and along
 //! x and y, where the ray goes no faster, by no more. (A clamp into the own box moves `t` towards
@@ -151,7 +151,7 @@ impl Whole {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{ShearRay, SlabRay, TriangleList, own_box, verdict};
+    use crate::geom::{ShearRay, SlabRay, TriangleList, intersect_triangle, own_box};
     use crate::math::{TriangleId, Vec3};
     use proptest::prelude::*;
 
@@ -194,7 +194,7 @@ mod tests {
             let ray = Ray::new(origin, target - origin, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
             let (slab, shear) = (SlabRay::new(&ray), ShearRay::new(&ray));
-            if let Some([t, ..]) = verdict(crate::simd::baseline(), &slab, &shear, &triangle) {
+            if let Some([t, ..]) = intersect_triangle(crate::simd::baseline(), &slab, &shear, &triangle) {
                 let holds = |bounds: &Aabb| {
                     let (enter, exit) = slab.interval(bounds);
                     enter <= t && t <= exit

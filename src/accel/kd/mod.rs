@@ -24,7 +24,7 @@
 //! winner in it. Is the winner in its list?
 //!
 //! The point at `t` is inside the leaf's cell, but for the 3u of distances of at most 4: by 12u.
-//! And it is near the winner. The verdict's `t` is that of the point of the triangle which has the
+//! And it is near the winner. The exact test's `t` is that of the point of the triangle which has the
 //! verdict's weights. Were they exact, it would be on the ray; they are off by the rounding of a
 //! difference of products, and as a triangle that is edge-on to within 2^-30 is missed, by at most
 //! 3 * 2^-52 * 2^30 = 12u of its size in all, doubled by the shear. Rounding `t` moves the point by
@@ -36,7 +36,7 @@
 //! ([`crate::geom::SlabRay::is_beyond`]). So the winner is within δ of the leaf's cell.
 //!
 //! So the candidates that a walk offers contain the winner; what else it offers does no harm,
-//! since the smallest `(t, id)` wins and the verdict does not depend on where a triangle was met.
+//! since the smallest `(t, id)` wins and the exact test does not depend on where a triangle was met.
 //! A hit beyond the leaf's span is welcome. A walk may stop when a hit is strictly before the span
 //! that is next, for a tie might be in there.
 //!

@@ -213,7 +213,7 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
             }
             let lanes = self.rays.bundles[bundle].candidates(self.simd, &filter) & asked;
             if lanes != 0 {
-                self.counters.add(Event::Verdict, u64::from(lanes.count_ones()));
+                self.counters.add(Event::ExactTest, u64::from(lanes.count_ones()));
                 let Found { count, ended } = self.offer_hits(bundle, lanes, (id, triangle));
                 entered.lanes[bundle] &= !ended;
                 found += count;
@@ -234,8 +234,8 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
         let mut found = Found::default();
         let PacketRays { bundles, headings, members, .. } = &mut *self.rays;
         let bundle = &mut bundles[number];
-        let verdicts = bundle.verdicts(self.simd, headings[number], triangle, lanes);
-        let mut hits = verdicts.hits;
+        let hits_of = bundle.intersect_triangle(self.simd, headings[number], triangle, lanes);
+        let mut hits = hits_of.hits;
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize;
             hits &= hits - 1;
@@ -243,7 +243,7 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
             let index = members[at] as usize;
             let t_min = self.batch.rays()[index].t_min();
             let criteria = HitCriteria { t_min, index, filter: self.batch.filter() };
-            let (t, u, v) = (verdicts.t[lane], verdicts.u[lane], verdicts.v[lane]);
+            let (t, u, v) = (hits_of.t[lane], hits_of.u[lane], hits_of.v[lane]);
             let query = &mut self.queries[at];
             let before = query.t_max();
             if query.offer(&criteria, ClosestHit { t, u, v, triangle: id }).is_break() {

@@ -49,7 +49,7 @@ fn theirs(scene: &paper::Scene) -> [Cost; 2] {
 /// The work of a packet from the root and over compressed paths, and what a node spared is worth.
 pub fn table(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "For each 256 rays: nodes, searched ones among them; bundles of eight rays held \
-                against boxes, and against triangles; verdicts of single rays. Of packets from the \
+                against boxes, and against triangles; exact tests of single rays. Of packets from the \
                 root, and over compressed paths (PC). ns a node: what was gained in time, for each \
                 node spared; share: what all nodes of packets from the root would take at that \
                 price, in per cent of their time. The same by box tests: another reading of the \
@@ -65,7 +65,7 @@ pub fn table(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
         "PC",
         "triangle tests",
         "PC",
-        "verdicts",
+        "exact tests",
         "PC",
         "ns a node",
         "share",
@@ -93,7 +93,7 @@ pub fn table(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
 fn ours(scene: &Scene, [from, with]: [&Column; 2]) -> Vec<String> {
     let packets = (scene.rays * from.seconds.len()).max(1) as f64 / RAYS;
     let of = |event: Event| [from, with].map(|one| one.counts[event] as f64);
-    let counts = [of(Event::BoxTest), of(Event::TriangleTest), of(Event::Verdict)];
+    let counts = [of(Event::BoxTest), of(Event::TriangleTest), of(Event::ExactTest)];
     let mut cells: Vec<_> = [from, with].map(|one| cell(Some(nodes(one) / packets), 1)).into();
     cells.extend(counts.into_iter().flatten().map(|count| cell(Some(count / packets), 0)));
     cells.extend(prices([from, with]).map(worth_cells).concat());

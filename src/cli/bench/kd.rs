@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::options::{memory_limit, ray_bytes};
+use super::options::{MachineArgs, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
 use crate::bench::bars::bars;
@@ -16,10 +16,9 @@ use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
 use crate::cli::{input, memory};
 use crate::generate::Generator;
-use crate::simd::Isa;
 
-/// All kd-trees: bytes, rates, nodes, leaves and tests a ray; then builds by layouts; with --report
-/// also the time of builds over machines of 10^4 to 10^6 triangles.
+/// All kd-trees: bytes, rates, nodes, leaves and tests per ray; then builds by layouts; with
+/// --report also the build times over machines of 10^4 to 10^6 triangles.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out")]
 pub struct KdArgs {
@@ -29,12 +28,8 @@ pub struct KdArgs {
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     rays: u64,
-    /// The instruction set
-    #[arg(long, default_value_t)]
-    isa: Isa,
-    /// Megabytes that a structure may take; 0: three quarters of the machine's memory
-    #[arg(long, value_name = "MB", default_value_t = 0)]
-    memory: u64,
+    #[command(flatten)]
+    machine: MachineArgs,
     #[command(flatten)]
     quiet: Quiet,
     #[command(flatten)]
@@ -48,8 +43,8 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     memory::require(&format!("{} rays of each set", args.rays), needed)?;
     args.output.probe()?;
     let source = input::load_triangles(&args.scene, args.quiet)?;
-    let memory = memory_limit(args.memory);
-    let settings = KdBenchSettings { rays: args.rays as usize, memory, isa: args.isa };
+    let (isa, memory) = (args.machine.isa()?, args.machine.memory_limit());
+    let settings = KdBenchSettings { rays: args.rays as usize, memory, isa };
     let walks = kd::walks(&source, &settings)?;
     let builds = kd::builds_and_layouts(&source, &settings)?;
     let name = args.scene.display();

@@ -2,10 +2,10 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`accels`], [`coherent`], [`kd`], [`mbvh`], [`render`] | a command each: its flags, and `run` |
-//! | [`scenes`] | their scenes: files, or scenes made on the spot |
-//! | [`options`] | values that several of them have |
-//! | [`output`] | where the tables, plots and figures go |
+//! | `accels`, `coherent`, `kd`, `mbvh`, `render` | a command each: its flags, and `run` |
+//! | `scenes` | their scenes: files, or scenes made on the spot |
+//! | `options` | values that several of them have |
+//! | `output` | where the tables, plots and figures go |
 
 mod accels;
 mod coherent;

@@ -14,7 +14,6 @@ use crate::bench::renders::{self, Rendered, Scene};
 use crate::cli::error::CliError;
 use crate::cli::flags::{Quiet, parse_accels};
 use crate::cli::job::Job;
-use crate::cli::progress::say;
 use crate::cli::settings::parse::threads;
 use crate::cli::settings::resolve_words;
 use crate::cli::{input, memory};
@@ -22,7 +21,7 @@ use crate::geom::TriangleSource;
 use crate::render::{Aov, Control, film_bytes, render};
 use crate::simd::Isa;
 
-/// Whole renders per structure: figure 1 of Ernst and Greiner's paper, its speed-ups beside ours.
+/// Whole renders per structure: figure 1 of Ernst and Greiner's paper, its speed-ups next to ours.
 ///
 /// Structures take turns, and the median of the rounds counts, without loading and building. All
 /// pictures must be equal to the bit.
@@ -44,7 +43,7 @@ pub struct BenchRenderArgs {
     /// Pixels
     #[arg(long, value_name = "WxH", default_value = "500x500")]
     resolution: String,
-    /// Samples a pixel
+    /// Samples per pixel
     #[arg(long, value_name = "N", default_value_t = 16)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     spp: u64,
@@ -52,7 +51,7 @@ pub struct BenchRenderArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
-    /// Threads to build and render with; 0: one a core
+    /// Threads to build and render with; 0: one per core
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     threads: usize,
     /// The instruction set
@@ -110,11 +109,7 @@ fn measure(
     specs: &[AccelSpec],
     scene: &BenchScene,
 ) -> Result<Scene, CliError> {
-    let tell = |what: &str| {
-        if !args.quiet.quiet {
-            say(&format!("{}: {what}", scene.name()));
-        }
-    };
+    let tell = |what: &str| args.quiet.tell(&format!("{}: {what}", scene.name()));
     tell("loading");
     // The time of a sample is the one layer that differs from run to run.
     let layers = Aov::ALL.into_iter().filter(|&aov| aov != Aov::Cost).map(Aov::name);

@@ -13,7 +13,7 @@ use crate::generate::Generator;
 pub enum BenchScene {
     /// A file.
     File(PathBuf),
-    /// As `dapple generate` makes it of so many triangles from seed 0.
+    /// One that `dapple generate` makes from seed 0, with its number of triangles.
     Made(Generator, u64),
 }
 

@@ -15,10 +15,10 @@ use crate::scene::Survey;
 use crate::scene::defaults::bounds;
 use report::Report;
 
-/// Tell what a scene holds, what of it is not honoured, and what looks like a mistake.
+/// Report what a scene holds, what of it is not honoured, and what looks like a mistake.
 ///
-/// The scene is loaded as for a render, textures that cannot be read are magenta. Memory is that of
-/// meshes and decoded textures, and about that of the structure that `render` builds over them.
+/// The scene is loaded as for a render; textures that cannot be read are magenta. Memory is that of
+/// meshes and decoded textures, and an estimate for the structure that `render` builds over them.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:

@@ -1,4 +1,4 @@
-//! What there is to tell of a scene, and the words for it.
+//! What there is to report of a scene, and the words for it.
 
 use crate::camera::Projection;
 use crate::light::{Punctual, PunctualKind};
@@ -6,7 +6,7 @@ use crate::math::{Aabb, Vec3};
 use crate::scene::{AlphaMode, Material, MaterialLayers, Scene, Survey};
 use crate::texture::{ColorSpace, Texels};
 
-/// All that there is to tell.
+/// All that there is to report.
 pub struct Report<'a> {
     pub file: &'a str,
     pub bounds: Aabb,
@@ -16,8 +16,8 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// About how much the default structure takes, in bytes: `mbvh8` over a refined tree takes 68 to
-    /// 71 bytes a triangle on scenes of 69 to 770 thousand (`dapple trace --json`).
+    /// About how much the default structure takes, in bytes: `mbvh8` over a refined tree takes 68
+    /// to 71 bytes a triangle on scenes of 69 to 770 thousand (`dapple trace --json`).
     pub fn structure_bytes(&self) -> u64 {
         70 * self.survey.placed_triangles
     }

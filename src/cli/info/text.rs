@@ -8,7 +8,7 @@ use super::report::{
 use crate::camera::Projection;
 use crate::cli::text::format_figure;
 
-/// Lists are cut after so many lines.
+/// The most lines of a list.
 const MOST_LINES: usize = 40;
 
 impl Report<'_> {

@@ -192,6 +192,13 @@ mod tests {
     }
 
     #[test]
+    fn without_flags_the_settings_are_those_of_the_library() {
+        let job = prepared("furnace.gltf", &[]).expect("a good scene");
+        let (width, height) = job.settings.resolution;
+        assert_eq!(format!("{:?}", job.settings), format!("{:?}", Settings::new(width, height)));
+    }
+
+    #[test]
     fn the_resolution_is_worked_out_from_the_camera() {
         let job = prepared("furnace.gltf", &["--camera-model", "panorama"]).expect("a good scene");
         assert_eq!(

@@ -1,9 +1,9 @@
 //! Motion blur: what is animated, posed anew at moments while the shutter is open.
 //!
 //! Each moment is a scene of its own, with a structure of its own, and gets an equal share of each
-//! pixel's samples; so every structure renders motion, and all of them the same. Moments are taken in
-//! the order of their reversed bits: the first few are spread over all of the time, and a picture
-//! that is interrupted after them is blurred throughout.
+//! pixel's samples; so every structure renders motion, and all of them the same. Moments are taken
+//! in the order of their reversed bits: the first few are spread over all of the time, and a
+//! picture that is interrupted after them is blurred throughout.
 
 use crate::cli::settings::RenderArgs;
 

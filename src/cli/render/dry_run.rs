@@ -14,10 +14,10 @@ use crate::film::Window;
 use crate::render::{Control, Settings, film_bytes, render};
 use crate::scene::Survey;
 
-/// Paths that are followed to tell what one takes: some tenths of a second.
+/// Paths that are followed to estimate what one takes: some tenths of a second.
 const PATHS: u64 = 1 << 15;
 
-/// Builds the structure, follows a few paths, and tells.
+/// Builds the structure, follows a few paths, and prints the estimate.
 pub fn run(job: &Job) -> Result<ExitCode, CliError> {
     job.on_threads(|| {
         let start = Instant::now();
@@ -50,7 +50,7 @@ pub fn run(job: &Job) -> Result<ExitCode, CliError> {
     })?
 }
 
-/// The same frame with few and far pixels, a sample each.
+/// The same frame with few pixels and one sample each.
 fn thin_out(settings: &Settings) -> Settings {
     let (width, height) = settings.resolution;
     let pixels = f64::from(width) * f64::from(height);
@@ -123,7 +123,7 @@ impl Estimate<'_> {
     }
 }
 
-/// With two digits, in the unit that one would say.
+/// A duration with two digits, in the unit that people use.
 fn format_duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{s:.1} s"),

@@ -1,4 +1,4 @@
-//! What a picture's header tells of how it was made.
+//! A picture's header: how it was made.
 
 use crate::cli::job::Job;
 use crate::cli::settings::Table;

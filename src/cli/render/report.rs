@@ -10,7 +10,7 @@ use crate::files::memory;
 use crate::geom::TriangleSource;
 use crate::render::{LostSample, Rendered};
 
-/// Says what the scene asks in vain and what was decided for the user.
+/// Says what the scene asks for that is not honoured, and what was decided for the user.
 pub fn print_scene(job: &Job) {
     let moment = &job.first;
     moment.notices.iter().for_each(note);

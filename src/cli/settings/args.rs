@@ -13,10 +13,10 @@ use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
 use crate::simd::Isa;
-use crate::world::LightChoice;
+use crate::world::LightSamplerKind;
 
-/// What `dapple render` is asked for: a field for each entry of the table of settings, which tells
-/// what it means.
+/// What `dapple render` is asked for: a field for each entry of the table of settings, where its
+/// meaning is documented.
 #[derive(Clone, Debug, Default)]
 pub struct RenderArgs {
     pub scene_file: PathBuf,
@@ -38,7 +38,7 @@ pub struct RenderArgs {
     pub max_depth: u32,
     pub rr_depth: RouletteDepth,
     pub bsdf: BsdfForm,
-    pub lights: LightChoice,
+    pub lights: LightSamplerKind,
     pub env: Option<EnvironmentSource>,
     pub sky: Option<f32>,
     pub sun_elevation: Option<f32>,

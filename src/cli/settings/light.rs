@@ -7,7 +7,7 @@ use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 use crate::formats::EnvironmentSource;
 use crate::material::BsdfForm;
-use crate::world::LightChoice;
+use crate::world::LightSamplerKind;
 
 const TRANSPORT: Setting = Setting::new(Group::Light, Role::Picture);
 const AROUND: Setting = Setting::new(Group::Light, Role::Scene);
@@ -64,7 +64,9 @@ pub static LIGHT: [Setting; 13] = [
                   is of no use below some 20 lights, or where all of them are far away. Each \
                   triangle that emits counts as a light.",
         advanced: true,
-        read: Reader::Text(|word| assign(from_str::<LightChoice>(word), |args| &mut args.lights)),
+        read: Reader::Text(|word| {
+            assign(from_str::<LightSamplerKind>(word), |args| &mut args.lights)
+        }),
         write: |args| args.lights.to_toml(),
         ..TRANSPORT
     },

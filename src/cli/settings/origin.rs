@@ -1,4 +1,4 @@
-//! The picture that `--from` names: what its header tells of how it was made.
+//! The picture that `--from` names: its header says how it was made.
 
 use std::path::{Path, PathBuf};
 

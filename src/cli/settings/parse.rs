@@ -90,13 +90,15 @@ pub(super) fn switch(text: &str) -> Result<bool, String> {
 /// A whole number within a range.
 pub(super) fn whole<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
 where
-    T: FromStr<Err: Display> + PartialOrd + Display,
+    T: FromStr + PartialOrd + Display,
 {
-    let value: T = from_str(text)?;
+    let (least, most) = (range.start(), range.end());
+    let value: T =
+        text.parse().map_err(|_| format!("expected a whole number from {least} to {most}"))?;
     if range.contains(&value) {
         Ok(value)
     } else {
-        Err(format!("{value} is not in {}..={}", range.start(), range.end()))
+        Err(format!("{value} is not from {least} to {most}"))
     }
 }
 

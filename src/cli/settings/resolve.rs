@@ -1,7 +1,8 @@
 //! From what was typed, and from what a file says beneath it, to the values of all settings.
 //!
 //! The command line takes precedence over the header of the picture that `--from` names, which
-//! holds all settings of the run that it repeats, and so over the table `[render]` of a .toml scene.
+//! holds all settings of the run that it repeats, and so over the table `[render]` of a .toml
+//! scene.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use crate::cli::error::CliError;
 use crate::formats::LoadError;
 use crate::formats::toml::{self, Setting as Line, SettingValue};
 
-/// What is asked for, all told.
+/// What is asked for.
 #[derive(Debug)]
 pub struct Request {
     /// The values of all settings.

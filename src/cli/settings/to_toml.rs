@@ -13,7 +13,7 @@ use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
 use crate::simd::Isa;
-use crate::world::LightChoice;
+use crate::world::LightSamplerKind;
 
 /// A value that TOML can hold, such that it is read again as it was.
 pub trait ToToml {
@@ -115,7 +115,7 @@ macro_rules! displayed {
         }
     )*};
 }
-displayed!(AccelSpec, Aov, BsdfForm, Isa, LightChoice, PixelFilter, SamplePattern, Tonemap);
+displayed!(AccelSpec, Aov, BsdfForm, Isa, LightSamplerKind, PixelFilter, SamplePattern, Tonemap);
 
 /// Types whose names are those of the help.
 macro_rules! listed {

@@ -96,10 +96,7 @@ impl Document {
     ) -> Result<Self, Refusal> {
         let root = Object::new(value, String::new())?;
         check_version(&root)?;
-        let unsupported = extensions::unsupported(&root)?;
-        if !unsupported.is_empty() {
-            return Err(Refusal::Extensions(unsupported));
-        }
+        check_extensions(&root)?;
         let extensions = extensions::note(value, &root, notices)?;
         let buffers = resources::buffers(&root)?;
         let lengths: Vec<u64> = buffers.iter().map(|buffer| buffer.length).collect();
@@ -172,6 +169,14 @@ impl Document {
         let number =
             find_by_name_or_number(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
         Some(&self.scenes[number].roots)
+    }
+}
+
+/// Refuses a document that requires extensions that are not supported.
+fn check_extensions(root: &Object) -> Result<(), Refusal> {
+    match extensions::unsupported(root)? {
+        none if none.is_empty() => Ok(()),
+        unsupported => Err(Refusal::Extensions(unsupported)),
     }
 }
 

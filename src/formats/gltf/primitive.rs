@@ -46,8 +46,8 @@ pub fn build(
     Ok(mesh)
 }
 
-/// Gives a mesh that has normals and texture coordinates the tangents that a normal map is meant for
-/// which is looked up as `map` says.
+/// Gives a mesh that has normals and texture coordinates the tangents that a normal map is meant
+/// for which is looked up as `map` says.
 ///
 /// # Errors
 /// If that takes more memory than the file can justify.

@@ -146,8 +146,8 @@ impl Faces {
         Ok(())
     }
 
-    /// Gives the mesh its triangles, in the file's order, and parts its vertices where their corners
-    /// have different texture coordinates.
+    /// Gives the mesh its triangles, in the file's order, and parts its vertices where their
+    /// corners have different texture coordinates.
     ///
     /// # Errors
     /// [`Intricate`].
@@ -180,8 +180,8 @@ impl Faces {
         Ok(())
     }
 
-    /// Makes a vertex of each pair of vertex and texture coordinates that occurs; strips, which have
-    /// none, keep their vertices.
+    /// Makes a vertex of each pair of vertex and texture coordinates that occurs; strips, which
+    /// have none, keep their vertices.
     fn part_vertices(&mut self, mesh: &mut Mesh) {
         let mut known = HashMap::new();
         let mut sources: Vec<u32> = Vec::new();

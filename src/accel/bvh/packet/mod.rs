@@ -39,7 +39,7 @@
 //! What is not coherent is walked ray by ray, as by `bvh2`: packets whose slopes differ by more than
 //! a half, runs of fewer than four rays. Why the answers are brute force's: each ray is asked by
 //! the slab test about the box of every leaf whose triangles it is tested against, by a filter and
-//! by the verdict; and a box is passed by only if the slab test of each ray says so, or the shaft,
+//! by the exact test; and a box is passed by only if the slab test of each ray says so, or the shaft,
 //! which never says so of a box that one would enter ([`crate::geom::shaft`]).
 
 mod packet_bvh;

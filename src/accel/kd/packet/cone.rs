@@ -15,7 +15,7 @@
 //!
 //! *Triangles.* A ray passes an edge from `p` to `q` on the side that `d · (p × q)` has the sign of:
 //! linear. If it is above zero for all corners and one edge, and below zero for all corners and
-//! another, by more than the rounding of double precision, then the verdict sees edges of both signs
+//! another, by more than the rounding of double precision, then the exact test sees edges of both signs
 //! for each ray, and takes none.
 
 use crate::geom::{Shaft, Triangle};
@@ -123,7 +123,7 @@ mod tests {
             let hits = rays.iter().any(|ray| {
                 let (slab, shear) =
                     (crate::geom::SlabRay::new(ray), crate::geom::ShearRay::new(ray));
-                crate::geom::verdict(baseline(), &slab, &shear, &triangle).is_some()
+                crate::geom::intersect_triangle(baseline(), &slab, &shear, &triangle).is_some()
             });
             assert!(!(hits && cone.misses(&triangle)), "{triangle:?}");
             missed += usize::from(cone.misses(&triangle));

@@ -50,7 +50,7 @@ pub struct Packet<'a, Q, C> {
 }
 
 /// Triangles that a packet has tested lately, and which rays have: those need not meet them again,
-/// since the verdict does not depend on where it is asked, and what it found was offered.
+/// since the exact test does not depend on where it is asked, and what it found was offered.
 ///
 /// J. Amanatides and A. Woo, "A fast voxel traversal algorithm for ray tracing", 1987: mailboxes.
 pub struct Tested {

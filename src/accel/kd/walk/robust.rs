@@ -85,7 +85,7 @@ pub fn walk<Q: Query, C: Counters>(
 }
 
 /// Tests all triangles: for rays from so far away that even in double precision a hit point can't
-/// be told from its neighbours. Their own boxes stand before the verdict.
+/// be told from its neighbours. Their own boxes stand before the exact test.
 fn test_all<Q: Query, C: Counters>(visit: &mut Visit<'_, Q, C>) -> ControlFlow<()> {
     let source = &*visit.base.source;
     for i in 0..source.len() {

@@ -1,26 +1,20 @@
-//! The verdict over eight rays at once: [`super::verdict()`] with the lanes given to rays.
+//! The exact test over eight rays at once: [`super::intersect_triangle()`] with the lanes given to rays.
 //!
 //! The same additions and multiplications in the same order, lane by lane, so the same bits; a test
 //! holds it. Rays of a bundle must share the axis along which they run fastest.
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, f64x4};
 
-use super::verdict::{DISTANCE_BOUND, EDGE_ON};
-use super::{RayBundle, Triangle, own_box};
+use super::bundle::RayBundle;
+use super::heading::Heading;
+use super::intersect_triangle::{DISTANCE_BOUND, EDGE_ON};
+use super::slab::own_box;
+use super::source::Triangle;
 
 const LANES: usize = RayBundle::LANES;
 
-/// Which way all rays of a bundle, or of many, go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Heading {
-    /// The sides of boxes that they enter by: 1 for each axis that they go down along.
-    pub negative: [usize; 3],
-    /// The axes, permuted: they run fastest along the last.
-    pub axes: [usize; 3],
-}
-
 /// Hits of eight rays with a triangle, lane by lane.
-pub struct Verdicts {
+pub struct BundleHits {
     /// A bit for each ray that hits at a distance within its own limits.
     pub hits: u32,
     /// Distances.
@@ -34,13 +28,13 @@ pub struct Verdicts {
 impl RayBundle {
     /// Which of the rays, of those in `lanes`, hit a triangle, and where.
     #[inline(always)]
-    pub fn verdicts<S: Simd>(
+    pub fn intersect_triangle<S: Simd>(
         &self,
         simd: S,
         heading: Heading,
         triangle: &Triangle,
         lanes: u32,
-    ) -> Verdicts {
+    ) -> BundleHits {
         let (mut t, mut u, mut v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         let mut misses = 0;
         for half in 0..2 {
@@ -90,7 +84,7 @@ impl RayBundle {
             & clamped.simd_le(t_max)
             & !self.are_beyond(simd, distance, exit);
         let hits = taken.to_bitmask() as u32 & !misses & lanes;
-        Verdicts { hits, t: clamped.to_array(), u, v }
+        BundleHits { hits, t: clamped.to_array(), u, v }
     }
 }
 
@@ -136,7 +130,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geom::{ShearRay, SlabRay, verdict};
+    use crate::geom::{ShearRay, SlabRay, intersect_triangle};
     use crate::math::{Ray, Vec3};
     use crate::simd::baseline;
 
@@ -148,7 +142,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
         #[test]
-        fn eight_verdicts_are_eight_times_the_verdict(
+        fn eight_tests_at_once_are_eight_times_the_test(
             a in point(), b in point(), c in point(), origin in point(),
             aims in prop::collection::vec((0.0_f32..1.2, 0.0_f32..1.2), 8), exponent in -40_i32..40,
         ) {
@@ -169,9 +163,9 @@ mod tests {
             prop_assume!(heading.is_some());
             let heading = heading.unwrap();
             bundle.prepare(baseline(), heading);
-            let found = dispatch!(Level::new(), simd => bundle.verdicts(simd, heading, &triangle, 0xff));
+            let found = dispatch!(Level::new(), simd => bundle.intersect_triangle(simd, heading, &triangle, 0xff));
             for (lane, ray) in rays {
-                let own = verdict(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle);
+                let own = intersect_triangle(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle);
                 let bits = |[t, u, v]: [f32; 3]| [t.to_bits(), u.to_bits(), v.to_bits()];
                 let here = [found.t[lane], found.u[lane], found.v[lane]];
                 let here = (found.hits >> lane & 1 == 1).then_some(here);

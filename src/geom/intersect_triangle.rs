@@ -1,6 +1,6 @@
 //! The one triangle test that decides.
 //!
-//! Every structure, whatever it filters by, asks [`verdict`] in the end, and nothing else says what
+//! Every structure, whatever it filters by, asks [`intersect_triangle`] in the end, and nothing else says what
 //! `t`, `u` and `v` are. So the order of visits, the width and the instruction set can't matter.
 //!
 //! # What it decides
@@ -22,15 +22,16 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64x4, mask64x4};
 
 use super::Corners;
+use super::heading::permute_axes;
 use super::slab::SlabRay;
-use crate::math::{Ray, Vec3, larger, smaller};
+use crate::math::{Ray, larger, smaller};
 
 /// Determinants below this much of the magnitude of their terms may be zero: 2^-30.
 pub(super) const EDGE_ON: f64 = 9.313225746154785e-10;
 /// And distances below this much of theirs.
 pub(super) const DISTANCE_BOUND: f64 = 32.0 * f64::EPSILON;
 
-/// A ray, prepared for verdicts.
+/// A ray, prepared for the exact test.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearRay {
     origin: [f64; 3],
@@ -45,7 +46,7 @@ impl ShearRay {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let (o, d) = (ray.origin(), ray.direction());
-        let axes = axes(d);
+        let axes = permute_axes(d);
         let d = [d.x, d.y, d.z, 0.0];
         let [x, y, z] = axes.map(|axis| f64::from(d[axis & 3]));
         let scale = 1.0 / z;
@@ -72,25 +73,13 @@ impl ShearRay {
     }
 }
 
-/// The axes, permuted so that the last is that of a direction's largest component.
-#[inline(always)]
-pub(super) fn axes(direction: Vec3) -> [usize; 3] {
-    let a = direction.abs();
-    // The first of the largest. Without branches: which it is can't be guessed.
-    let (y_wins, z_wins) = (usize::from(a.y > a.x), usize::from(a.z > larger(a.x, a.y)));
-    let z = y_wins + z_wins * (2 - y_wins);
-    // The winding does not matter: either sign of the determinant is a hit.
-    const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
-    AXES[z & 3]
-}
-
 /// Where a ray meets a triangle: `t` and the barycentrics `u` and `v`, or nothing.
 ///
 /// Not limited by the ray's own interval, apart from `t` being finite. The three vertices are
 /// computed with side by side: additions and multiplications of one lane each, which round alike
 /// at every instruction set.
 #[inline(always)]
-pub fn verdict<S: Simd>(
+pub fn intersect_triangle<S: Simd>(
     simd: S,
     slab: &SlabRay,
     shear: &ShearRay,
@@ -132,6 +121,7 @@ pub fn verdict<S: Simd>(
 mod tests {
     use super::*;
     use crate::geom::Triangle;
+    use crate::math::Vec3;
     use crate::simd::baseline;
 
     const WALL: Triangle =
@@ -139,7 +129,7 @@ mod tests {
 
     fn ask(origin: [f32; 3], direction: [f32; 3], triangle: &Triangle) -> Option<[f32; 3]> {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, f32::INFINITY);
-        verdict(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), triangle)
+        intersect_triangle(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), triangle)
     }
 
     #[test]

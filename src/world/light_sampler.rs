@@ -9,7 +9,7 @@ use crate::scene::{Scene, Triangles};
 
 /// How a light is chosen among many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LightChoice {
+pub enum LightSamplerKind {
     /// By power, wherever the light goes: an alias table.
     #[default]
     Power,
@@ -17,11 +17,11 @@ pub enum LightChoice {
     Tree,
 }
 
-choices!(LightChoice, "choice of lights", [Power => "power", Tree => "tree"]);
+choices!(LightSamplerKind, "choice of lights", [Power => "power", Tree => "tree"]);
 
 /// Chooses lights by their running number.
 #[derive(Debug)]
-pub(super) struct Chooser {
+pub(super) struct LightSampler {
     /// Those that are not in the tree, by power.
     table: Option<AliasTable>,
     tree: Option<LightTree>,
@@ -29,17 +29,17 @@ pub(super) struct Chooser {
     tree_share: f32,
 }
 
-impl Chooser {
-    /// A chooser of lights of these weights. By [`LightChoice::Tree`], those that are somewhere are
-    /// chosen by the tree, which is asked as often as their weights together say.
+impl LightSampler {
+    /// A sampler of lights of these weights. By [`LightSamplerKind::Tree`], those that have a place
+    /// are chosen by the tree, which is asked as often as their weights together say.
     pub fn new(
         mut weights: Vec<f64>,
-        choice: LightChoice,
+        choice: LightSamplerKind,
         bounds: impl FnOnce() -> Vec<LightBounds>,
     ) -> Self {
         let mut tree = None;
         let mut tree_share = 0.0;
-        if choice == LightChoice::Tree {
+        if choice == LightSamplerKind::Tree {
             let bounds = bounds();
             tree = LightTree::new(&bounds);
             let all: f64 = weights.iter().sum();
@@ -134,10 +134,10 @@ mod tests {
 
     #[test]
     fn names_are_read_back() {
-        for choice in LightChoice::ALL {
+        for choice in LightSamplerKind::ALL {
             assert_eq!(choice.to_string().parse(), Ok(choice));
         }
-        let error = "chance".parse::<LightChoice>().unwrap_err();
+        let error = "chance".parse::<LightSamplerKind>().unwrap_err();
         assert_eq!(error.to_string(), "no choice of lights `chance`; there are power and tree");
     }
 
@@ -148,17 +148,18 @@ mod tests {
             |x: f32, power| LightBounds::point(Vec3::X * x, Vec3::Y, std::f32::consts::PI, power);
         let bounds = || vec![lamp(1.0, 1.0), lamp(0.0, 0.0), lamp(3.0, 1.0)];
         let context = LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO };
-        for (choice, expected) in
-            [(LightChoice::Power, [0.25, 0.5, 0.25]), (LightChoice::Tree, [0.45, 0.5, 0.05])]
-        {
-            let chooser = Chooser::new(vec![1.0, 2.0, 1.0], choice, bounds);
+        for (choice, expected) in [
+            (LightSamplerKind::Power, [0.25, 0.5, 0.25]),
+            (LightSamplerKind::Tree, [0.45, 0.5, 0.05]),
+        ] {
+            let sampler = LightSampler::new(vec![1.0, 2.0, 1.0], choice, bounds);
             let mut counts = [0.0_f64; 3];
             for i in 0..1000 {
                 let u = (i as f32 + 0.5) / 1000.0;
-                let (light, probability) = chooser.sample(&context, u).expect("all shine");
+                let (light, probability) = sampler.sample(&context, u).expect("all shine");
                 let told = match light {
-                    1 => chooser.far_probability(1),
-                    near => chooser.near_probability(&context, near),
+                    1 => sampler.far_probability(1),
+                    near => sampler.near_probability(&context, near),
                 };
                 assert!((probability - told).abs() < 1e-6);
                 counts[light] += 1e-3;
@@ -186,24 +187,24 @@ mod tests {
         };
         let context =
             LightSampleContext { position: Vec3::new(9.0, 0.0, 1.0), normal: Vec3::NEG_Z };
-        for choice in LightChoice::ALL {
+        for choice in LightSamplerKind::ALL {
             let weights = (0..LIGHTS).map(|light| f64::from(power(light))).collect();
-            let chooser = Chooser::new(weights, choice, bounds);
+            let sampler = LightSampler::new(weights, choice, bounds);
             let mut counts = [0; LIGHTS];
             for i in 0..COUNT {
                 let u = Sampler::independent(i, 0, 5).next_1d();
-                counts[chooser.sample(&context, u).expect("all shine").0] += 1;
+                counts[sampler.sample(&context, u).expect("all shine").0] += 1;
             }
             let chance = |light: usize| {
                 if far(light) {
-                    chooser.far_probability(light)
+                    sampler.far_probability(light)
                 } else {
-                    chooser.near_probability(&context, light)
+                    sampler.near_probability(&context, light)
                 }
             };
             let expected: Vec<f64> =
                 (0..LIGHTS).map(|light| f64::from(chance(light)) * COUNT as f64).collect();
-            assert_fits(&counts, &expected, LightChoice::ALL.len(), choice.name());
+            assert_fits(&counts, &expected, LightSamplerKind::ALL.len(), choice.name());
         }
     }
 }
