@@ -49,7 +49,7 @@ impl Axis {
 }
 
 /// Curves over a logarithmic horizontal axis; the vertical one begins at zero.
-pub fn lines(title: &str, across: &str, unit: &str, curves: &[Curve]) -> String {
+pub fn draw_curves(title: &str, across: &str, unit: &str, curves: &[Curve]) -> String {
     let axis = Axis::of(curves);
     let values = curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
     let step = tick(values.filter(|value| value.is_finite()).fold(1e-9, f64::max) / 5.0);
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn curves_fill_the_frame_and_zero_stands_left_of_the_decades() {
         let points = vec![(0.0, 1.0), (0.01, 5.0), (1.0, 0.0)];
-        let svg = lines("r<t", "I", "Mrays/s", &[Curve { name: "bvh2".to_owned(), points }]);
+        let svg = draw_curves("r<t", "I", "Mrays/s", &[Curve { name: "bvh2".to_owned(), points }]);
         let (y1, y5, y0) = (TOP + HEIGHT * 0.8, TOP, TOP + HEIGHT);
         let expected = format!(
             "points=\"{LEFT:.1},{y1:.1} {:.1},{y5:.1} {:.1},{y0:.1}\"",
@@ -160,6 +160,6 @@ mod tests {
 
     #[test]
     fn nothing_to_plot_is_an_empty_frame() {
-        assert!(lines("", "", "", &[]).ends_with("</svg>\n"));
+        assert!(draw_curves("", "", "", &[]).ends_with("</svg>\n"));
     }
 }

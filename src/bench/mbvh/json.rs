@@ -10,7 +10,7 @@ use crate::accel::Event;
 use crate::bench::measure::hit_rate;
 
 /// All figures, the paper's among them.
-pub fn json(scenes: &[Scene], settings: &MbvhBenchSettings) -> Value {
+pub fn to_json(scenes: &[Scene], settings: &MbvhBenchSettings) -> Value {
     let caches = paper::CACHES.map(
         |(megabytes, hits, krays)| json!({ "mb": megabytes, "hit_rate": hits / 100.0, "mrays_s": krays * 1e-3 }),
     );
