@@ -31,8 +31,10 @@ pub enum FilmError {
         message: String,
     },
     /// Two pictures that were to be compared differ in size.
-    #[error("sizes differ: {} is {}x{}, {} is {}x{}; render both with the same --resolution and --crop",
-        .0.0, .0.1, .0.2, .1.0, .1.1, .1.2)]
+    #[error(
+        "sizes differ: {} is {}x{}, {} is {}x{}; render both with the same --resolution and --crop",
+        .0.0, .0.1, .0.2, .1.0, .1.1, .1.2
+    )]
     Sizes((String, usize, usize), (String, usize, usize)),
     /// A word on the command line that names no metric, or a bad number after it.
     #[error("{0}")]

@@ -49,14 +49,14 @@ fn theirs(scene: &paper::Scene) -> [Cost; 2] {
 /// The work of a packet from the root and over compressed paths, and what a node spared is worth.
 pub fn make_table(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "For each 256 rays: nodes, searched ones among them; bundles of eight rays held \
-                against boxes, and against triangles; exact tests of single rays. Of packets from the \
-                root, and over compressed paths (PC). ns a node: what was gained in time, for each \
-                node spared; share: what all nodes of packets from the root would take at that \
-                price, in per cent of their time. The same by box tests: another reading of the \
-                same gain. A share says how much there is to gain by sparing; where it is below the \
-                paper's (P, by its tables 1 and 2), so are speed-ups. Tests of triangles, as many \
-                either way, and the setting up of packets take the rest. Below zero: the spared \
-                cost less than to find them.";
+                against boxes, and against triangles; exact tests of single rays. Of packets from \
+                the root, and over compressed paths (PC). ns a node: what was gained in time, for \
+                each node spared; share: what all nodes of packets from the root would take at \
+                that price, in per cent of their time. The same by box tests: another reading of \
+                the same gain. A share says how much there is to gain by sparing; where it is \
+                below the paper's (P, by its tables 1 and 2), so are speed-ups. Tests of \
+                triangles, as many either way, and the setting up of packets take the rest. Below \
+                zero: the spared cost less than to find them.";
     let heading = [
         "",
         "nodes",

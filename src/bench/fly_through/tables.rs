@@ -205,8 +205,8 @@ fn table_memory(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
 fn table_partition(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Millions of rays a second. Partitioned packets from the root, and over compressed paths \
-         with one more tree for each packet; bvh2 ray by ray from the root, and over the compressed \
-         paths of tiles. P: {MACHINE}."
+         with one more tree for each packet; bvh2 ray by ray from the root, and over the \
+         compressed paths of tiles. P: {MACHINE}."
     );
     let heading = [
         "",
@@ -270,8 +270,8 @@ fn table_lights(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "The paper's open questions (5.2). Shadow rays from what the pictures show to a \
                 light of limited range, and to one that shines into a pyramid: millions of rays a \
                 second, and nodes a ray, searched ones included. PC a light: compressed once for \
-                the light's region, then for each tile; bvh2 PC: ray by ray below that. Area light: \
-                256 rays from a pixel are a packet, and paths are compressed for each.";
+                the light's region, then for each tile; bvh2 PC: ray by ray below that. Area \
+                light: 256 rays from a pixel are a packet, and paths are compressed for each.";
     let columns = LIGHT_STRUCTURES.map(|(name, ..)| name);
     let nodes = columns.map(|name| format!("{name} nodes"));
     let mut table = Table::new("Rays to lights", note, &[""]);

@@ -97,22 +97,30 @@ pub fn measure(
     let incoherence = measure_incoherence(&target, &accels, &*packets, settings)?;
     drop(packets);
 
-    let mut rows = Vec::new();
-    if caches {
-        let sized = paper::CACHES.map(|(megabytes, ..)| {
-            let accel = built("mbvh4", &format!("triangles=cache,cache={megabytes}MB"))?;
-            Ok((format!("mbvh4:cache={megabytes}MB"), accel))
-        });
-        let sized = sized.into_iter().collect::<Result<Vec<_>, BuildError>>()?;
-        let sized: Vec<_> = sized.iter().map(|(spec, accel)| (spec.clone(), &**accel)).collect();
-        let rates = shoot(RaySet::Random, Ask::Closest, &sized)?;
-        rows = (paper::CACHES.iter().zip(rates))
-            .map(|(&(megabytes, ..), closest)| Cache { megabytes, closest })
-            .collect();
-    }
+    let caches = if caches { measure_caches(&built, &shoot)? } else { Vec::new() };
     let (name, triangles) = (name.to_owned(), source.len());
-    Ok(Scene { name, triangles, structures, caches: rows, incoherence })
+    Ok(Scene { name, triangles, structures, caches, incoherence })
 }
+
+/// Table 3, by functions that build a structure with some options and that shoot rays at several.
+fn measure_caches(
+    build: &dyn Fn(&str, &str) -> Result<Box<dyn Accel>, BuildError>,
+    shoot: &ShootFn<'_>,
+) -> Result<Vec<Cache>, BenchError> {
+    let sized = paper::CACHES.map(|(megabytes, ..)| {
+        let accel = build("mbvh4", &format!("triangles=cache,cache={megabytes}MB"))?;
+        Ok((format!("mbvh4:cache={megabytes}MB"), accel))
+    });
+    let sized = sized.into_iter().collect::<Result<Vec<_>, BuildError>>()?;
+    let sized: Vec<_> = sized.iter().map(|(spec, accel)| (spec.clone(), &**accel)).collect();
+    let rates = shoot(RaySet::Random, Ask::Closest, &sized)?;
+    let rows = paper::CACHES.iter().zip(rates);
+    Ok(rows.map(|(&(megabytes, ..), closest)| Cache { megabytes, closest }).collect())
+}
+
+/// Shoots a set of rays at structures, given with their names.
+type ShootFn<'a> =
+    dyn Fn(RaySet, Ask, &[(String, &dyn Accel)]) -> Result<Vec<Rates>, BenchError> + 'a;
 
 /// Compares all to the first, counts their work and times them, by slices and ray by ray.
 fn measure_rates(

@@ -38,10 +38,11 @@ fn thousands(count: usize) -> String {
 fn table_builds(scenes: &[Scene], settings: &MbvhBenchSettings) -> Table {
     let refined = if settings.refine { ", refined" } else { "" };
     let note = format!(
-        "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, wide nodes written, \
-         layout: to write out the rest, one thread. N_L: thousands of leaves, N_E: thousands of places for children left empty \
-         (the paper: empty leaves). L: mean leaf, D: mean depth. `cache`: leaves hold references \
-         (of bvh2, too, four places a leaf); /bvh2: memory over that of bvh2 in the same mode. \
+        "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, \
+         wide nodes written, layout: to write out the rest, one thread. N_L: thousands of leaves, \
+         N_E: thousands of places for children left empty (the paper: empty leaves). L: mean leaf, \
+         D: mean depth. `cache`: leaves hold references (of bvh2, too, four places a leaf); /bvh2: \
+         memory over that of bvh2 in the same mode. \
          C_T is {} for all. P: {MACHINE}.",
         settings.build,
         crate::accel::bvh::sah::TRAVERSAL
