@@ -1,4 +1,4 @@
-//! What can go wrong with pictures and their files.
+//! Errors of pictures and their files.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ impl FilmError {
         Self::Write { path: path.to_owned(), source }
     }
 
-    /// A file whose contents will not do.
+    /// A file with contents that cannot be used.
     pub fn invalid(path: &Path, message: impl Into<String>) -> Self {
         Self::Invalid { path: path.to_owned(), message: message.into() }
     }
