@@ -3,7 +3,8 @@
 //!
 //! All on the calling thread, in a pool of one. The rays run between random points of the scene's
 //! box. The structures of a scene are built first and held against `bvh2`; then passes are timed by
-//! turns ([`time_interleaved`]), each with a fresh tracer, so that caches begin empty.
+//! turns ([`super::measure::time_interleaved`]), each with a fresh tracer, so that caches begin
+//! empty.
 
 mod figures;
 mod json;
