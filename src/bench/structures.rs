@@ -1,4 +1,4 @@
-//! All structures with their defaults, a row each: the table of the README.
+//! All structures with their defaults, a row each: the table of `docs/structures.md`.
 
 use std::sync::Arc;
 
@@ -149,7 +149,7 @@ pub fn table(rows: &[Row], scene: &str, triangles: usize) -> Table {
     table
 }
 
-/// The same with summaries and papers, for the README.
+/// The same with summaries and papers, for the documentation.
 pub fn markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
     let mut text = format!(
         "| id | what | paper | {} |\n|---|---|---|{}\n",
