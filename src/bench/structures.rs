@@ -1,4 +1,4 @@
-//! All structures with their defaults, a row each: the table of the README.
+//! All structures with their defaults, a row each: the table of `docs/structures.md`.
 
 use std::sync::Arc;
 
@@ -149,8 +149,8 @@ pub fn make_table(rows: &[Row], scene: &str, triangles: usize) -> Table {
     table
 }
 
-/// The same with summaries and papers, for the README.
-pub fn to_markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
+/// The same with summaries and papers, for the documentation.
+pub fn markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
     let mut text = format!(
         "| id | what | paper | {} |\n|---|---|---|{}\n",
         FIGURES.join(" | "),

@@ -19,7 +19,7 @@ use crate::generate::Generator;
 /// take turns, compare well. First all answers are compared to those of bvh2.
 ///
 /// Without a file, the scene is the kitchen of 103,000 triangles that `dapple generate` makes.
-/// --markdown prints what the README has.
+/// --markdown prints the table of docs/structures.md.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:
