@@ -150,7 +150,7 @@ pub fn make_table(rows: &[Row], scene: &str, triangles: usize) -> Table {
 }
 
 /// The same with summaries and papers, for the documentation.
-pub fn markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
+pub fn to_markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
     let mut text = format!(
         "| id | what | paper | {} |\n|---|---|---|{}\n",
         FIGURES.join(" | "),

@@ -53,7 +53,11 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
         format!("Kd-tree walks, {name}, {count} triangles"),
         format!("Builds and layouts, kd-stack-direction, {name}"),
     ];
-    let growth = if args.output.reports() { growth(&settings, args.quiet)? } else { Vec::new() };
+    let growth = if args.output.wants_report() {
+        measure_growth(&settings, args.quiet)?
+    } else {
+        Vec::new()
+    };
     let object = |rows: &[Row]| rows.iter().map(Row::json).collect::<Vec<_>>();
     let mut results = Results {
         name: "kd",
@@ -68,8 +72,8 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
             "growth": kd_growth::to_json(&growth),
         }),
         plots: vec![
-            ("walks".to_owned(), chart(&titles[0], &walks)),
-            ("builds".to_owned(), chart(&titles[1], &builds)),
+            ("walks".to_owned(), draw_chart(&titles[0], &walks)),
+            ("builds".to_owned(), draw_chart(&titles[1], &builds)),
         ],
     };
     if !growth.is_empty() {
@@ -80,7 +84,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
 }
 
 /// Builds over machines of growing size.
-fn growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
+fn measure_growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
     let measure = |size: u64| {
         let source = BenchScene::Made(Generator::Assembly, size)
             .with_file(|path| input::load_triangles(path, quiet))?;
@@ -89,7 +93,7 @@ fn growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliEr
     kd_growth::sizes(settings).map(measure).collect()
 }
 
-fn chart(title: &str, rows: &[Row]) -> String {
+fn draw_chart(title: &str, rows: &[Row]) -> String {
     let rows: Vec<_> = rows
         .iter()
         .map(|row| (row.spec.clone(), row.sets.iter().map(Measured::rate).collect()))

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::options::{MachineArgs, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
-use super::scenes::scenes;
+use super::scenes::choose_scenes;
 use crate::bench::mbvh::{self, MbvhBenchSettings};
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
@@ -78,7 +78,7 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
         ));
     }
     let mut loaded = Vec::new();
-    for scene in scenes(&args.files) {
+    for scene in choose_scenes(&args.files) {
         tell(&format!("{}: loading", scene.name()));
         let source = scene.with_file(|path| input::load_triangles(path, args.quiet))?;
         loaded.push((scene.name(), source));
