@@ -36,6 +36,7 @@ mod options;
 mod packet;
 mod query;
 mod report;
+mod sah;
 mod traverse;
 mod variant;
 mod variants;

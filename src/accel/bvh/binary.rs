@@ -31,7 +31,8 @@ pub const VARIANT: Variant = Variant {
 /// Triangles of a leaf.
 pub(super) const WIDTH: usize = 4;
 /// Cost of a step relative to that of a leaf.
-const COST: sah::Cost = sah::Cost { traversal: sah::TRAVERSAL, width: WIDTH, fill: sah::Fill::Any };
+const COSTS: sah::Costs =
+    sah::Costs { traversal_cost: sah::TRAVERSAL_COST, width: WIDTH, fill: sah::Fill::Any };
 /// A node puts at most one child aside.
 const STACK: usize = sah::MAX_DEPTH + 1;
 
@@ -72,7 +73,7 @@ pub struct Scratch {
 impl Bvh2 {
     pub(super) fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let mut phases = Phases::start();
-        let tree = build_tree_by(input, COST, &mut phases);
+        let tree = build_tree_by(input, COSTS, &mut phases);
         let report = tree.report();
         if report.max_depth > sah::MAX_DEPTH {
             let (depth, limit) = (report.max_depth, sah::MAX_DEPTH);

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::bins::PARALLEL_BINNING;
 use super::parts::Cutter;
 use super::prims::Prim;
+use crate::accel::sah::expected_tests;
 use crate::geom::Triangle;
 use crate::math::{Aabb, Vec3};
 
@@ -29,10 +30,6 @@ pub struct Side {
 
 impl Side {
     const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
-
-    fn cost(&self) -> f64 {
-        self.bounds.half_area() * self.count as f64
-    }
 
     fn with(&self, bounds: &Aabb) -> Self {
         Self { bounds: self.bounds.union(*bounds), count: self.count }
@@ -189,7 +186,7 @@ impl SpatialSplit {
 
     /// The sum over both sides of half area times count.
     pub fn cost(&self) -> f64 {
-        self.sides[0].cost() + self.sides[1].cost()
+        cost_of(&self.sides)
     }
 
     /// Sum of both sides' half areas.
@@ -222,15 +219,14 @@ impl SpatialSplit {
         sides: &mut [Side; 2],
         parts: &mut [Vec<Prim>; 2],
     ) {
-        let cost = |sides: &[Side; 2]| sides[0].cost() + sides[1].cost();
         if sides.iter().all(|side| side.count > 1) {
             let [below, above] = *sides;
             let whole = [
                 [below.with(&prim.bounds), above.without_one()],
                 [below.without_one(), above.with(&prim.bounds)],
             ];
-            let on = usize::from(cost(&whole[1]) < cost(&whole[0]));
-            if cost(&whole[on]) < cost(sides) {
+            let on = usize::from(cost_of(&whole[1]) < cost_of(&whole[0]));
+            if cost_of(&whole[on]) < cost_of(sides) {
                 *sides = whole[on];
                 return parts[on].push(*prim);
             }
@@ -239,4 +235,9 @@ impl SpatialSplit {
             part.extend(half);
         }
     }
+}
+
+/// The sum over both sides of half area times count.
+fn cost_of(sides: &[Side; 2]) -> f64 {
+    expected_tests([0, 1].map(|side| (sides[side].bounds.half_area(), sides[side].count as f64)))
 }

@@ -50,7 +50,7 @@ fn build(scenes: &[Scene], settings: &Settings) -> Table {
          (of bvh2, too, four places a leaf); /bvh2: memory over that of bvh2 in the same mode. \
          C_T is {} for all. P: {MACHINE}.",
         settings.build,
-        crate::accel::bvh::sah::TRAVERSAL
+        crate::accel::bvh::sah::TRAVERSAL_COST
     );
     let heading = [
         "", "T_B", "T_C", "layout", "N_L", "N_E", "L", "D", "MB", "/bvh2", "P T_B", "P T_C",

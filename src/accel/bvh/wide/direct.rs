@@ -13,18 +13,18 @@ use super::collapse::largest;
 use super::shape::{Below, Child, Shape, Source};
 use crate::accel::bvh::objects::{ObjectSplit, boxes};
 use crate::accel::bvh::prims::Prim;
-use crate::accel::bvh::sah::Cost;
+use crate::accel::bvh::sah::Costs;
 use crate::math::Aabb;
 
 /// Subtrees with fewer are built by one thread.
 const PARALLEL_SUBTREES: usize = 1 << 13;
 
 /// Builds a tree of nodes with up to `W` children.
-pub fn build<const W: usize>(mut prims: Vec<Prim>, cost: Cost) -> Shape<W, impl Source<W>> {
+pub fn build<const W: usize>(mut prims: Vec<Prim>, costs: Costs) -> Shape<W, impl Source<W>> {
     let triangles = prims.len();
     let mut nodes = vec![[None; W]];
     if !prims.is_empty() {
-        let builder = Builder { cost, task: (triangles / 64).max(PARALLEL_SUBTREES) };
+        let builder = Builder { costs, task: (triangles / 64).max(PARALLEL_SUBTREES) };
         let all = builder.part(&mut prims, 0, 0);
         nodes[ABOVE_ROOT][0] = Some(builder.child(all, &mut nodes));
     }
@@ -77,7 +77,7 @@ struct Part<'a> {
 }
 
 struct Builder {
-    cost: Cost,
+    costs: Costs,
     task: usize,
 }
 
@@ -85,9 +85,9 @@ impl Builder {
     /// A part, and whether and how it is best split.
     fn part<'a>(&self, prims: &'a mut [Prim], first: usize, depth: usize) -> Part<'a> {
         let (bounds, keys) = boxes(prims);
-        let split = (!self.cost.must_be_leaf(prims.len()))
-            .then(|| ObjectSplit::best(prims, keys, depth, &self.cost))
-            .filter(|s| !self.cost.prefers_leaf(prims.len(), &bounds, s.split().area));
+        let split = (!self.costs.must_be_leaf(prims.len()))
+            .then(|| ObjectSplit::best(prims, keys, depth, &self.costs))
+            .filter(|s| !self.costs.prefers_leaf(prims.len(), &bounds, s.split().area));
         Part { prims, first, depth, bounds, split }
     }
 
@@ -95,7 +95,7 @@ impl Builder {
     fn sides<'a>(&self, part: Part<'a>, split: &ObjectSplit) -> [Part<'a>; 2] {
         let Part { prims, first, depth, .. } = part;
         let parallel = prims.len() > self.task;
-        let middle = split.part(prims, &self.cost);
+        let middle = split.part(prims, &self.costs);
         let (left, right) = prims.split_at_mut(middle);
         let side = |prims: &'a mut [Prim], first| self.part(prims, first, depth + 1);
         if parallel {

@@ -252,9 +252,9 @@ mod tests {
 
     fn check_builds<const W: usize>(count: usize, fill: sah::Fill) {
         let source = triangles(count);
-        let cost = sah::Cost { traversal: sah::TRAVERSAL, width: W, fill };
-        let collapsed = collapse::<W>(binned::build(&mut prims::prims(&source), cost));
-        let direct = direct::build::<W>(prims::prims(&source), cost);
+        let costs = sah::Costs { traversal_cost: sah::TRAVERSAL_COST, width: W, fill };
+        let collapsed = collapse::<W>(binned::build(&mut prims::prims(&source), costs));
+        let direct = direct::build::<W>(prims::prims(&source), costs);
         for inline in [false, true] {
             check(&collapsed, &source, inline);
             check(&direct, &source, inline);

@@ -13,7 +13,7 @@ use crate::accel::bvh::build::build_tree_by;
 use crate::accel::bvh::leaves::{Fetch, Fetched};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::prims::prims;
-use crate::accel::bvh::sah::{self, Cost, Fill, TRAVERSAL};
+use crate::accel::bvh::sah::{self, Costs, Fill, TRAVERSAL_COST};
 use crate::accel::{
     BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
     RayContext, Structure,
@@ -58,16 +58,16 @@ where
     /// Builds the tree, binary first or in one pass, and says how long each phase took.
     pub fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
-        let cost = Cost { traversal: TRAVERSAL, width: W, fill };
+        let costs = Costs { traversal_cost: TRAVERSAL_COST, width: W, fill };
         let mut phases = Phases::start();
         if input.options.choice("build") == "direct" {
             let prims = prims(&*input.source);
             phases.end("boxes");
-            let shape = direct::build::<W>(prims, cost);
+            let shape = direct::build::<W>(prims, costs);
             phases.end("tree");
             return Self::lay_out(input, &shape, phases);
         }
-        let tree = build_tree_by(input, cost, &mut phases);
+        let tree = build_tree_by(input, costs, &mut phases);
         let shape = collapse::collapse::<W>(tree);
         phases.end("collapse");
         Self::lay_out(input, &shape, phases)

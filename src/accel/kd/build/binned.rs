@@ -45,7 +45,7 @@ mod tests {
     #[test]
     fn empty_space_is_cut_off_first_and_clusters_are_parted() {
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::new(10.0, 1.0, 1.0) };
-        let costs = Costs { step: 1.0, triangle: 10.0, empty: 0.0 };
+        let costs = Costs { traversal_cost: 1.0, intersection_cost: 10.0, empty_bonus: 0.0 };
         let right: Vec<_> = (0..8).map(|i| reference(i, 8.0, 9.0)).collect();
         let plane = best(&right, &cell, &costs).expect("there is room to the left");
         assert_eq!((plane.axis, plane.split), (0, 8.0));
@@ -60,7 +60,7 @@ mod tests {
     fn equal_boxes_that_fill_the_cell_give_no_plane() {
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
         let same: Vec<_> = (0..100).map(|i| reference(i, 0.0, 1.0)).collect();
-        let costs = Costs { step: 1.0, triangle: 1.5, empty: 0.2 };
+        let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 };
         assert_eq!(best(&same, &cell, &costs), None);
     }
 }

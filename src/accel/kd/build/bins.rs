@@ -1,6 +1,6 @@
 //! What the builders with bins share.
 
-use super::cost::CellCosts;
+use super::sah::CellCosts;
 use super::{Costs, Plane, Reference};
 use crate::math::Aabb;
 
@@ -100,7 +100,7 @@ impl<'a> Candidates<'a> {
     /// Considers a plane with that many triangles below and above it.
     #[inline]
     pub fn offer(&mut self, axis: usize, split: f32, below: usize, above: usize) {
-        if let Some(plane) = self.costs.plane(axis, split, below, above) {
+        if let Some(plane) = self.costs.weigh(axis, split, below, above) {
             self.best = Plane::better(self.best, plane);
         }
     }

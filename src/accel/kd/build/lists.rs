@@ -43,7 +43,7 @@ impl Builder<'_> {
             let parts = [0, 1].map(|side| self.part(&references, &plane, side, &cells[side]));
             let [below, above] = [parts[0].len(), parts[1].len()];
             let judged = settings.costs.in_cell(cell);
-            let judged = judged.plane(plane.axis, plane.split, below, above);
+            let judged = judged.weigh(plane.axis, plane.split, below, above);
             let stops = settings.stops(count, judged.as_ref(), &mut failed);
             // Where all are on both sides, nothing is gained further down either.
             (!stops && (below < count || above < count)).then_some((plane, cells, parts))

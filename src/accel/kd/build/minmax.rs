@@ -48,14 +48,14 @@ mod tests {
                 id: TriangleId(0),
             })
             .collect();
-        let costs = Costs { step: 1.0, triangle: 1.5, empty: 0.2 };
+        let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 };
         let best = best(&references, &cell, &costs).expect("there are planes");
         let expected = (1..32)
             .map(|i| i as f32)
             .filter_map(|split| {
                 let below = spans.iter().filter(|s| s.0 < split).count();
                 let above = spans.iter().filter(|s| s.1 > split).count();
-                costs.in_cell(&cell).plane(0, split, below, above)
+                costs.in_cell(&cell).weigh(0, split, below, above)
             })
             .fold(None, Plane::better);
         assert_eq!(Some(best), expected);

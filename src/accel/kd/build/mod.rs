@@ -10,10 +10,10 @@
 mod arena;
 mod binned;
 mod bins;
-mod cost;
 mod lists;
 mod minmax;
 mod prune;
+mod sah;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -24,8 +24,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 pub use arena::Arena;
-pub use cost::{Costs, Plane};
 use prune::Pruned;
+pub use sah::{Costs, Plane};
 
 use super::slack::{Slack, bounds_of};
 use super::tree::{Base, KdTree, Leaves, Node};
@@ -90,9 +90,9 @@ impl Settings {
         };
         Self {
             costs: Costs {
-                step: 1.0,
-                triangle: options.number("cost"),
-                empty: options.number("empty"),
+                traversal_cost: 1.0,
+                intersection_cost: options.number("cost"),
+                empty_bonus: options.number("empty"),
             },
             depth: depth.min(60),
             leaf: options.integer("leaf") as usize,
@@ -105,7 +105,7 @@ impl Settings {
     /// [`prune`] takes back those that don't.
     fn stops(&self, count: usize, best: Option<&Plane>, failed: &mut u32) -> bool {
         let Some(best) = best else { return true };
-        let leaf = self.costs.part(count);
+        let leaf = self.costs.expected_cost(count);
         if best.cost > leaf {
             *failed += 1;
         }
@@ -217,13 +217,13 @@ fn statistics(arena: &Arena, bounds: &Aabb, costs: &Costs) -> BuildReport {
         match node {
             Node::Inner { .. } => {
                 report.nodes += 1;
-                report.sah_cost += area * costs.step;
+                report.sah_cost += area * costs.traversal_cost;
             }
             Node::Leaf(leaf) => {
                 report.leaves += 1;
                 leaf_depths += depth;
                 report.max_depth = report.max_depth.max(depth);
-                report.sah_cost += area * costs.leaf(arena.list(leaf).len());
+                report.sah_cost += area * costs.leaf_cost(arena.list(leaf).len());
             }
         }
     });

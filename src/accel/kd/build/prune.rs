@@ -62,7 +62,7 @@ impl Pruner<'_> {
             Node::Leaf(leaf) => {
                 let list = self.arena.list(leaf);
                 self.kept.leaf(list.iter().copied());
-                let cost = area * self.costs.leaf(list.len());
+                let cost = area * self.costs.leaf_cost(list.len());
                 return Subtree { cost, triangles: list.len() };
             }
         };
@@ -73,9 +73,9 @@ impl Pruner<'_> {
         let high = self.copy(above.index(), &cells[1]);
         self.kept.nodes[nodes] = Node::Inner { axis, split, above: above_at };
 
-        let cost = area * self.costs.step + low.cost + high.cost;
+        let cost = area * self.costs.traversal_cost + low.cost + high.cost;
         let triangles = low.triangles.max(high.triangles);
-        if area * self.costs.leaf(triangles) > cost {
+        if area * self.costs.leaf_cost(triangles) > cost {
             return Subtree { cost, triangles };
         }
         // The lists of a subtree lie one after the other. They are looked at only where a leaf may
@@ -83,7 +83,7 @@ impl Pruner<'_> {
         let mut all = self.kept.ids[ids..].to_vec();
         all.sort_unstable_by_key(|id| id.0);
         all.dedup();
-        let (triangles, leaf) = (all.len(), area * self.costs.leaf(all.len()));
+        let (triangles, leaf) = (all.len(), area * self.costs.leaf_cost(all.len()));
         if leaf > cost {
             return Subtree { cost, triangles };
         }

@@ -95,7 +95,7 @@ fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
         }
         let axis = axis as usize;
         above[axis] -= ends;
-        if let Some(plane) = costs.plane(axis, at, below[axis], above[axis]) {
+        if let Some(plane) = costs.weigh(axis, at, below[axis], above[axis]) {
             best = Plane::better(best, plane);
         }
         below[axis] += count - ends;
@@ -227,7 +227,7 @@ mod tests {
                 .collect();
             events.sort_by(Event::order);
             let settings = Settings {
-                costs: Costs { step: 1.0, triangle: 1.5, empty: 0.2 },
+                costs: Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 },
                 depth: 9,
                 leaf: 1,
             };
@@ -235,7 +235,7 @@ mod tests {
                 let axis = event.axis as usize;
                 let below = references.iter().filter(|r| r.bounds.min[axis] < event.at).count();
                 let above = references.iter().filter(|r| r.bounds.max[axis] > event.at).count();
-                settings.costs.in_cell(&cell).plane(axis, event.at, below, above)
+                settings.costs.in_cell(&cell).weigh(axis, event.at, below, above)
             });
             let expected = all.fold(None, Plane::better);
             assert_eq!(

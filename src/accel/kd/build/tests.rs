@@ -71,7 +71,7 @@ fn the_sweep_by_itself_is_cheapest_on_the_whole() {
 #[test]
 fn of_two_trees_the_cheaper_is_kept() {
     let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-    let costs = Costs { step: 1.0, triangle: 1.0, empty: 0.0 };
+    let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.0, empty_bonus: 0.0 };
     let pruned = |arena: &Arena| Pruned::new(arena.clone(), &cube, &costs);
     let (cheap, same) = (halves(&[0, 1, 2], &[3, 4, 5]), halves(&[3, 4, 5], &[0, 1, 2]));
     let mut dear = Arena::default();
@@ -94,7 +94,7 @@ fn halves(below: &[u32], above: &[u32]) -> Arena {
 #[test]
 fn a_split_that_does_not_pay_is_taken_back() {
     let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-    let costs = Costs { step: 1.0, triangle: 1.0, empty: 0.0 };
+    let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.0, empty_bonus: 0.0 };
     // 1 + (3 + 3) 2/3 = 5 against 6 for six triangles, or 4 where two of them are on both sides.
     let pays = halves(&[0, 1, 2], &[3, 4, 5]);
     assert_eq!(Pruned::new(pays.clone(), &cube, &costs).arena.nodes, pays.nodes);
