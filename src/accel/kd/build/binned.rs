@@ -8,7 +8,8 @@
 //! the planes that cut off the empty space beside them.
 
 use super::bins::{BINS, Candidates};
-use super::{Costs, Plane, Reference};
+use super::input::Reference;
+use super::sah::{Costs, Plane};
 use crate::math::Aabb;
 
 /// The best plane of all bins' bounds.

@@ -1,7 +1,7 @@
 //! What the builders with bins share.
 
-use super::sah::CellCosts;
-use super::{Costs, Plane, Reference};
+use super::input::Reference;
+use super::sah::{CellCosts, Costs, Plane};
 use crate::math::Aabb;
 
 /// Intervals along an axis.

@@ -8,7 +8,8 @@
 //! empty space beside the triangles.
 
 use super::bins::{BINS, Candidates};
-use super::{Costs, Plane, Reference};
+use super::input::Reference;
+use super::sah::{Costs, Plane};
 use crate::math::Aabb;
 
 /// The best plane of all bins' bounds.

@@ -7,7 +7,8 @@
 //! - L. Breiman et al., "Classification and regression trees", 1984, chapter 3: grow too large a
 //!   tree, then prune it upward, rather than find the right rule to stop.
 
-use super::{Arena, Costs};
+use super::arena::Arena;
+use super::sah::Costs;
 use crate::accel::kd::tree::{LeafId, Node, halves};
 use crate::math::{Aabb, NodeId};
 

@@ -13,7 +13,10 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::{Arena, FORK_COUNT, FORK_LEVELS, Nodes, Plane, Reference, Settings};
+use super::arena::Arena;
+use super::input::{Reference, TreeInput};
+use super::limits::{FORK_COUNT, FORK_LEVELS, Limits};
+use super::sah::Plane;
 use crate::accel::kd::tree::halves;
 use crate::geom::clipped_bounds;
 use crate::math::Aabb;
@@ -62,8 +65,8 @@ struct Part {
 }
 
 /// Builds the tree.
-pub fn build(nodes: &Nodes<'_>) -> Arena {
-    let references = nodes.references();
+pub fn build(input: &TreeInput<'_>) -> Arena {
+    let references = input.references();
     let mut events: Vec<_> = references
         .par_iter()
         .enumerate()
@@ -72,17 +75,17 @@ pub fn build(nodes: &Nodes<'_>) -> Arena {
     // Stable: equal events stay in the order of the triangles.
     events.par_sort_by(Event::order);
     let mut arena = Arena::default();
-    Builder(nodes).divide(Part { references, events }, &nodes.bounds, 0, 0, &mut arena);
+    Builder(input).divide(Part { references, events }, &input.bounds, 0, 0, &mut arena);
     arena
 }
 
-struct Builder<'a>(&'a Nodes<'a>);
+struct Builder<'a>(&'a TreeInput<'a>);
 
 /// The plane of the lowest cost.
-fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
+fn best(part: &Part, cell: &Aabb, limits: &Limits) -> Option<Plane> {
     let mut below = [0; 3];
     let mut above = [part.references.len(); 3];
-    let costs = settings.costs.in_cell(cell);
+    let costs = limits.costs.in_cell(cell);
     let mut best = None;
     let mut rest = &part.events[..];
     while let Some(&Event { at, axis, .. }) = rest.first() {
@@ -106,13 +109,13 @@ fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
 
 impl Builder<'_> {
     fn divide(&self, part: Part, cell: &Aabb, depth: usize, mut failed: u32, arena: &mut Arena) {
-        let (settings, count) = (&self.0.settings, part.references.len());
-        let best = if count <= settings.leaf || depth >= settings.depth {
+        let (limits, count) = (&self.0.limits, part.references.len());
+        let best = if count <= limits.leaf || depth >= limits.depth {
             None
         } else {
-            best(&part, cell, settings)
+            best(&part, cell, limits)
         };
-        let plane = best.filter(|plane| !settings.stops(count, Some(plane), &mut failed));
+        let plane = best.filter(|plane| !limits.stops(count, Some(plane), &mut failed));
         let Some(plane) = plane else {
             arena.leaf(part.references.iter().map(|reference| reference.id));
             return;
@@ -200,7 +203,7 @@ impl Side {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::kd::build::Costs;
+    use crate::accel::kd::build::sah::Costs;
     use crate::math::{TriangleId, Vec3};
 
     #[test]
@@ -226,7 +229,7 @@ mod tests {
                 .flat_map(|(i, reference)| Event::of(i as u32, &reference.bounds))
                 .collect();
             events.sort_by(Event::order);
-            let settings = Settings {
+            let limits = Limits {
                 costs: Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 },
                 depth: 9,
                 leaf: 1,
@@ -235,11 +238,11 @@ mod tests {
                 let axis = event.axis as usize;
                 let below = references.iter().filter(|r| r.bounds.min[axis] < event.at).count();
                 let above = references.iter().filter(|r| r.bounds.max[axis] > event.at).count();
-                settings.costs.in_cell(&cell).weigh(axis, event.at, below, above)
+                limits.costs.in_cell(&cell).weigh(axis, event.at, below, above)
             });
             let expected = all.fold(None, Plane::better);
             assert_eq!(
-                best(&Part { references, events: events.clone() }, &cell, &settings),
+                best(&Part { references, events: events.clone() }, &cell, &limits),
                 expected
             );
         }

@@ -2,8 +2,12 @@
 
 use std::sync::Arc;
 
+use super::OPTIONS;
+use super::arena::Arena;
+use super::builder::{build_binned, build_minmax, build_sweep};
+use super::input::TreeInput;
 use super::prune::Pruned;
-use super::{Arena, Costs, Nodes, OPTIONS, sweep};
+use super::sah::Costs;
 use crate::accel::Options;
 use crate::accel::kd::tree::{KdTree, Node};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
@@ -56,8 +60,8 @@ fn the_sweep_by_itself_is_cheapest_on_the_whole() {
         let source = clutter(seed, count);
         for options in ["", "cost=0.1", "cost=1"] {
             let options = Options::parse("kd", &OPTIONS, options).expect("they are options");
-            let nodes = Nodes::new(&*source, &options);
-            let trees = [nodes.pruned(sweep::build(&nodes)), nodes.binned(), nodes.minmax()];
+            let input = TreeInput::new(&*source, &options);
+            let trees = [build_sweep(&input), build_binned(&input), build_minmax(&input)];
             let [sweep, binned, minmax] = trees.map(|tree| tree.cost);
             assert!(sweep <= 1.08 * binned.min(minmax), "{seed}: {sweep} {binned} {minmax}");
             logarithms =
