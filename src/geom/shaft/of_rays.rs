@@ -2,7 +2,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8};
 
-use super::{LONGEST, SLACK, Shaft, farthest};
+use super::region::{LONGEST, SLACK, Shaft, farthest};
 use crate::geom::RayBundle;
 use crate::geom::bundle::dot;
 use crate::math::{Aabb, Ray, Vec3};

@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::*;
-use crate::geom::{RayBundle, SlabRay};
-use crate::math::Ray;
+use super::Shaft;
+use crate::geom::{Heading, RayBundle, SlabRay};
+use crate::math::{Aabb, Ray, Vec3};
 use crate::simd::baseline;
 
 fn unit() -> impl Strategy<Value = Vec3> {
