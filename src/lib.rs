@@ -1,27 +1,54 @@
 //! An offline Monte Carlo path tracer, and a grove of ray-shooting structures behind one trait.
 //!
-//! The layers, each of which uses only those below it (`tests/architecture.rs` holds this):
-//!
-//! | floor | modules |
-//! |---|---|
-//! | 7 | `cli` |
-//! | 6 | [`render`], [`mod@bench`] |
-//! | 5 | [`integrator`] |
-//! | 4 | [`world`], [`formats`] |
-//! | 3 | [`scene`], [`generate`] |
-//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`texture`] |
-//! | 1 | [`geom`], [`sampling`], [`film`] |
-//! | 0 | [`files`], [`math`], [`simd`] |
-//!
 //! A picture is a function of the scene, the settings and the version alone: the acceleration
 //! structure, the number of threads and the instruction set change the time that it takes and not
 //! one bit of it. Why that holds is told in [`accel`].
+//!
+//! # From a file to a picture
+#![doc = "```"]
+#![doc = include_str!("../examples/render.rs")]
+#![doc = "```"]
+//!
+//! # Rays of one's own
+#![doc = "```"]
+#![doc = include_str!("../examples/rays.rs")]
+#![doc = "```"]
+//!
+//! # Rooms
+//! Each room uses only those on floors below its own (`tests/architecture` holds this).
+//!
+//! | floor | rooms |
+//! |---|---|
+//! | 8 | `cli`: one file a command |
+//! | 7 | [`render`]: tiles, streams of paths · `bench` |
+//! | 6 | [`integrator`]: the algorithm of path tracing |
+//! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
+//! | 4 | [`scene`]: what a scene is · [`generate`]: scenes by rule |
+//! | 3 | [`accel`] · [`material`] · [`light`] · [`camera`] · [`texture`] |
+//! | 2 | [`geom`] · [`sampling`] · [`film`]: pictures and their comparison |
+//! | 1 | `files` · [`math`] · `simd` |
+//! | 0 | `names`: choices by name |
+//!
+//! # Words that are dapple's own
+//! - **variant**: a row of the table of structures, [`accel::VARIANTS`]; its id is what `--accel`
+//!   takes.
+//! - **exact test**: the one ray-triangle test, in `f64`, that alone decides what is hit; all that
+//!   stands before it only filters.
+//! - **batch**: a slice of rays that are shot together, with hints that never change a hit.
+//! - **bundle**: several rays side by side in the lanes of a vector, against one triangle.
+//! - **world**: a [`Scene`] with its triangles numbered, its lights tabled and its materials
+//!   resolved as far as they are the same everywhere.
+//! - **own box**: the box of one triangle, in which each of its hits lies.
+//! - **block**: 16 samples of a pixel; sums are a tree over blocks, so that parts add up to the
+//!   same bits.
+//! - **notice**: what a file asks for and is not honoured, or looks like a mistake.
+//! - **solid**: a closed mesh that light passes, of a priority where it overlaps others.
 
 pub mod accel;
-pub mod bench;
+mod bench;
 pub mod camera;
-pub mod cli;
-pub mod files;
+mod cli;
+mod files;
 pub mod film;
 pub mod formats;
 pub mod generate;
@@ -30,9 +57,37 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+mod names;
 pub mod render;
 pub mod sampling;
 pub mod scene;
-pub mod simd;
+mod simd;
 pub mod texture;
 pub mod world;
+
+pub use accel::{
+    Accel, AccelSpec, AnyHit, Batch, BuildError, ClosestHit, SpecError, Tracer, VARIANTS, build,
+};
+pub use camera::Camera;
+pub use film::{Comparison, FilmError, Picture, PixelFilter, Tonemap, Window, diff};
+pub use formats::{LoadError, LoadOptions, MissingTexture, load};
+pub use integrator::Transport;
+pub use material::BsdfForm;
+pub use names::UnknownName;
+pub use render::{Aov, Control, Progress, Rendered, Settings, render};
+pub use sampling::SamplePattern;
+pub use scene::{Notice, Scene, TooManyTriangles};
+pub use simd::Isa;
+pub use world::{LightSamplerKind, World};
+
+/// The command `dapple`, with the arguments of the process: what `main` calls.
+#[doc(hidden)]
+pub fn run_command() -> std::process::ExitCode {
+    cli::main()
+}
+
+/// What the tests of this crate share with its bench.
+#[doc(hidden)]
+pub mod testing {
+    pub use crate::bench::ray_sets::{Random, RaySet, Target};
+}

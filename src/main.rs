@@ -1,7 +1,7 @@
-//! The `dapple` command: see [`dapple::cli`].
+//! The `dapple` command.
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    dapple::cli::main()
+    dapple::run_command()
 }

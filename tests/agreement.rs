@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::{
     Accel, AccelSpec, AnyHit, Batch, ClosestHit, HitFilter, Tracer, VARIANTS, Values, build,
 };
-use dapple::bench::ray_sets::{Random, RaySet, Target};
 use dapple::geom::{Triangle, TriangleList, TriangleSource};
 use dapple::math::{Ray, Vec3};
-use dapple::simd::Isa;
+use dapple::testing::{Random, RaySet, Target};
 use rayon::prelude::*;
 
 /// A row that is not at its defaults, yet asked at every instruction set: its lists are read by

@@ -4,9 +4,9 @@ mod stage;
 
 use std::f32::consts::PI;
 
+use dapple::Transport;
 use dapple::camera::Camera;
 use dapple::film::Window;
-use dapple::integrator::Transport;
 use dapple::light::{Environment, Punctual, PunctualKind};
 use dapple::math::{Affine3A, Vec3};
 use dapple::render::Settings;

@@ -3,13 +3,13 @@
 
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::{
     Accel, AnyHit, Batch, ClosestHit, Counts, Event, HitFilter, Regions, Tracer, build,
 };
-use dapple::bench::ray_sets::Random;
 use dapple::geom::{Shaft, Triangle, TriangleList, TriangleSource};
 use dapple::math::{Aabb, Ray, Vec3};
-use dapple::simd::Isa;
+use dapple::testing::Random;
 
 const SPECS: &[&str] = &[
     "bvh-packet",
@@ -259,8 +259,8 @@ fn what_shafts_spare_shows_in_the_counters() {
     // Small triangles everywhere.
     let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(soup(3000, 0.2, 1.0)));
     let rays = raster(Vec3::new(0.5, 0.5, -1.5), Vec3::Z, 0.6, 0.0, 1, 1.0);
-    // The search for entry points goes from the root for each tile; with it, a compressed tree takes
-    // fewer nodes.
+    // The search for entry points goes from the root for each tile; with it, a compressed tree
+    // takes fewer nodes.
     let nodes = |spec: &str| {
         let counts = counts(&source, &rays, spec);
         counts[Event::InnerNode] + counts[Event::Search]

@@ -119,7 +119,7 @@ fn an_unlit_surface_shows_its_colour_and_reflects_nothing() {
         "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 1]},
         "extensions": {"KHR_materials_unlit": {}},
     });
-    let world = World::new(file.load().expect("loads").into(), BsdfForm::Conserving);
+    let world = World::new(file.load().expect("loads"), BsdfForm::Conserving);
     let world = world.expect("is small");
     let at = Attributes { uv: [Vec2::ZERO; 2], color: Vec4::new(1.0, 0.5, 1.0, 1.0) };
     let material = world.scene.instances[0].material;
@@ -142,7 +142,7 @@ fn colours_of_vertices_multiply_the_base_colour_and_alpha() {
     let scene = file.load().expect("loads");
     let expected = [Vec4::new(1.0, 0.0, 0.2, 1.0); 3].into_iter().chain([Vec4::ZERO]);
     assert_eq!(scene.meshes[0].colors, expected.collect::<Vec<_>>());
-    let world = World::new(scene.into(), BsdfForm::Conserving).expect("is small");
+    let world = World::new(scene, BsdfForm::Conserving).expect("is small");
     assert!(world.is_see_through(), "a vertex is clear");
     let at = Attributes { color: Vec4::new(1.0, 0.0, 0.2, 1.0), ..Attributes::NONE };
     let albedo = world.bare_bsdf(world.scene.instances[0].material, &at).albedo();

@@ -2,13 +2,13 @@
 
 mod kd_scenes;
 
+use dapple::Isa;
 use dapple::accel::{
     Accel, AccelSpec, AnyHit, Batch, ClosestHit, Event, VARIANTS, build, kd::LAYOUT,
     kd::build::OPTIONS,
 };
 use dapple::geom::TriangleSource;
 use dapple::math::Ray;
-use dapple::simd::Isa;
 use std::sync::Arc;
 
 use kd_scenes::{hostile_rays, scenes};

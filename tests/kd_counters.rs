@@ -4,13 +4,13 @@ mod kd_scenes;
 
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::kd::OVER;
 use dapple::accel::kd::build::OPTIONS;
 use dapple::accel::kd::tree::KdTree;
 use dapple::accel::{AccelSpec, Batch, ClosestHit, Counts, Event, Options};
 use dapple::geom::{TriangleList, TriangleSource};
 use dapple::math::{Ray, Vec3};
-use dapple::simd::Isa;
 
 use kd_scenes::{Random, hostile_rays, scenes, soup};
 

@@ -5,6 +5,8 @@ mod stage;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use dapple::Isa;
+use dapple::SamplePattern;
 use dapple::accel::{self, AccelSpec};
 use dapple::camera::Camera;
 use dapple::geom::Mesh;
@@ -12,10 +14,8 @@ use dapple::light::{Punctual, PunctualKind};
 use dapple::material::BsdfForm;
 use dapple::math::Vec3;
 use dapple::render::{Control, Rendered, Settings, render};
-use dapple::sampling::SamplePattern;
 use dapple::scene::{Material, Scene};
-use dapple::simd::Isa;
-use dapple::world::{LightChoice, World};
+use dapple::world::{LightSamplerKind, World};
 use stage::{lambert, mean, rectangle, scene, settings, sphere};
 
 /// A room of side 4 that is open towards the camera, a ball in it.
@@ -54,7 +54,7 @@ fn lit(columns: u32, rows: u32) -> Scene {
     scene(parts)
 }
 
-fn run(scene: Scene, choice: LightChoice, settings: &Settings) -> Rendered {
+fn run(scene: Scene, choice: LightSamplerKind, settings: &Settings) -> Rendered {
     let world = World::with_lights(Arc::new(scene), BsdfForm::Conserving, choice);
     let world = world.expect("few triangles");
     let spec: AccelSpec = "bvh2".parse().expect("a row of the table");
@@ -88,9 +88,9 @@ fn noise(rendered: &Rendered, spp: u64) -> f64 {
 fn a_thousand_lamps_are_hardly_noisier_than_one() {
     let spp = 128;
     let of = |scene, choice| noise(&run(scene, choice, &independent(48, spp)), spp);
-    let one = of(lit(1, 1), LightChoice::Tree);
-    let tree = of(lit(40, 25), LightChoice::Tree);
-    let power = of(lit(40, 25), LightChoice::Power);
+    let one = of(lit(1, 1), LightSamplerKind::Tree);
+    let tree = of(lit(40, 25), LightSamplerKind::Tree);
+    let power = of(lit(40, 25), LightSamplerKind::Power);
     assert!(tree <= 1.5 * one, "one {one}, a thousand {tree}, by power {power}");
     assert!(tree < power, "{tree} {power}");
 }
@@ -117,7 +117,7 @@ fn the_choice_changes_no_mean() {
         ];
         scene
     };
-    let [tree, power] = [LightChoice::Tree, LightChoice::Power]
+    let [tree, power] = [LightSamplerKind::Tree, LightSamplerKind::Power]
         .map(|choice| mean(&run(made(), choice, &independent(48, 512)).picture));
     let (off, error) = ((tree.0 - power.0).abs(), tree.1.hypot(power.1));
     assert!(off < 3.5 * error, "{tree:?} {power:?}");

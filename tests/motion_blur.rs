@@ -87,7 +87,8 @@ fn a_moment_is_a_picture_at_a_time_and_the_first_lies_in_the_first_half() {
     dapple(&format!("render a.gltf -o middle.exr {words} --time 2"));
     dapple("diff one.exr middle.exr --fail max=0 -q");
 
-    // Four moments, in the middles of quarters 0, 2, 1, 3 of the time: x = .375, 1.875, 1.125, 2.625.
+    // Four moments, in the middles of quarters 0, 2, 1, 3 of the time: x = .375, 1.875, 1.125,
+    // 2.625.
     let blurred = "--time 0 --shutter 3 --moments 4";
     dapple(&format!("render a.gltf -o a.exr {words} {blurred}"));
     for (sample, x, lit) in [(0, 5, true), (64, 5, false), (64, 20, true), (128, 20, true)]

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use dapple::Isa;
 use dapple::accel::VARIANTS;
 use dapple::film::{Picture, exr};
-use dapple::simd::Isa;
 
 fn scene(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)

@@ -7,11 +7,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::build;
 use dapple::formats::{EnvironmentImage, LoadOptions, load, obj};
 use dapple::geom::TriangleSource;
-use dapple::scene::{AlphaMode, Triangles};
-use dapple::simd::Isa;
+use dapple::math::Vec3;
+use dapple::scene::defaults::bounds;
+use dapple::scene::{AlphaMode, Survey, Triangles};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
@@ -28,17 +30,58 @@ fn scenes_are_what_the_example_makes() {
     assert!(total < 2_000_000, "{total} bytes");
 }
 
+/// A scene (a glTF file, where the name has no ending), its triangles (of all meshes, placed,
+/// emitting), how many meshes, placed meshes, materials, textures and punctual lights it has, and
+/// its bounds in metres.
+type Contents = (&'static str, [u64; 3], [usize; 5], [f32; 3], [f32; 3]);
+
+#[rustfmt::skip]
+const CONTENTS: &[Contents] = &[
+    ("alpha", [2228, 2394, 2], [6, 89, 7, 1, 0], [-6.0, -0.08, -2.5], [6.0, 7.0, 5.0]),
+    ("cornell", [32, 32, 2], [8, 8, 4, 0, 0], [-2.748, 0.0, -5.592], [2.78, 5.488, 0.0]),
+    ("films", [4068, 31844, 4], [4, 11, 11, 1, 0], [-16.0, 0.0, -6.0], [16.0, 9.0, 7.0]),
+    ("finishes", [12004, 31844, 4], [6, 11, 11, 2, 0], [-16.0, 0.0, -6.0], [16.0, 9.0, 7.0]),
+    ("furnace", [2208, 17664, 0], [1, 8, 8, 0, 0], [-4.3, -2.1, -1.0], [4.3, 2.1, 1.0]),
+    ("gems", [6412, 37612, 4], [6, 11, 11, 0, 0], [-16.0, -0.05, -6.0], [16.0, 9.0, 7.0]),
+    ("glass", [12410, 31130, 2], [10, 13, 10, 1, 0], [-4.5, 0.0, -3.5], [4.5, 5.0, 8.5]),
+    ("instanced", [5284, 448804, 2], [3, 87, 6, 0, 1], [-60.0, 0.0, -80.0], [60.0, 20.0, 40.0]),
+    ("many_lights", [28, 906, 604], [4, 248, 8, 0, 3], [-20.0, 0.0, -20.0], [20.0, 4.02, 20.0]),
+    ("metals", [6340, 74980, 4], [4, 15, 15, 0, 0], [-16.0, 0.0, -6.0], [16.0, 9.0, 7.0]),
+    ("motion", [10368, 10368, 4], [10, 10, 10, 0, 0], [-16.0, -0.45, -6.0], [16.0, 9.0, 7.0]),
+    ("orthographic", [16, 1456, 2], [3, 123, 7, 0, 1], [-30.0, 0.0, -30.0], [30.0, 28.5, 30.0]),
+    ("painted", [1104, 8664, 2], [8, 71, 8, 3, 0], [-9.0, -0.0467, -3.0], [9.0, 8.0, 8.0]),
+    ("sky", [13922, 32642, 0], [3, 6, 6, 0, 0], [-40.0, -0.0222, -40.0], [40.0, 2.5622, 40.0]),
+    ("textured", [7966, 7966, 2], [12, 12, 11, 12, 0], [-9.0, 0.0, -3.0], [9.0, 9.0, 8.0]),
+    ("tower.obj", [948, 948, 20], [8, 8, 7, 2, 0], [-5.0, 0.0, -5.0], [5.0, 8.4478, 5.0]),
+];
+
 #[test]
 fn scenes_load_without_a_word() {
-    for (name, _) in files::all() {
+    let file = |name: &str| if name.contains('.') { name.into() } else { format!("{name}.gltf") };
+    for &(name, triangles, counts, min, max) in CONTENTS {
+        let name = file(name);
         let time = (name == "motion.gltf").then_some(0.5);
         let strict = LoadOptions { strict: true, time, ..LoadOptions::default() };
-        if Path::new(&name).extension().is_some_and(|ending| ending == "gltf") {
-            let scene = load(&folder().join(&name), &strict);
-            let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
-            assert_eq!(scene.cameras.len(), 1, "{name}");
-        }
+        let scene = load(&folder().join(&name), &strict);
+        let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(scene.cameras.len(), usize::from(name != "tower.obj"), "{name}: cameras");
+        let survey = Survey::of(&scene);
+        let found = [survey.unique_triangles, survey.placed_triangles, survey.emitting_triangles];
+        assert_eq!(found, triangles, "{name}: triangles");
+        assert_eq!([survey.flat_triangles, survey.flattened], [0; 2], "{name}: without area");
+        let (meshes, places) = (scene.meshes.len(), scene.instances.len());
+        let (materials, textures) = (scene.materials.len(), scene.textures.len());
+        let found = [meshes, places, materials, textures, scene.lights.len()];
+        assert_eq!(found, counts, "{name}: meshes, places, materials, textures, lights");
+        let bounds = bounds(&scene);
+        let off = (bounds.min - Vec3::from(min)).abs().max((bounds.max - Vec3::from(max)).abs());
+        assert!(off.max_element() < 1e-3, "{name}: {bounds:?}");
     }
+    let made = files::all();
+    let is_scene = |name: &&str| [".gltf", ".obj"].iter().any(|ending| name.ends_with(ending));
+    let mut made: Vec<&str> = made.iter().map(|(name, _)| &**name).filter(is_scene).collect();
+    made.sort_unstable();
+    assert_eq!(made, CONTENTS.iter().map(|scene| file(scene.0)).collect::<Vec<_>>());
 }
 
 /// On the field of bunnies it is the coarse tree that costs least, elsewhere the exact one.

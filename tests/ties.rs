@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::{Batch, ClosestHit, VARIANTS, build};
-use dapple::bench::ray_sets::Random;
 use dapple::geom::{Triangle, TriangleList, TriangleSource};
 use dapple::math::{Ray, TriangleId, Vec3};
-use dapple::simd::Isa;
+use dapple::testing::Random;
 
 /// Fans, coplanar overlaps and coincident twins on a grid of powers of two, where splitting planes
 /// like to lie, with faces in all three directions.

@@ -4,11 +4,11 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use dapple::Isa;
 use dapple::accel::{Accel, Batch, ClosestHit, VARIANTS, build};
-use dapple::bench::ray_sets::Random;
 use dapple::geom::{Triangle, TriangleList};
 use dapple::math::{DVec3, Ray, Vec3};
-use dapple::simd::Isa;
+use dapple::testing::Random;
 
 /// An indexed, closed mesh with its vertices rounded to f32.
 struct Mesh {

@@ -6,6 +6,7 @@ use std::path::Path;
 use dapple::formats::{LoadOptions, MissingTexture, gltf};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let options = LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
+    let missing_texture = MissingTexture::Magenta;
+    let options = LoadOptions { missing_texture, ..LoadOptions::default() };
     let _ = gltf::parse(Path::new("no-such-folder/fuzz.gltf"), bytes, &options);
 });

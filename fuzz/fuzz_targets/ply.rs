@@ -6,6 +6,7 @@ use std::path::Path;
 use dapple::formats::{LoadOptions, MissingTexture, ply};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let options = LoadOptions { missing_texture: MissingTexture::Magenta, ..LoadOptions::default() };
+    let missing_texture = MissingTexture::Magenta;
+    let options = LoadOptions { missing_texture, ..LoadOptions::default() };
     let _ = ply::parse(Path::new("no-such-folder/fuzz.ply"), bytes, &options);
 });

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::{Accel, BuildError, BuildInput, Options, SpecError, Variant, brute, bvh, kd};
 use crate::geom::TriangleSource;
+use crate::names::near;
 use crate::simd::Isa;
 
 /// All structures; the only place where they are registered. The order is that of all listings.
@@ -56,6 +57,14 @@ pub struct AccelSpec {
     pub options: Options,
 }
 
+impl Default for AccelSpec {
+    /// `auto`: the first of the table.
+    fn default() -> Self {
+        let variant = &VARIANTS[0];
+        Self { variant, options: Options::defaults(variant.options) }
+    }
+}
+
 impl FromStr for AccelSpec {
     type Err = SpecError;
 
@@ -84,10 +93,10 @@ impl fmt::Display for AccelSpec {
 
 /// Up to three ids like the one that was meant, the most similar first.
 fn near_ids(id: &str) -> Vec<&'static str> {
-    let mut scored: Vec<_> =
-        VARIANTS.iter().map(|v| (strsim::jaro_winkler(id, v.id), v.id)).collect();
-    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-    scored.into_iter().filter(|(score, _)| *score > 0.7).take(3).map(|(_, id)| id).collect()
+    near(id, VARIANTS.iter().map(|variant| variant.id))
+        .into_iter()
+        .map(|number| VARIANTS[number].id)
+        .collect()
 }
 
 /// Builds a structure over triangles, on the threads of the current pool.

@@ -27,7 +27,7 @@ const ROUNDS: usize = 3;
 
 /// What to measure with.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct KdBenchSettings {
     /// Rays of each set.
     pub rays: usize,
     /// Bytes that a structure may take by the estimate.
@@ -99,7 +99,7 @@ pub fn estimate(triangles: usize) -> u64 {
 /// If the tree would not fit, or a walk disagrees with the first.
 pub fn walks(
     source: &Arc<dyn TriangleSource>,
-    settings: &Settings,
+    settings: &KdBenchSettings,
 ) -> Result<Vec<Row>, BenchError> {
     let mut options = Options::defaults(&OPTIONS);
     let mut tree = tree(source, settings, &options)?;
@@ -123,7 +123,7 @@ pub fn walks(
 /// If a tree would not fit, or disagrees with the first.
 pub fn builds_and_layouts(
     source: &Arc<dyn TriangleSource>,
-    settings: &Settings,
+    settings: &KdBenchSettings,
 ) -> Result<Vec<Row>, BenchError> {
     let mut rows = Vec::new();
     let mut kept: Option<Sets> = None;
@@ -166,7 +166,7 @@ pub(super) fn built(build: &str) -> Options {
 /// A tree, if the estimate fits the memory.
 pub(super) fn tree(
     source: &Arc<dyn TriangleSource>,
-    settings: &Settings,
+    settings: &KdBenchSettings,
     options: &Options,
 ) -> Result<KdTree, BenchError> {
     let needed = estimate(source.len());
@@ -176,14 +176,14 @@ pub(super) fn tree(
     Ok(KdTree::build(source, options)?)
 }
 
-fn level(settings: &Settings) -> Result<fearless_simd::Level, BuildError> {
+fn level(settings: &KdBenchSettings) -> Result<fearless_simd::Level, BuildError> {
     settings.isa.level().ok_or(BuildError::NoSuchIsa { isa: settings.isa.name() })
 }
 
 fn sets(
     tree: &KdTree,
     source: &Arc<dyn TriangleSource>,
-    settings: &Settings,
+    settings: &KdBenchSettings,
 ) -> Result<Sets, BenchError> {
     let options = Options::defaults(STACK_DIRECTION.options);
     let accel = over(STACK_DIRECTION.id)(tree, &options, level(settings)?)?;
@@ -216,7 +216,7 @@ fn row(
     over: OverTree,
     options: &Options,
     sets: &Sets,
-    settings: &Settings,
+    settings: &KdBenchSettings,
 ) -> Result<Row, BenchError> {
     let accel = over(tree, options, level(settings)?)?;
     let mut measured = Vec::new();
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn every_walk_and_every_build_has_a_row() {
-        let settings = Settings { rays: 2500, memory: u64::MAX, isa: Isa::Portable };
+        let settings = KdBenchSettings { rays: 2500, memory: u64::MAX, isa: Isa::Portable };
         let rows = walks(&source(), &settings).expect("all agree");
         assert_eq!(rows.len(), OVER.len());
         let tables = tables("walks", &rows);
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn what_would_not_fit_is_refused() {
-        let settings = Settings { rays: 50, memory: 1000, isa: Isa::Portable };
+        let settings = KdBenchSettings { rays: 50, memory: 1000, isa: Isa::Portable };
         let error = walks(&source(), &settings).expect_err("100 triangles take more than 1000 B");
         assert!(error.to_string().contains("more than the 1000"), "{error}");
     }

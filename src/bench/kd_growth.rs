@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::kd::{Settings, built, choices, estimate, tree};
+use super::kd::{KdBenchSettings, built, choices, estimate, tree};
 use super::measure::BenchError;
 use super::plot::{Curve, lines};
 use super::table::{Table, cell};
@@ -32,7 +32,7 @@ impl Growth {
 }
 
 /// Those sizes whose trees fit the memory.
-pub fn sizes(settings: &Settings) -> impl Iterator<Item = u64> {
+pub fn sizes(settings: &KdBenchSettings) -> impl Iterator<Item = u64> {
     let memory = settings.memory;
     SIZES.into_iter().filter(move |&size| estimate(size as usize) <= memory)
 }
@@ -43,7 +43,7 @@ pub fn sizes(settings: &Settings) -> impl Iterator<Item = u64> {
 /// If a tree would not fit.
 pub fn measure(
     source: &Arc<dyn TriangleSource>,
-    settings: &Settings,
+    settings: &KdBenchSettings,
 ) -> Result<Growth, BenchError> {
     let seconds = choices(OPTIONS[0].values).iter().map(|&build| {
         let tree = tree(source, settings, &built(build))?;
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn every_build_has_its_columns_and_its_curve() {
-        let settings = Settings { rays: 1, memory: estimate(100_000), isa: Isa::Portable };
+        let settings = KdBenchSettings { rays: 1, memory: estimate(100_000), isa: Isa::Portable };
         let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(Vec::new()));
         let growth = [measure(&source, &settings).expect("nothing fits anywhere")];
         assert_eq!(table(&growth).rows[0].len(), 7);

@@ -7,14 +7,14 @@
 //! | [`kd`] | kd-trees side by side: Hapala and Havran's table 3 |
 //! | [`kd_growth`] | how their builds grow with the scene |
 //! | [`mbvh`] | multi bounding volume hierarchies: Ernst and Greiner's tables and figure 4 |
-//! | [`coherent`] | many rays at once over flights: Barczak's tables |
+//! | [`fly_through`] | many rays at once over flights: Barczak's tables |
 //! | [`renders`] | whole renders: their figure 1 |
 //! | [`structures`] | all structures: memory and rates, a row each |
 //! | [`table`], [`bars`], [`plot`] | how it is shown |
 
 pub mod agreement;
 pub mod bars;
-pub mod coherent;
+pub mod fly_through;
 pub mod kd;
 pub mod kd_growth;
 pub mod mbvh;
@@ -24,3 +24,5 @@ pub mod ray_sets;
 pub mod renders;
 pub mod structures;
 pub mod table;
+#[cfg(test)]
+mod test_scene;

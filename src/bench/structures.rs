@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::coherent::frame::Frame;
+use super::fly_through::frame::Frame;
 use super::measure::{Ask, BenchError, Shots, interleaved};
 use super::ray_sets::{RaySet, Target};
 use super::table::{Table, cell};
@@ -26,7 +26,7 @@ const BRUTE_TESTS: usize = 200_000_000;
 
 /// What to measure with.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct AccelsBenchSettings {
     /// Rays of each kind.
     pub rays: usize,
     /// Passes of each structure; the median counts.
@@ -60,7 +60,7 @@ pub struct Row {
 pub fn measure(
     source: &Arc<dyn TriangleSource>,
     pose: Option<Pose>,
-    settings: &Settings,
+    settings: &AccelsBenchSettings,
     tell: &dyn Fn(&str),
 ) -> Result<Vec<Row>, BenchError> {
     // Two structures at a time, one of them the oracle.
@@ -197,7 +197,8 @@ mod tests {
         };
         let source: Arc<dyn TriangleSource> =
             Arc::new(TriangleList((0..300).map(triangle).collect()));
-        let settings = Settings { rays: 500, rounds: 1, memory: 1 << 30, isa: Isa::Auto };
+        let settings =
+            AccelsBenchSettings { rays: 500, rounds: 1, memory: 1 << 30, isa: Isa::Auto };
         let rows = measure(&source, None, &settings, &|_| {}).expect("all agree");
         let ids: Vec<_> = rows.iter().map(|row| row.variant.id).collect();
         assert_eq!(ids, VARIANTS.iter().map(|variant| variant.id).collect::<Vec<_>>());
@@ -210,7 +211,7 @@ mod tests {
             json(&rows, "cloud", 300)["structures"].as_array().map(Vec::len),
             Some(rows.len())
         );
-        let small = Settings { memory: 1000, ..settings };
+        let small = AccelsBenchSettings { memory: 1000, ..settings };
         assert!(measure(&source, None, &small, &|_| {}).is_err());
     }
 }

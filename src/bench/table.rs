@@ -43,6 +43,14 @@ pub fn cell(value: Option<f64>, decimals: usize) -> String {
     value.map_or(String::new(), |value| format!("{value:.decimals$}"))
 }
 
+/// A scene's name, and that of a paper's scene of as many triangles.
+pub fn scene_label(name: &str, triangles: usize, paper: Option<&str>) -> String {
+    match paper {
+        Some(paper) => format!("{name} (P: {paper})"),
+        None => format!("{name}, {triangles} triangles"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

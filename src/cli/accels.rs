@@ -5,8 +5,10 @@ use std::process::ExitCode;
 
 use serde_json::json;
 
-use super::{CliError, Quiet, table};
 use crate::accel::{VARIANTS, Value, Values, Variant};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::text;
 
 /// List the acceleration structures, with their options.
 #[derive(clap::Args, Debug)]
@@ -23,16 +25,16 @@ pub struct AccelsArgs {
 /// Prints the table.
 pub fn run(args: &AccelsArgs) -> Result<ExitCode, CliError> {
     let text = if args.json {
-        let rows: Vec<_> = VARIANTS.iter().map(as_json).collect();
+        let rows: Vec<_> = VARIANTS.iter().map(to_json).collect();
         format!("{:#}\n", serde_json::Value::from(rows))
     } else {
-        in_words()
+        to_text()
     };
-    table::print(&text)?;
+    text::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn in_words() -> String {
+fn to_text() -> String {
     let width = VARIANTS.iter().map(|variant| variant.id.len()).max().unwrap_or(0);
     let mut text = String::new();
     for variant in VARIANTS {
@@ -46,14 +48,14 @@ fn in_words() -> String {
     text
 }
 
-fn as_json(variant: &Variant) -> serde_json::Value {
+fn to_json(variant: &Variant) -> serde_json::Value {
     let options = variant.options.iter().map(|option| {
         let mut all = json!({
             "name": option.name,
             "summary": option.summary,
-            "default": value_as_json(option.default),
+            "default": value_to_json(option.default),
         });
-        let (kind, limits) = values_as_json(option.values);
+        let (kind, limits) = values_to_json(option.values);
         all["type"] = kind.into();
         for (name, limit) in limits {
             all[name] = limit;
@@ -69,7 +71,7 @@ fn as_json(variant: &Variant) -> serde_json::Value {
 }
 
 /// What kind of value it is, and what limits it.
-fn values_as_json(values: Values) -> (&'static str, Vec<(&'static str, serde_json::Value)>) {
+fn values_to_json(values: Values) -> (&'static str, Vec<(&'static str, serde_json::Value)>) {
     match values {
         Values::Choice(words) => ("choice", vec![("choices", json!(words))]),
         Values::Integer(low, high) => ("integer", vec![("min", json!(low)), ("max", json!(high))]),
@@ -78,7 +80,7 @@ fn values_as_json(values: Values) -> (&'static str, Vec<(&'static str, serde_jso
     }
 }
 
-fn value_as_json(value: Value) -> serde_json::Value {
+fn value_to_json(value: Value) -> serde_json::Value {
     match value {
         Value::Choice(word) => json!(word),
         Value::Integer(n) | Value::Bytes(n) => json!(n),

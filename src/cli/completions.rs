@@ -4,7 +4,9 @@ use std::process::ExitCode;
 
 use clap_complete::Shell;
 
-use super::{CliError, Quiet, table};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::text;
 
 /// Print a script that completes dapple's commands and flags in a shell.
 #[derive(clap::Args, Debug)]
@@ -23,6 +25,6 @@ pub struct CompletionsArgs {
 pub fn run(args: &CompletionsArgs, command: &mut clap::Command) -> Result<ExitCode, CliError> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, command, "dapple", &mut script);
-    table::print(&String::from_utf8_lossy(&script))?;
+    text::print(&String::from_utf8_lossy(&script))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,7 +1,9 @@
 //! `dapple diff`: how an image differs from a reference, as a table, as JSON or as a failure.
 
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
 use crate::cli::outputs::{self, Output};
-use crate::cli::{CliError, Quiet, table};
+use crate::cli::text;
 use crate::film::compare::{self, Comparison, FlipKind, Named};
 use crate::film::{FilmError, png};
 use clap::Args;
@@ -25,18 +27,18 @@ Examples:
 pub struct DiffArgs {
     /// The image to judge (.exr or .png)
     pub image: PathBuf,
-    /// The image that it is held against (.exr or .png)
+    /// The image to compare it with (.exr or .png)
     pub reference: PathBuf,
-    /// Write FLIP per pixel as a picture: black is equal, pale yellow as different as can be
+    /// Write a picture of FLIP per pixel: from black, equal, to pale yellow, entirely different
     #[arg(long, value_name = "PNG")]
     pub heatmap: Option<PathBuf>,
-    /// Ends with 1 if METRIC is above VALUE: rmse, relmse, flip, bias, bad-tiles, max, not-finite
+    /// Exits with 1 if METRIC is above VALUE: rmse, relmse, flip, bias, bad-tiles, max, not-finite
     #[arg(long, value_name = "METRIC=VALUE")]
     pub fail: Vec<Limit>,
     /// FLIP of what a display shows, clamped, instead of FLIP over a range of exposures
     #[arg(long)]
     pub ldr: bool,
-    /// One JSON object instead of the table
+    /// Print one JSON object instead of the table
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
@@ -71,8 +73,10 @@ impl FromStr for Limit {
     fn from_str(word: &str) -> Result<Self, String> {
         let (name, limit) =
             word.split_once('=').ok_or("say METRIC=VALUE, such as relmse=0.01".to_owned())?;
-        let &(name, metric) =
-            METRICS.iter().find(|metric| metric.0 == name).ok_or_else(|| unknown_metric(name))?;
+        let &(name, metric) = METRICS
+            .iter()
+            .find(|metric| metric.0 == name)
+            .ok_or_else(|| explain_unknown_metric(name))?;
         match limit.parse::<f64>() {
             Ok(limit) if limit >= 0.0 => Ok(Self { name, metric, limit }),
             _ => Err(format!("`{limit}` is not a number of 0 or more")),
@@ -80,7 +84,7 @@ impl FromStr for Limit {
     }
 }
 
-fn unknown_metric(name: &str) -> String {
+fn explain_unknown_metric(name: &str) -> String {
     let near = METRICS.iter().map(|metric| (strsim::jaro_winkler(metric.0, name), metric.0));
     let near = near.filter(|near| near.0 > 0.7).max_by(|a, b| a.0.total_cmp(&b.0));
     let all = METRICS.map(|metric| metric.0).join(", ");
@@ -91,11 +95,25 @@ fn unknown_metric(name: &str) -> String {
 }
 
 impl Limit {
-    /// A figure that does not exist exceeds any limit, and so does a pixel that is finite in one
-    /// image only: no mean can tell of it.
+    /// A figure that does not exist exceeds any limit. So does a pixel that is finite in one image
+    /// only, which no mean shows.
     fn is_exceeded(&self, found: &Comparison) -> bool {
         let value = (self.metric)(found);
         value.is_nan() || value > self.limit || found.not_finite.only_one > 0
+    }
+
+    /// How it is exceeded.
+    fn explain(&self, found: &Comparison) -> String {
+        let value = (self.metric)(found);
+        let why = if value > self.limit {
+            format!("is {}", text::format_figure(value))
+        } else if value.is_nan() {
+            "does not exist for these images".to_owned()
+        } else {
+            let pixels = found.not_finite.only_one;
+            format!("cannot be told: {pixels} pixels are finite in one image only")
+        };
+        format!("exceeded: {} {why}, the limit is {}", self.name, self.limit)
     }
 }
 
@@ -118,20 +136,20 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, CliError> {
         png::write_rgb8(path, found.width, found.height, &found.heatmap())?;
     }
     let exceeded: Vec<_> = args.fail.iter().filter(|limit| limit.is_exceeded(&found)).collect();
-    let text = if args.json { in_json(&found, &exceeded)? } else { in_words(&found, &exceeded) };
-    table::print(&text)?;
+    let text = if args.json { to_json(&found, &exceeded)? } else { to_text(&found, &exceeded) };
+    text::print(&text)?;
     Ok(ExitCode::from(u8::from(!exceeded.is_empty())))
 }
 
-fn in_json(found: &Comparison, exceeded: &[&Limit]) -> Result<String, FilmError> {
+fn to_json(found: &Comparison, exceeded: &[&Limit]) -> Result<String, FilmError> {
     let mut object = serde_json::to_value(found)
         .map_err(|error| FilmError::Stdout(std::io::Error::other(error)))?;
     object["exceeded"] = json!(exceeded.iter().map(|limit| limit.name).collect::<Vec<_>>());
     Ok(format!("{object:#}\n"))
 }
 
-fn in_words(found: &Comparison, exceeded: &[&Limit]) -> String {
-    let three = |values: &[f64; 3]| values.map(table::figure).join("  ");
+fn to_text(found: &Comparison, exceeded: &[&Limit]) -> String {
+    let three = |values: &[f64; 3]| values.map(text::format_figure).join("  ");
     let errors = &found.errors;
     let mut rows = vec![
         ("size", format!("{} x {}", found.width, found.height)),
@@ -139,20 +157,21 @@ fn in_words(found: &Comparison, exceeded: &[&Limit]) -> String {
         ("mean, reference", three(&errors.mean_reference)),
         ("ratio", three(&errors.ratio)),
         ("bias", format!("{:+.3} %", 100.0 * errors.bias)),
-        ("RMSE", table::figure(errors.rmse)),
-        ("relMSE", table::figure(errors.relmse)),
-        ("greatest difference", table::figure(errors.max)),
+        ("RMSE", text::format_figure(errors.rmse)),
+        ("relMSE", text::format_figure(errors.relmse)),
+        ("greatest difference", text::format_figure(errors.max)),
         (
             match found.flip_kind {
                 FlipKind::Hdr => "FLIP (HDR)",
                 FlipKind::Ldr => "FLIP (LDR)",
             },
-            table::figure(found.flip),
+            text::format_figure(found.flip),
         ),
     ];
     if let Some(test) = &found.ztest {
         let exact = if test.one_is_exact { ", one image taken as exact" } else { "" };
-        let worst = if test.worst.is_finite() { table::figure(test.worst) } else { "inf".into() };
+        let worst =
+            if test.worst.is_finite() { text::format_figure(test.worst) } else { "inf".into() };
         rows.push((
             "tiles with |z| > 5",
             format!("{:.2} % of {}, worst {worst}{exact}", 100.0 * test.bad_tiles, test.tiles),
@@ -179,15 +198,7 @@ fn in_words(found: &Comparison, exceeded: &[&Limit]) -> String {
         let _ = writeln!(text, "{name:width$}  {value}");
     }
     for limit in exceeded {
-        let value = (limit.metric)(found);
-        let why = if value > limit.limit {
-            format!("is {}", table::figure(value))
-        } else if value.is_nan() {
-            "does not exist for these images".to_owned()
-        } else {
-            format!("cannot be told: {} pixels are finite in one image only", not_finite.only_one)
-        };
-        let _ = writeln!(text, "exceeded: {} {why}, the limit is {}", limit.name, limit.limit);
+        let _ = writeln!(text, "{}", limit.explain(found));
     }
     text
 }

@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use crate::accel::BuildError;
+use crate::bench::measure::BenchError;
 use crate::film::FilmError;
 use crate::formats::LoadError;
 use crate::formats::npy::NpyError;
@@ -12,7 +13,7 @@ use crate::formats::npy::NpyError;
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// The words make no sense together.
+    /// The command line makes no sense.
     #[error("{0}")]
     Usage(String),
     /// A scene could not be read.
@@ -64,6 +65,15 @@ impl CliError {
     }
 }
 
+impl From<BenchError> for CliError {
+    fn from(error: BenchError) -> Self {
+        match error {
+            BenchError::Build(error) => Self::Build(error),
+            wrong => Self::Differs(wrong.to_string()),
+        }
+    }
+}
+
 /// An error and its causes in a line, those left out that it has named itself.
 pub fn chain(error: &dyn Error) -> String {
     let mut message = error.to_string();
@@ -80,4 +90,21 @@ pub fn chain(error: &dyn Error) -> String {
 
 fn lines(errors: &[CliError]) -> String {
     errors.iter().map(|error| chain(error)).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disagreement_is_a_difference() {
+        let wrong = BenchError::Disagrees {
+            spec: "kd-ropes".to_owned(),
+            first: "kd-stack-direction".to_owned(),
+            rays: 1,
+            count: 10,
+            set: "random",
+        };
+        assert_eq!(CliError::from(wrong).exit_code(), 1);
+    }
 }

@@ -1,9 +1,11 @@
-//! `dapple golden`: a folder of pictures that renders are held against.
+//! `dapple golden`: a folder of pictures that renders are compared with.
 
+use crate::cli::error::CliError;
 use crate::cli::golden_page::Page;
-use crate::cli::table;
+use crate::cli::render::render_picture;
+use crate::cli::text;
 use crate::film::FilmError;
-use crate::film::golden::{self, GoldenScene, Outcome, RenderFn, Verdict};
+use crate::film::golden::{self, GoldenScene, Outcome, RenderError, RenderFn, Verdict};
 use clap::{Args, Subcommand};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -23,7 +25,7 @@ In render, {folder} stands for the folder of golden.toml.
 Limits are pixels-off (0.001) beyond tolerance (1e-4), flip (0.001) and relmse. With rule = "ztest"
 pixels need not be equal but have the same expectation: then bad-tiles (0.01) counts."#;
 
-/// Hold renders against the stored pictures of a folder, or store them anew.
+/// Compare renders with the stored pictures of a folder, or store new ones.
 ///
 /// The folder has a `golden.toml` that lists scenes, how to render them, and how much may differ.
 #[derive(Args, Clone, Debug)]
@@ -54,7 +56,7 @@ A picture with the same pixels is left alone. Put the table into the commit's me
     Update(FolderArgs),
 }
 
-/// Which scenes, and how they are told of.
+/// Which scenes, and how results are printed.
 #[derive(Args, Clone, Debug)]
 pub struct FolderArgs {
     /// The folder that holds golden.toml
@@ -62,15 +64,15 @@ pub struct FolderArgs {
     /// Only the scene of this name; may be given several times
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
-    /// One JSON array instead of the table
+    /// Print one JSON array instead of the table
     #[arg(long)]
     pub json: bool,
-    /// Says nothing but errors and the table
+    /// Prints nothing but errors and the table
     #[arg(short, long)]
     pub quiet: bool,
 }
 
-/// Which scenes, and how they are rendered otherwise.
+/// Which scenes, and how they are rendered differently.
 #[derive(Args, Clone, Debug)]
 pub struct CheckArgs {
     /// The scenes
@@ -84,12 +86,21 @@ pub struct CheckArgs {
     pub render: Vec<String>,
 }
 
-/// Runs the command; `render` renders a scene of the manifest. The table goes to standard output.
+/// Runs the command. The table goes to standard output.
 ///
 /// # Errors
 /// A manifest that cannot be read, or a name that is not in it. A scene that cannot be rendered is
 /// no error but a line of the table, and an exit status.
-pub fn run(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmError> {
+pub fn run(args: &GoldenArgs) -> Result<ExitCode, CliError> {
+    let render = |scene: &GoldenScene| {
+        render_picture(&scene.file, &scene.render)
+            .map_err(|error| RenderError::new(error.exit_code(), &error))
+    };
+    Ok(run_with(args, &render)?)
+}
+
+/// The same with another renderer.
+fn run_with(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmError> {
     // What is stored is what the manifest says: no more words then.
     let (folder, words, report) = match &args.command {
         GoldenCommand::Check(check) => (&check.folder, &check.render[..], check.report.as_deref()),
@@ -98,9 +109,9 @@ pub fn run(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmErr
     let updates = matches!(args.command, GoldenCommand::Update(_));
     let mut page = report.map(Page::new).transpose()?;
     let mut outcomes = Vec::new();
-    for scene in &chosen(folder, words)? {
+    for scene in &choose_scenes(folder, words)? {
         if !folder.quiet {
-            // Where it takes long one wants to know; whether anybody reads it is no concern.
+            // It may take long; whether anybody reads this is no concern.
             let file = scene.file.display();
             let _ = writeln!(std::io::stderr(), "{}: rendering {file}", scene.name);
         }
@@ -110,20 +121,20 @@ pub fn run(args: &GoldenArgs, render: &RenderFn<'_>) -> Result<ExitCode, FilmErr
         }
         let (outcome, pair) = golden::check(scene, render);
         if let Some(page) = &mut page {
-            page.add(&outcome, word(outcome.verdict, updates), pair.as_ref())?;
+            page.add(&outcome, name_verdict(outcome.verdict, updates), pair.as_ref())?;
         }
         outcomes.push(outcome);
     }
     if let Some(page) = page {
         page.write()?;
     }
-    let text = if folder.json { in_json(&outcomes)? } else { in_words(&outcomes, updates) };
-    table::print(&text)?;
-    Ok(ExitCode::from(status(&outcomes, updates)))
+    let text = if folder.json { to_json(&outcomes)? } else { to_text(&outcomes, updates) };
+    text::print(&text)?;
+    Ok(ExitCode::from(exit_status(&outcomes, updates)))
 }
 
-/// The scenes of the folder, less those that `--only` leaves out, with `words` added.
-fn chosen(args: &FolderArgs, words: &[String]) -> Result<Vec<GoldenScene>, FilmError> {
+/// Chooses the scenes of the folder, less those that `--only` leaves out, with `words` added.
+fn choose_scenes(args: &FolderArgs, words: &[String]) -> Result<Vec<GoldenScene>, FilmError> {
     let mut scenes = golden::load(&args.folder)?;
     for name in &args.only {
         if !scenes.iter().any(|scene| scene.name == *name) {
@@ -142,8 +153,8 @@ fn chosen(args: &FolderArgs, words: &[String]) -> Result<Vec<GoldenScene>, FilmE
     Ok(scenes)
 }
 
-/// What could not be done weighs more than what differs.
-fn status(outcomes: &[Outcome], updates: bool) -> u8 {
+/// Failures weigh more than differences.
+fn exit_status(outcomes: &[Outcome], updates: bool) -> u8 {
     let of = |outcome: &Outcome| match outcome.verdict {
         Verdict::Failed => outcome.exit_code,
         Verdict::New if !updates => 3,
@@ -153,13 +164,13 @@ fn status(outcomes: &[Outcome], updates: bool) -> u8 {
     outcomes.iter().map(of).max().unwrap_or(0)
 }
 
-fn in_json(outcomes: &[Outcome]) -> Result<String, FilmError> {
+fn to_json(outcomes: &[Outcome]) -> Result<String, FilmError> {
     let text = serde_json::to_string_pretty(outcomes)
         .map_err(|error| FilmError::Stdout(std::io::Error::other(error)))?;
     Ok(text + "\n")
 }
 
-fn word(verdict: Verdict, updates: bool) -> &'static str {
+fn name_verdict(verdict: Verdict, updates: bool) -> &'static str {
     match (verdict, updates) {
         (Verdict::Same, _) => "same",
         (Verdict::Changed, false) => "DIFFERS",
@@ -170,12 +181,12 @@ fn word(verdict: Verdict, updates: bool) -> &'static str {
     }
 }
 
-fn in_words(outcomes: &[Outcome], updates: bool) -> String {
+fn to_text(outcomes: &[Outcome], updates: bool) -> String {
     let heading = ["scene", "pixels off", "FLIP", "relMSE", "bad tiles", "result"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for outcome in outcomes {
         let figure = |of: fn(&golden::Figures) -> Option<f64>| {
-            outcome.figures.as_ref().and_then(of).map_or("-".to_owned(), table::figure)
+            outcome.figures.as_ref().and_then(of).map_or("-".to_owned(), text::format_figure)
         };
         rows.push(vec![
             outcome.name.clone(),
@@ -183,10 +194,10 @@ fn in_words(outcomes: &[Outcome], updates: bool) -> String {
             figure(|it| Some(it.flip)),
             figure(|it| Some(it.relmse)),
             figure(|it| it.bad_tiles),
-            word(outcome.verdict, updates).to_owned(),
+            name_verdict(outcome.verdict, updates).to_owned(),
         ]);
     }
-    let mut text = table::columns(&rows);
+    let mut text = text::align_columns(&rows);
     // In an update, what exceeds the limits is the news and no complaint.
     for outcome in outcomes.iter().filter(|it| !it.reason.is_empty()) {
         let _ = writeln!(text, "{}: {}", outcome.name, outcome.reason);
@@ -230,7 +241,7 @@ mod tests {
             picture.set_layer("", "RGB", &[[value; 3]; 64]);
             Ok(picture)
         };
-        run(&command.args, &picture).map(|code| format!("{code:?}"))
+        run_with(&command.args, &picture).map(|code| format!("{code:?}"))
     }
 
     #[test]
@@ -284,7 +295,7 @@ ball              -     -       -          -  MISSING
 cornell: FLIP 0.01 > 0.001
 missing pictures are made by `dapple golden update`
 ";
-        assert_eq!(in_words(&outcomes, false), expected);
-        assert!(in_words(&outcomes, true).contains("changed"));
+        assert_eq!(to_text(&outcomes, false), expected);
+        assert!(to_text(&outcomes, true).contains("changed"));
     }
 }

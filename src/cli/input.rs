@@ -3,19 +3,21 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{CliError, Quiet, progress};
 use crate::accel::BuildError;
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::progress;
 use crate::formats::{self, LoadOptions, MissingTexture, npy};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::Vec3;
 use crate::scene::Triangles;
-use crate::scene::defaults::nothing_to_see;
+use crate::scene::defaults::describe_empty_scene;
 
 /// The triangles of a scene file, or those of an .npy of (N, 9) float32 in the file's order. What
 /// there is to say of the scene is said, unless it is to be quiet.
-pub fn triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSource>, CliError> {
+pub fn load_triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSource>, CliError> {
     if path.extension().is_some_and(|extension| extension == "npy") {
-        return table(path);
+        return load_table(path);
     }
     // Textures shade; rays do not meet them.
     let options =
@@ -23,7 +25,7 @@ pub fn triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSource>, C
     let scene = formats::load(path, &options)?;
     let file = path.display().to_string();
     if !quiet.quiet {
-        scene.notices.iter().chain(&nothing_to_see(&scene, &file)).for_each(progress::note);
+        scene.notices.iter().chain(&describe_empty_scene(&scene, &file)).for_each(progress::note);
     }
     let triangles = Triangles::new(&scene).map_err(|error| BuildError::TooManyTriangles {
         count: usize::try_from(error.count).unwrap_or(usize::MAX),
@@ -32,7 +34,7 @@ pub fn triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSource>, C
     Ok(Arc::new(triangles))
 }
 
-fn table(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
+fn load_table(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
     let rows = npy::read_f32(path, 9)?;
     if let Some(bad) = rows.iter().position(|x| !x.is_finite()) {
         let message = format!("{}: row {}: a coordinate is not finite", path.display(), bad / 9);
@@ -43,8 +45,11 @@ fn table(path: &Path) -> Result<Arc<dyn TriangleSource>, CliError> {
     Ok(Arc::new(TriangleList(rows.chunks_exact(9).map(triangle).collect())))
 }
 
-/// Runs `work` on `threads` threads; zero: one a core.
-pub fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> Result<R, CliError> {
+/// Runs `work` on `threads` threads; zero: one per core.
+pub fn run_on_threads<R: Send>(
+    threads: usize,
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, CliError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| CliError::Usage(format!("--threads {threads}: {error}")))?;
     Ok(pool.install(work))

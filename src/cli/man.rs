@@ -4,7 +4,10 @@ use std::process::ExitCode;
 
 use clap_mangen::Man;
 
-use super::{CliError, Quiet, table};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::settings::Table;
+use crate::cli::text;
 
 /// Print the manual page of dapple, or of one of its commands.
 #[derive(clap::Args, Debug)]
@@ -12,17 +15,25 @@ use super::{CliError, Quiet, table};
 Examples:
   dapple man > dapple.1
   dapple man render > dapple-render.1
-  dapple man bench kd | man -l -")]
+  dapple man bench kd | man -l -
+  dapple man --settings > settings.md")]
 pub struct ManArgs {
     /// The command, and the command of that
     #[arg(value_name = "COMMAND")]
     words: Vec<String>,
+    /// Print the settings of `render` as Markdown tables instead
+    #[arg(long, conflicts_with = "words")]
+    settings: bool,
     #[command(flatten)]
     quiet: Quiet,
 }
 
 /// Prints the page of `command`, or of that below it which the words name.
 pub fn run(args: &ManArgs, command: clap::Command) -> Result<ExitCode, CliError> {
+    if args.settings {
+        text::print(&Table::default().to_markdown())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let mut named = command;
     // Names the commands below by the words that lead there.
     named.build();
@@ -35,6 +46,6 @@ pub fn run(args: &ManArgs, command: clap::Command) -> Result<ExitCode, CliError>
     // Writing to memory cannot fail.
     let source = concat!("dapple ", env!("CARGO_PKG_VERSION"));
     let _ = Man::new(named).source(source).render(&mut page);
-    table::print(&String::from_utf8_lossy(&page))?;
+    text::print(&String::from_utf8_lossy(&page))?;
     Ok(ExitCode::SUCCESS)
 }

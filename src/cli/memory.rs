@@ -1,9 +1,10 @@
-//! Refuses what would need more memory than there is, before it is begun.
+//! Refuses work that needs more memory than there is, before it begins.
 
-use super::CliError;
+use crate::cli::error::CliError;
 use crate::files::memory::limit;
 
-/// Refuses what would need more than there is; `what` is for the message, as in `a frame of 8x8`.
+/// Refuses work that needs more memory than there is; `what` names it in the message, as in
+/// `a frame of 8x8`.
 ///
 /// # Errors
 /// [`CliError::Limit`] with both figures.

@@ -3,42 +3,34 @@
 //! A command is a file: its flags, and `run`. It is registered in `Command` and in `dispatch`.
 
 mod accels;
-mod args;
 mod bench;
 mod completions;
 mod diff;
-mod dry_run;
 mod error;
+mod exit_codes;
+mod flags;
 mod generate;
 mod golden;
 mod golden_page;
-mod header;
 mod info;
 mod input;
-mod layers;
+mod job;
 mod man;
 mod memory;
 mod outputs;
-mod prepare;
 mod progress;
 mod render;
+mod settings;
 mod shell;
-mod shutter;
-mod table;
+mod text;
 mod trace;
 mod validate;
-mod values;
 
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub use error::CliError;
-
-use crate::film::golden::{GoldenScene, RenderError};
-
-/// Exit code of a bug of ours (`EX_SOFTWARE` of sysexits.h).
-const OUR_BUG: i32 = 70;
 
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100)]
@@ -50,7 +42,7 @@ struct Cli {
 // The order is that of the help.
 #[derive(Subcommand)]
 enum Command {
-    Render(Box<args::RenderArgs>),
+    Render(settings::Typed),
     Info(info::InfoArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
@@ -63,49 +55,12 @@ enum Command {
     Man(man::ManArgs),
 }
 
-/// What every command's `--help` ends with.
-const EXIT_CODES: &str = "\
-Exit codes: 0 done, 1 a comparison found a difference, 2 usage, 3 input missing or invalid,
-4 output not written, 5 a limit such as memory, 70 a fault of dapple's, 130 and 143 interrupted,
-after saving.";
-
-/// All commands, each with the exit codes at the end of its help.
-fn all_commands() -> clap::Command {
-    with_exit_codes(Cli::command())
-}
-
-fn with_exit_codes(command: clap::Command) -> clap::Command {
-    let help = match command.get_after_help() {
-        Some(help) => format!("{help}\n\n{EXIT_CODES}"),
-        None => EXIT_CODES.to_owned(),
-    };
-    command.after_long_help(help).mut_subcommands(with_exit_codes)
-}
-
-/// Runs the command that the process was started with.
-pub fn main() -> ExitCode {
-    own_up_to_panics();
-    let parsed = Cli::from_arg_matches(&all_commands().get_matches());
-    let parsed = parsed.unwrap_or_else(|error| error.exit());
-    dispatch(parsed.command).unwrap_or_else(|error| {
-        progress::say(&format!("error: {}", error::chain(&error)));
-        ExitCode::from(error.exit_code())
-    })
-}
-
 fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
-        // What was typed, over what the scene brings, is read again there.
-        Command::Render(_) => render::run(),
+        Command::Render(typed) => render::run(&typed),
         Command::Info(args) => info::run(&args),
         Command::Diff(args) => diff::run(&args),
-        Command::Golden(args) => {
-            let picture = |scene: &GoldenScene| {
-                render::picture(&scene.file, &scene.render)
-                    .map_err(|error| RenderError::new(error.exit_code(), &error))
-            };
-            Ok(golden::run(&args, &picture)?)
-        }
+        Command::Golden(args) => golden::run(&args),
         Command::Accels(args) => accels::run(&args),
         Command::Trace(args) => trace::run(&args),
         Command::Validate(args) => validate::run(&args),
@@ -116,24 +71,20 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     }
 }
 
-/// A panic is a bug of ours: it says so and ends the process, on whatever thread it happens.
-/// Files that are being written are not yet in their place, and go.
-fn own_up_to_panics() {
-    let report = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |panic| {
-        report(panic);
-        progress::say("error: this is a bug in dapple; please report it with the lines above");
-        crate::files::remove_pending();
-        std::process::exit(OUR_BUG);
-    }));
+/// All commands, each with the exit codes at the end of its help.
+fn all_commands() -> clap::Command {
+    exit_codes::add_to_help(Cli::command())
 }
 
-/// A flag of commands that have little to say beside their results.
-#[derive(clap::Args, Clone, Copy, Debug, Default)]
-struct Quiet {
-    /// Says nothing but errors and results
-    #[arg(short, long)]
-    quiet: bool,
+/// Runs the command that the process was started with.
+pub fn main() -> ExitCode {
+    exit_codes::own_up_to_panics();
+    let parsed = Cli::from_arg_matches(&all_commands().get_matches());
+    let parsed = parsed.unwrap_or_else(|error| error.exit());
+    dispatch(parsed.command).unwrap_or_else(|error| {
+        progress::say(&format!("error: {}", error::chain(&error)));
+        ExitCode::from(error.exit_code())
+    })
 }
 
 #[cfg(test)]

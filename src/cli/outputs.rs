@@ -1,8 +1,8 @@
-//! Outputs, looked at before the work is done: they destroy nothing, and can be written.
+//! Outputs, checked before the work: they destroy nothing, and can be written.
 
 use std::path::Path;
 
-use super::CliError;
+use crate::cli::error::CliError;
 use crate::files;
 
 /// A file that a command is to write.
@@ -52,16 +52,16 @@ pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
             return Err(CliError::Usage(message));
         }
     }
-    all(outputs.iter().map(|output| {
+    try_all(outputs.iter().map(|output| {
         files::probe(output.path).map_err(|source| CliError::not_written(output.path, &source))
     }))
 }
 
-/// Does all of it, whatever fails on the way.
+/// Does every step, whatever fails on the way.
 ///
 /// # Errors
 /// Every error, if there are any.
-pub fn all(steps: impl IntoIterator<Item = Result<(), CliError>>) -> Result<(), CliError> {
+pub fn try_all(steps: impl IntoIterator<Item = Result<(), CliError>>) -> Result<(), CliError> {
     let mut errors: Vec<CliError> = steps.into_iter().filter_map(Result::err).collect();
     match errors.len() {
         0 => Ok(()),

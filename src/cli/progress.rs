@@ -1,4 +1,4 @@
-//! How far a render is, as a bar, as lines or as JSON.
+//! Progress of a render: as a bar, as lines or as JSON.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::Mutex;
@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 
-use super::values::ProgressStyle;
+use crate::cli::settings::parse::ProgressStyle;
 use crate::render::Progress;
 use crate::scene::Notice;
 
-/// Tells on standard error how far a render is.
+/// Reports the progress of a render on standard error.
 pub struct Reporter {
     form: Form,
 }
@@ -29,42 +29,42 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 const JSON_EVERY: Duration = Duration::from_secs(1);
 
 impl Reporter {
-    /// A reporter of a style; on `Auto`, a bar if someone may be looking.
+    /// A reporter of some style; with `Auto`, a bar if someone may be looking.
     pub fn new(style: ProgressStyle) -> Self {
         let form = match style {
             ProgressStyle::None => Form::Silent,
             ProgressStyle::Json => Form::Json(Mutex::new(Duration::ZERO)),
             ProgressStyle::Plain => Form::Lines(Mutex::new(LINE_EVERY)),
             ProgressStyle::Auto if !stderr().is_terminal() => Form::Lines(Mutex::new(LINE_EVERY)),
-            ProgressStyle::Auto | ProgressStyle::Bar => Form::Bar(bar()),
+            ProgressStyle::Auto | ProgressStyle::Bar => Form::Bar(make_bar()),
         };
         Self { form }
     }
 
-    /// Takes note of where a render is, and says so if it is time to.
+    /// Takes note of the progress, and reports it if it is time to.
     pub fn update(&self, progress: Progress) {
         match &self.form {
             Form::Silent => {}
             Form::Bar(bar) => {
                 bar.set_length(progress.total);
                 bar.set_position(progress.done);
-                bar.set_message(left(progress));
+                bar.set_message(format_left(progress));
             }
             Form::Lines(due) => {
                 if is_due(due, progress, LINE_EVERY) {
                     let percent = 100.0 * progress.done as f64 / progress.total.max(1) as f64;
-                    say(&format!("{percent:.1}%, {}", left(progress)));
+                    say(&format!("{percent:.1}%, {}", format_left(progress)));
                 }
             }
             Form::Json(due) => {
                 if is_due(due, progress, JSON_EVERY) {
-                    say(&json(progress));
+                    say(&to_json(progress));
                 }
             }
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         if let Form::Bar(bar) = &self.form {
             bar.finish_and_clear();
@@ -72,7 +72,7 @@ impl Reporter {
     }
 }
 
-fn bar() -> ProgressBar {
+fn make_bar() -> ProgressBar {
     let bar = ProgressBar::new(0);
     let template = "{wide_bar} {percent:>3}%  {elapsed_precise}  {msg}";
     if let Ok(style) = BarStyle::with_template(template) {
@@ -81,7 +81,7 @@ fn bar() -> ProgressBar {
     bar
 }
 
-/// Whether to say something now; if so, the next time is later.
+/// Whether a report is due; if so, the next one is due later.
 fn is_due(due: &Mutex<Duration>, progress: Progress, every: Duration) -> bool {
     let Ok(mut due) = due.lock() else { return false };
     if progress.elapsed < *due {
@@ -91,15 +91,15 @@ fn is_due(due: &Mutex<Duration>, progress: Progress, every: Duration) -> bool {
     true
 }
 
-fn left(progress: Progress) -> String {
+fn format_left(progress: Progress) -> String {
     match progress.left() {
-        Some(left) => format!("{} left", clock(left)),
+        Some(left) => format!("{} left", format_clock(left)),
         None => "starting".to_owned(),
     }
 }
 
 /// Hours, minutes and seconds, as few of them as will do.
-fn clock(duration: Duration) -> String {
+fn format_clock(duration: Duration) -> String {
     let seconds = duration.as_secs_f64().round() as u64;
     let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
     if hours > 0 {
@@ -111,7 +111,7 @@ fn clock(duration: Duration) -> String {
     }
 }
 
-fn json(progress: Progress) -> String {
+fn to_json(progress: Progress) -> String {
     serde_json::json!({
         "done": progress.done,
         "total": progress.total,
@@ -121,12 +121,12 @@ fn json(progress: Progress) -> String {
     .to_string()
 }
 
-/// What a scene asks for in vain, or what was decided for the user.
+/// Prints what a scene asks for that is not honoured, or what was decided for the user.
 pub fn note(notice: &Notice) {
     say(&format!("note: {}: {}", notice.place, notice.message));
 }
 
-/// A line on standard error; that no one may be reading is no reason to stop.
+/// Prints a line on standard error. That no one may be reading is no reason to stop.
 pub fn say(line: &str) {
     let _ = writeln!(stderr(), "{line}");
 }
@@ -137,9 +137,9 @@ mod tests {
 
     #[test]
     fn durations_read_like_a_clock() {
-        assert_eq!(clock(Duration::from_millis(400)), "0s");
-        assert_eq!(clock(Duration::from_secs(125)), "2m 05s");
-        assert_eq!(clock(Duration::from_secs(2 * 3600 + 61)), "2h 01m");
+        assert_eq!(format_clock(Duration::from_millis(400)), "0s");
+        assert_eq!(format_clock(Duration::from_secs(125)), "2m 05s");
+        assert_eq!(format_clock(Duration::from_secs(2 * 3600 + 61)), "2h 01m");
     }
 
     #[test]

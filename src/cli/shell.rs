@@ -1,9 +1,9 @@
-//! Commands to be copied into a shell.
+//! Commands to copy into a shell.
 
 use std::ffi::OsStr;
 
-/// A word as a POSIX shell takes it: as it is, or in single quotes.
-pub fn quoted(word: impl AsRef<OsStr>) -> String {
+/// Quotes a word as a POSIX shell takes it: as it is, or in single quotes.
+pub fn quote(word: impl AsRef<OsStr>) -> String {
     let word = word.as_ref().to_string_lossy();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -12,9 +12,9 @@ pub fn quoted(word: impl AsRef<OsStr>) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// Words, each quoted, with spaces between.
-pub fn line(words: impl IntoIterator<Item = impl AsRef<OsStr>>) -> String {
-    words.into_iter().map(quoted).collect::<Vec<_>>().join(" ")
+/// Joins words with spaces, each quoted.
+pub fn join(words: impl IntoIterator<Item = impl AsRef<OsStr>>) -> String {
+    words.into_iter().map(quote).collect::<Vec<_>>().join(" ")
 }
 
 /// The words that the process was started with, without its own name.
@@ -29,10 +29,10 @@ mod tests {
     #[test]
     fn a_shell_gives_the_words_back() {
         let words = ["plain-1,2.exr", "", "a b", "it's", "$HOME", "*", "ü;rm", "kd:layout=a", "~"];
-        assert_eq!(line(["a", "b c"]), "a 'b c'");
-        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(join(["a", "b c"]), "a 'b c'");
+        assert_eq!(quote("it's"), r"'it'\''s'");
         if cfg!(unix) {
-            let script = format!("printf '%s\\n' {}", line(words));
+            let script = format!("printf '%s\\n' {}", join(words));
             let output = std::process::Command::new("sh").args(["-c", &script]).output();
             let output = String::from_utf8(output.expect("a shell").stdout).expect("text");
             assert_eq!(output.lines().collect::<Vec<_>>(), words);

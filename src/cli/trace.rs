@@ -9,11 +9,13 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::outputs::{self, Output};
-use super::values::threads;
-use super::{CliError, Quiet, input, memory, table};
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::outputs::{self, Output};
+use crate::cli::settings::parse::threads;
+use crate::cli::{input, memory, text};
 use crate::formats::npy;
 use crate::math::Ray;
 use crate::simd::Isa;
@@ -22,13 +24,13 @@ use crate::simd::Isa;
 ///
 /// Rays are rows of eight float32 (origin, t_min, direction, t_max) in an .npy file. Hits are rows
 /// of four float32: t (infinity on a miss), u, v and the triangle's number as its bits; with --any
-/// one byte a ray. The time is from rays to hits, both in memory, after one pass that is not timed.
+/// they are one byte per ray. The time is from rays to hits, both in memory, after an untimed pass.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  dapple trace bunny.obj --rays rays.npy --hits hits.npy\n  \
     dapple trace tris.npy --rays rays.npy --any --accel bvh2 --threads 1 --repeat 5 --json\n  \
     dapple trace tris.npy --rays primary.npy --width 1024 --accel bvh-packet --counters")]
 pub struct TraceArgs {
-    /// A scene file, or an .npy of (N, 9) float32 triangles whose order is their number
+    /// A scene file, or an .npy of (N, 9) float32 triangles, numbered in that order
     scene: PathBuf,
     /// The rays
     #[arg(long, value_name = "FILE")]
@@ -36,16 +38,16 @@ pub struct TraceArgs {
     /// Where to write the hits
     #[arg(long, value_name = "FILE")]
     hits: Option<PathBuf>,
-    /// Ask only whether anything is hit
+    /// Only ask whether anything is hit
     #[arg(long)]
     any: bool,
-    /// The structure, `dapple accels` lists them
+    /// The structure; `dapple accels` lists them
     #[arg(long, value_name = "ID[:option=value,…]", default_value = "auto")]
     accel: AccelSpec,
     /// The instruction set; never changes a hit
     #[arg(long, default_value_t)]
     isa: Isa,
-    /// Threads to build and shoot with; 0: one a core
+    /// Threads to build and shoot with; 0: one per core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Timed passes; the median counts
@@ -55,7 +57,7 @@ pub struct TraceArgs {
     /// Ask ray by ray, in slices of one
     #[arg(long)]
     single: bool,
-    /// The rays are pixels of a raster so many wide, row by row: structures for coherent rays gain
+    /// Width of the raster whose pixels the rays are, row by row: structures for coherent rays gain
     #[arg(long, value_name = "N", conflicts_with = "single")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=65_536))]
     width: Option<u32>,
@@ -128,13 +130,13 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
     let hits = args.hits.as_deref();
     let hits = hits.map(|path| Output { flag: "--hits", path, ending: "npy" });
     outputs::check(hits.as_slice(), &[&args.scene, &args.rays])?;
-    // A hit is half as long as a ray; the file's rows are in memory besides, until rays are made.
+    // A hit is half as long as a ray. The file's rows are in memory, too, until rays are made.
     let length = fs::metadata(&args.rays).map_or(0, |found| found.len());
     memory::require(&args.rays.display().to_string(), length / 2 * 5)?;
-    let source = input::triangles(&args.scene, args.quiet)?;
+    let source = input::load_triangles(&args.scene, args.quiet)?;
     let rays: Vec<Ray> = from_rows(&npy::read_f32(&args.rays, 8)?).collect();
     let (triangles, slices) = (source.len(), Slices::new(args));
-    input::on_threads(args.threads, || {
+    input::run_on_threads(args.threads, || {
         let accel = build(&args.accel, source, args.isa)?;
         let mut answers = if args.any {
             Answers::Any(vec![AnyHit(false); rays.len()])
@@ -169,7 +171,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
             seconds: seconds[seconds.len() / 2],
             counts,
         };
-        table::print(&summary.text(args, &*accel))?;
+        text::print(&summary.text(args, &*accel))?;
         Ok(ExitCode::SUCCESS)
     })?
 }
@@ -266,8 +268,8 @@ impl Summary {
         }
         let mut text = format!(
             "{}: {} triangles, {bytes} bytes\n\
-             built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on average), \
-             SAH cost {:.2}\n\
+             built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on \
+             average), SAH cost {:.2}\n\
              {} {query} rays, {} hits, {:.4} s, {rate:.3} Mrays/s\n",
             args.accel,
             self.triangles,

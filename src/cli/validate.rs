@@ -5,14 +5,16 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::outputs::{self, Output};
-use super::values::threads;
-use super::{CliError, Quiet, input, memory, shell, table, trace};
-use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, VARIANTS, build};
+use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, build};
 use crate::bench::agreement::{
     Difference, LONGEST_SLICE, answers_in_time, first_difference, mixed_rays,
 };
 use crate::bench::ray_sets::{Target, to_rows};
+use crate::cli::error::CliError;
+use crate::cli::flags::{Quiet, parse_accels};
+use crate::cli::outputs::{self, Output};
+use crate::cli::settings::parse::threads;
+use crate::cli::{input, memory, shell, text, trace};
 use crate::formats::npy;
 use crate::geom::TriangleSource;
 use crate::math::Ray;
@@ -20,9 +22,10 @@ use crate::simd::Isa;
 
 /// Check that structures answer as brute force does, to the bit.
 ///
-/// Rays are random, shadow, primary, bounce and hostile ones in equal parts: aimed at vertices and
-/// edges, along axes and planes, from far away, with zeros, denormals and NaN. Each structure is
-/// compared to brute force on as many as a time allows, and to `bvh2` on the rest.
+/// Rays are random, shadow, primary, bounce and hostile ones in equal parts. Hostile ones are aimed
+/// at vertices and edges, along axes and planes, from far away, with zeros, denormals and NaN. Each
+/// structure is compared to brute force on as many rays as the time allows, and to `bvh2` on the
+/// rest.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  dapple validate bunny.obj --accel all --rays 1000000\n  \
     dapple validate tris.npy --accel bvh2,kd-ropes --brute-rays 100000")]
@@ -32,23 +35,23 @@ pub struct ValidateArgs {
     /// Structures, separated by commas, or `all`
     #[arg(long, default_value = "all")]
     accel: String,
-    /// How many rays in all
+    /// Number of rays
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     rays: u64,
-    /// How many of them brute force answers, too [default: what it can in 30 seconds]
+    /// How many of them brute force answers, too [default: as many as it can in 30 seconds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     brute_rays: Option<u64>,
-    /// Another seed, other rays
+    /// Another number, other rays
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The instruction set
     #[arg(long, default_value_t)]
     isa: Isa,
-    /// Threads; 0: one a core
+    /// Threads; 0: one per core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = threads)]
     threads: usize,
-    /// Where to leave rays that differ; each structure's id is put in before the ending
+    /// Where to write rays that differ; each structure's id is added before the ending
     #[arg(long, value_name = "FILE", default_value = "differs.npy")]
     save: PathBuf,
     #[command(flatten)]
@@ -63,7 +66,7 @@ const _: () = assert!(LONGEST_SLICE <= trace::SLICE);
 
 /// Runs the command; exit 1 if a structure differs.
 pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
-    let specs = specs(&args.accel)?;
+    let specs = parse_accels(&args.accel)?;
     for spec in &specs {
         let path = &save_path(args, &spec.to_string());
         outputs::check(&[Output { flag: "--save", path, ending: "npy" }], &[&args.scene])?;
@@ -71,33 +74,12 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
     // Rays of all sets, those in turn, the answers of both oracles.
     let each = 2 * (size_of::<Ray>() + size_of::<ClosestHit>()) as u64;
     memory::require(&format!("--rays {}", args.rays), args.rays * each)?;
-    let source = input::triangles(&args.scene, args.quiet)?;
+    let source = input::load_triangles(&args.scene, args.quiet)?;
     let build = |spec: &AccelSpec| build(spec, Arc::clone(&source), args.isa);
-    let say = |line: &str| Ok(table::print(&format!("{line}\n"))?);
-    let agree = input::on_threads(args.threads, || validate(args, &specs, &*source, &build, &say))?;
+    let say = |line: &str| Ok(text::print(&format!("{line}\n"))?);
+    let agree =
+        input::run_on_threads(args.threads, || validate(args, &specs, &*source, &build, &say))?;
     Ok(ExitCode::from(u8::from(!agree?)))
-}
-
-/// The structures of a list; options of one may hold commas, so a part without an id joins the one
-/// before.
-pub fn specs(list: &str) -> Result<Vec<AccelSpec>, CliError> {
-    if list == "all" {
-        let ids = VARIANTS.iter().filter(|variant| variant.id != "brute");
-        return Ok(ids.map(|variant| variant.id.parse().expect("in the table")).collect());
-    }
-    let mut texts: Vec<String> = Vec::new();
-    for part in list.split(',') {
-        match texts.last_mut() {
-            Some(last) if part.contains('=') && !part.contains(':') => {
-                *last = format!("{last},{part}");
-            }
-            _ => texts.push(part.to_owned()),
-        }
-    }
-    let parse = |text: String| {
-        text.parse().map_err(|error| CliError::Usage(format!("--accel {text}: {error}")))
-    };
-    texts.into_iter().map(parse).collect()
 }
 
 type Build<'a> = dyn Fn(&AccelSpec) -> Result<Box<dyn Accel>, BuildError> + Sync + 'a;
@@ -126,7 +108,7 @@ fn validate(
     match difference {
         None => say(&format!("{SECOND}: {sure} rays agree with brute force"))?,
         Some(found) => {
-            tell(args, SECOND, &rays, &found, &expected, "brute force", say)?;
+            report_difference(args, SECOND, &rays, &found, &expected, "brute force", say)?;
             say(&format!("{SECOND} cannot be trusted with the rest: {sure} rays are compared"))?;
         }
     }
@@ -140,7 +122,7 @@ fn validate(
     for spec in specs {
         let name = spec.to_string();
         if name == SECOND {
-            continue; // against its own answers it would be compared in vain
+            continue; // it gave the answers
         }
         let accel = build(spec)?;
         match first_difference(&*accel, &rays, &expected) {
@@ -151,16 +133,16 @@ fn validate(
             Some(found) => {
                 all_agree = false;
                 let by = if found.ray < sure { "brute force" } else { SECOND };
-                tell(args, &name, &rays, &found, &expected, by, say)?;
+                report_difference(args, &name, &rays, &found, &expected, by, say)?;
             }
         }
     }
     Ok(all_agree)
 }
 
-/// Tells of a ray that differs, leaves it in a file, with its slice if it differs only there, and
+/// Reports a ray that differs, writes it to a file, with its slice if it differs only there, and
 /// says how to shoot it again.
-fn tell(
+fn report_difference(
     args: &ValidateArgs,
     name: &str,
     rays: &[Ray],
@@ -180,10 +162,10 @@ fn tell(
     }
     let save = save_path(args, name);
     npy::write_f32(&save, 8, &to_rows(&rays[saved]))?;
-    let (scene, save) = (shell::quoted(&args.scene), shell::quoted(&save));
+    let (scene, save) = (shell::quote(&args.scene), shell::quote(&save));
     let any = if found.any_only { " --any" } else { "" };
     let single = if found.alone { " --single" } else { " --threads 1" };
-    let (name, isa) = (shell::quoted(name), args.isa);
+    let (name, isa) = (shell::quote(name), args.isa);
     say(&format!(
         "  to replay: dapple trace {scene} --rays {save}{any}{single} --accel {name} --isa {isa}"
     ))
@@ -245,7 +227,7 @@ mod tests {
             said.push('\n');
             Ok(())
         };
-        let specs = specs(&args.accel).expect("rows of the table");
+        let specs = parse_accels(&args.accel).expect("rows of the table");
         let agree = validate(&args, &specs, &*source, &build, &say).expect("it runs");
         (agree, said.into_inner().expect("one thread"))
     }
@@ -304,12 +286,5 @@ mod tests {
         let (agree, said) = validated(&words, folder.path(), "bvh2", 77);
         assert!(!agree && said.contains("bvh2: ray 77 differs"), "{said}");
         assert!(said.ends_with("kd-ropes: 200 rays agree with brute force\n"), "{said}");
-    }
-
-    #[test]
-    fn options_may_hold_commas() {
-        let list =
-            specs("bvh2:build=sweep,kd-stack-direction:build=binned,layout=compact").expect("rows");
-        assert_eq!(list.len(), 2);
     }
 }

@@ -5,7 +5,8 @@ use std::fs;
 /// Claims of up to this many bytes are granted unasked.
 const FREE_BYTES: u64 = 64 << 20;
 
-/// What is kept for all else when a claim is granted: stacks, threads, what the allocator rounds up.
+/// What is kept for all else when a claim is granted: stacks, threads, what the allocator rounds
+/// up.
 const SPARE_BYTES: u64 = 128 << 20;
 
 /// Bytes that this process may have: the machine's memory, or less where the system says so

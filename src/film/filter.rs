@@ -9,8 +9,7 @@
 //! function do. For the smooth ones the inverse is a table with straight lines between its entries.
 
 use crate::math::Vec2;
-use std::fmt;
-use std::str::FromStr;
+use crate::names::choices;
 use std::sync::LazyLock;
 
 /// The shape of a pixel.
@@ -30,19 +29,13 @@ pub enum PixelFilter {
     BlackmanHarris,
 }
 
+choices!(PixelFilter, "filter", [
+    Box => "box",
+    Gaussian => "gaussian",
+    BlackmanHarris => "blackman-harris",
+]);
+
 impl PixelFilter {
-    /// All filters, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::Box, Self::Gaussian, Self::BlackmanHarris];
-
-    /// The word on the command line.
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Box => "box",
-            Self::Gaussian => "gaussian",
-            Self::BlackmanHarris => "blackman-harris",
-        }
-    }
-
     /// The farthest that an offset can be from the centre, in pixels along x or y.
     pub const fn radius(self) -> f32 {
         match self {
@@ -62,22 +55,6 @@ impl PixelFilter {
                 Vec2::new(BLACKMAN_HARRIS.invert(u.x), BLACKMAN_HARRIS.invert(u.y))
             }
         }
-    }
-}
-
-impl fmt::Display for PixelFilter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.id())
-    }
-}
-
-impl FromStr for PixelFilter {
-    type Err = String;
-
-    fn from_str(word: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|filter| filter.id() == word).ok_or_else(|| {
-            format!("no filter `{word}`; there are {}", Self::ALL.map(Self::id).join(", "))
-        })
     }
 }
 
@@ -239,6 +216,9 @@ mod tests {
             assert_eq!(filter.to_string().parse(), Ok(filter));
         }
         let error = "tent".parse::<PixelFilter>().expect_err("no such filter");
-        assert_eq!(error, "no filter `tent`; there are box, gaussian, blackman-harris");
+        assert_eq!(
+            error.to_string(),
+            "no filter `tent`; there are box, gaussian and blackman-harris"
+        );
     }
 }

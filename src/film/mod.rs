@@ -12,6 +12,7 @@
 pub mod compare;
 mod error;
 pub mod exr;
+mod files;
 pub mod filter;
 pub mod flip;
 pub mod golden;
@@ -21,8 +22,10 @@ pub mod png;
 pub mod tonemap;
 pub mod ztest;
 
+pub use compare::Comparison;
 pub use error::FilmError;
 pub use exr::read_rgb;
+pub use files::diff;
 pub use filter::PixelFilter;
 pub use picture::{Channel, Picture, Window};
 pub use tonemap::Tonemap;

@@ -1,8 +1,7 @@
 //! Linear light to display values.
 
 use crate::math::{Mat3, Vec3};
-use std::fmt;
-use std::str::FromStr;
+use crate::names::choices;
 
 /// How linear Rec. 709 becomes what a display is sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -16,18 +15,9 @@ pub enum Tonemap {
     Srgb,
 }
 
+choices!(Tonemap, "tone map", [Agx => "agx", Srgb => "srgb"]);
+
 impl Tonemap {
-    /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::Agx, Self::Srgb];
-
-    /// The word on the command line.
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Agx => "agx",
-            Self::Srgb => "srgb",
-        }
-    }
-
     /// Display values in `[0, 1]` of a linear Rec. 709 colour. NaN becomes black.
     pub fn apply(self, linear: Vec3) -> Vec3 {
         let linear =
@@ -36,22 +26,6 @@ impl Tonemap {
             Self::Agx => agx(linear),
             Self::Srgb => Vec3::from_array(linear.to_array().map(srgb_from_linear)),
         }
-    }
-}
-
-impl fmt::Display for Tonemap {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.id())
-    }
-}
-
-impl FromStr for Tonemap {
-    type Err = String;
-
-    fn from_str(word: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|it| it.id() == word).ok_or_else(|| {
-            format!("no tone map `{word}`; there are {}", Self::ALL.map(Self::id).join(", "))
-        })
     }
 }
 

@@ -2,8 +2,13 @@
 
 use std::fmt::Write;
 
+use crate::names::near;
+
 /// Which of the things called `names` is called `wanted`, or else has that number, counted from 0.
-pub fn chosen<'a>(names: impl IntoIterator<Item = &'a str>, wanted: &str) -> Option<usize> {
+pub fn find_by_name_or_number<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+    wanted: &str,
+) -> Option<usize> {
     let mut count = 0;
     let mut named = None;
     for name in names {
@@ -15,24 +20,6 @@ pub fn chosen<'a>(names: impl IntoIterator<Item = &'a str>, wanted: &str) -> Opt
     named.or_else(|| wanted.parse().ok().filter(|&number| number < count))
 }
 
-/// Those of `names` that someone who wrote `wanted` may have meant, the likeliest first.
-pub(super) fn near<'a>(wanted: &str, names: &[&'a str]) -> Vec<&'a str> {
-    nearest(wanted, names.iter().copied()).into_iter().map(|number| names[number]).collect()
-}
-
-/// The numbers of up to three names that are near, the nearest first.
-fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Vec<usize> {
-    let wanted = wanted.to_lowercase();
-    let likeness = |name: &str| strsim::jaro_winkler(&name.to_lowercase(), &wanted);
-    let mut near: Vec<(f64, usize)> = names
-        .enumerate()
-        .map(|(number, name)| (likeness(name), number))
-        .filter(|&(likeness, _)| likeness > 0.7)
-        .collect();
-    near.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    near.into_iter().take(3).map(|(_, number)| number).collect()
-}
-
 /// How many names a message lists.
 const MOST_LISTED: usize = 12;
 
@@ -40,7 +27,7 @@ const MOST_LISTED: usize = 12;
 /// are, each with its number.
 pub(super) fn absent(what: &str, wanted: &str, names: &[String]) -> String {
     let mut message = format!("no {what} {wanted:?}; ");
-    let near = nearest(wanted, names.iter().map(String::as_str));
+    let near = near(wanted, names.iter().map(String::as_str));
     let shown = |number: usize| match names[number].as_str() {
         "" => number.to_string(),
         name => format!("{number} ({name:?})"),
@@ -73,9 +60,9 @@ mod tests {
         for (wanted, found) in
             [("1", Some(0)), ("0", Some(0)), ("left", Some(2)), ("3", Some(3)), ("4", None)]
         {
-            assert_eq!(chosen(names, wanted), found, "{wanted}");
+            assert_eq!(find_by_name_or_number(names, wanted), found, "{wanted}");
         }
-        assert_eq!(chosen(names, "Left"), None);
+        assert_eq!(find_by_name_or_number(names, "Left"), None);
     }
 
     #[test]

@@ -35,21 +35,27 @@ pub enum EnvironmentSource {
     File(PathBuf),
 }
 
+/// A text that is neither a colour nor the name of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "a colour is three finite numbers, red, green and blue, none below zero, as in 0.5,0.6,1; nor \
+     is it a file"
+)]
+pub struct NeitherColorNorFile;
+
 impl FromStr for EnvironmentSource {
-    type Err = String;
+    type Err = NeitherColorNorFile;
 
     /// Three numbers between commas, not negative, are a colour; all else is a file, unless it is
     /// numbers and there is none of that name.
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, NeitherColorNorFile> {
         let numbers: Option<Vec<f32>> =
             text.split(',').map(|word| word.trim().parse().ok()).collect();
         match numbers.as_deref() {
             Some(&[r, g, b]) if [r, g, b].iter().all(|v| v.is_finite() && *v >= 0.0) => {
                 Ok(Self::Constant(Vec3::new(r, g, b)))
             }
-            Some(_) if !Path::new(text).exists() => Err("a colour is three finite numbers, red, \
-                 green and blue, none below zero, as in 0.5,0.6,1; nor is it a file"
-                .to_owned()),
+            Some(_) if !Path::new(text).exists() => Err(NeitherColorNorFile),
             _ => Ok(Self::File(text.into())),
         }
     }
@@ -303,12 +309,12 @@ mod tests {
         assert_eq!(parsed("0.5,1, 2"), Ok(color));
         assert_eq!(parsed("a.hdr"), Ok(EnvironmentSource::File("a.hdr".into())));
         for slip in ["1,2", "1,2,3,4", "-1,0,0", "nan,0,0", "1e99,0,0", "1"] {
-            let message = parsed(slip).expect_err("neither a colour nor a file");
+            let message = parsed(slip).expect_err("neither a colour nor a file").to_string();
             assert!(message.starts_with("a colour is three"), "{message}");
         }
-        let error = parsed("a,b").and_then(|it| it.load(1.0, 0.0).map_err(|e| e.to_string()));
-        let error = error.map(drop).expect_err("there is no such file");
-        assert_eq!(error, "a,b: no such file, nor is it a colour as R,G,B");
+        let file = parsed("a,b").expect("the name of a file");
+        let error = file.load(1.0, 0.0).map(drop).expect_err("there is no such file");
+        assert_eq!(error.to_string(), "a,b: no such file, nor is it a colour as R,G,B");
     }
 
     #[test]

@@ -99,7 +99,7 @@ impl LoadError {
 
     /// [`LoadError::Read`] for a path; a file that is not there is said to be missing.
     pub fn read(file: &Path, source: io::Error) -> Self {
-        Self::Read { file: file.display().to_string(), source: in_plain_words(source) }
+        Self::Read { file: file.display().to_string(), source: simplify_error(source) }
     }
 
     /// [`LoadError::Invalid`] for a path; `place` is a JSON pointer or empty.
@@ -139,7 +139,7 @@ impl fmt::Display for Prefix<'_> {
 }
 
 /// What the system says of a file, in plain words where there is none.
-fn in_plain_words(source: io::Error) -> io::Error {
+fn simplify_error(source: io::Error) -> io::Error {
     let missing = source.kind() == io::ErrorKind::NotFound && source.raw_os_error().is_some();
     if missing { io::Error::new(io::ErrorKind::NotFound, "no such file") } else { source }
 }

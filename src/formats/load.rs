@@ -8,9 +8,17 @@ use crate::scene::Scene;
 
 /// Loads a scene; its format is told by its ending, else by its first bytes.
 ///
+/// # Examples
+/// ```
+/// let scene = dapple::load("scenes/cornell.gltf", &dapple::LoadOptions::default())?;
+/// assert_eq!(scene.cameras.len(), 1);
+/// # Ok::<(), dapple::LoadError>(())
+/// ```
+///
 /// # Errors
 /// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error.
-pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene, LoadError> {
+    let path = path.as_ref();
     let scene =
         if toml::is_toml(path) { toml::load(path, options) } else { load_model(path, options) }?;
     if options.strict && !scene.notices.is_empty() {

@@ -17,8 +17,8 @@ pub mod toml;
 mod triangulate;
 mod uri;
 
-pub use choice::chosen;
-pub use environment::{EnvironmentImage, EnvironmentSource};
+pub use choice::find_by_name_or_number;
+pub use environment::{EnvironmentImage, EnvironmentSource, NeitherColorNorFile};
 pub use error::{Broken, LoadError};
 pub use load::load;
 pub use options::{LoadOptions, MissingTexture};

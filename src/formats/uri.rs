@@ -37,7 +37,7 @@ pub fn resolve(folder: &Path, uri: &str) -> Result<Resource, String> {
     }
     // As written in the specification; then, for exporters that do not escape, as it stands; then
     // as Windows spells paths.
-    let decoded = percent_decoded(uri);
+    let decoded = decode_percent(uri);
     let mut files = Vec::new();
     let mut problem = None;
     let spellings = [decoded.as_deref(), Some(uri)];
@@ -114,7 +114,7 @@ fn decode_data(data: &str) -> Result<Vec<u8>, String> {
     if base64 && !escaped {
         return BASE64.decode(content).map_err(|error| format!("broken base64: {error}"));
     }
-    let plain = percent_bytes(content).ok_or("the data URI has a broken % escape")?;
+    let plain = decode_percent_bytes(content).ok_or("the data URI has a broken % escape")?;
     if !base64 {
         return Ok(plain);
     }
@@ -150,11 +150,11 @@ fn below(folder: &Path, path: &str) -> Result<PathBuf, &'static str> {
 }
 
 /// Text with its % escapes resolved, if these are whole and give UTF-8.
-fn percent_decoded(text: &str) -> Option<String> {
-    String::from_utf8(percent_bytes(text)?).ok()
+fn decode_percent(text: &str) -> Option<String> {
+    String::from_utf8(decode_percent_bytes(text)?).ok()
 }
 
-fn percent_bytes(text: &str) -> Option<Vec<u8>> {
+fn decode_percent_bytes(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.bytes();
     while let Some(byte) = rest.next() {

@@ -16,7 +16,8 @@ pub struct Model {
     pub parts: Vec<Part>,
     /// Views, the first of which is the default.
     pub cameras: Vec<View>,
-    /// Cameras that a flight leads through; see [`flight::through`](crate::camera::flight::through).
+    /// Cameras that a flight leads through; see
+    /// [`flight::through`](crate::camera::flight::through).
     pub flight: Vec<Pose>,
     /// Lights without extent.
     pub lights: Vec<Lamp>,

@@ -109,8 +109,8 @@ fn scenes_of_some_size_have_all_kinds_of_finish() {
     assert!(scene.instances.len() > 500, "{} parts", scene.instances.len());
 }
 
-/// What a structure says of rays from the eyes of a scene's flight: of each eye the share that hits,
-/// and the least distance.
+/// What a structure says of rays from the eyes of a scene's flight: of each eye the share that
+/// hits, and the least distance.
 fn seen(generator: Generator, triangles: u64, rays: usize) -> Vec<(f64, f32)> {
     let scene = loaded(&made(generator, triangles, 0));
     let source: Arc<dyn TriangleSource> = Arc::new(Triangles::new(&scene).expect("few enough"));

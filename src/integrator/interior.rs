@@ -1,8 +1,8 @@
 //! The solids that a path is inside of.
 //!
-//! After Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", JGT 2002: where solids
-//! overlap, the one of the highest priority is there, and borders of the others do nothing. Of
-//! equal priorities the one entered last is there, which is right for what lies wholly inside of
+//! After Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", JGT 2002: where
+//! solids overlap, the one of the highest priority is there, and borders of the others do nothing.
+//! Of equal priorities the one entered last is there, which is right for what lies wholly inside of
 //! another. Solids are told apart by their material: who enters the same one again has left it
 //! unnoticed, through a hole.
 

@@ -1,12 +1,29 @@
 //! What light a path brings back.
 //!
-//! The integrator sees one vertex of a path at a time: a ray and what it hit go in, the shadow ray
-//! to a light and the ray to go on with come out. Who traces them, and how many together, is decided
-//! one floor up, in [`crate::render`].
+//! `path` is the algorithm of path tracing, one vertex at a time: a ray and what it hit go in, the
+//! shadow ray to a light and the ray to go on with come out. Who traces them, and how many
+//! together, is decided one floor up, in [`crate::render`].
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `path` | the steps of a vertex, in order |
+//! | `state` | what a path carries, and what goes in and out |
+//! | `light` | emission, the environment and sampled lights, weighed |
+//! | `mis` | multiple importance sampling: the power heuristic |
+//! | `russian_roulette` | ends paths of little throughput |
+//! | `crossing` | whether light crosses a surface |
+//! | `nested_dielectrics`, `interior` | the solids that a path is inside of |
+//! | `dimensions` | which random numbers are used where |
 
+mod crossing;
+mod dimensions;
 mod interior;
-mod passes;
+mod light;
+mod mis;
+mod nested_dielectrics;
 mod path;
-mod weight;
+mod russian_roulette;
+mod state;
 
-pub use path::{FirstHit, Path, PathSample, PathTracer, ShadowRay, Step, Transport};
+pub use path::{PathTracer, Transport};
+pub use state::{FirstHit, Path, PathSample, ShadowRay, Step};

@@ -20,7 +20,7 @@ pub struct LightBounds {
 
 /// Where light is to arrive.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vantage {
+pub struct LightSampleContext {
     /// The point.
     pub position: Vec3,
     /// Unit normal of a surface that only scatters light from that side; zero: from both.
@@ -78,9 +78,9 @@ impl LightBounds {
     }
 
     /// About how much of its light may arrive; zero only where none does.
-    pub(super) fn importance(&self, vantage: &Vantage) -> f32 {
+    pub(super) fn importance(&self, context: &LightSampleContext) -> f32 {
         let half = self.bounds.extent() * 0.5;
-        let from_centre = vantage.position - (self.bounds.min + half);
+        let from_centre = context.position - (self.bounds.min + half);
         let (radius2, distance2) = (half.length_squared(), from_centre.length_squared());
         let way = from_centre / distance2.sqrt().max(f32::MIN_POSITIVE);
         // Half of the angle under which all of it is seen.
@@ -99,8 +99,8 @@ impl LightBounds {
         }
         // Never quite nothing, so that rounding hides no light at the edge of what it shines on.
         let mut importance = self.power * off_normal.cos.max(LEAST) / distance2.max(radius2);
-        if vantage.normal != Vec3::ZERO {
-            let cos = Angle::of_cos(-vantage.normal.dot(way)).less(seen).cos;
+        if context.normal != Vec3::ZERO {
+            let cos = Angle::of_cos(-context.normal.dot(way)).less(seen).cos;
             if cos < -1e-4 {
                 return 0.0;
             }

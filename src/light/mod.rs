@@ -18,7 +18,7 @@ mod sun;
 mod tree;
 
 pub use area::{TriangleSample, area_to_solid_angle, sample_triangle};
-pub use bounds::{LightBounds, Sides, Vantage};
+pub use bounds::{LightBounds, LightSampleContext, Sides};
 pub use cone::Cone;
 pub use environment::{Environment, EnvironmentSample};
 pub use preetham::Preetham;

@@ -2,10 +2,11 @@
 //! Daylight", SIGGRAPH 1999: the clear sky's luminance and chromaticity by its turbidity, and what
 //! the air leaves of the sun.
 //!
-//! Differences: the sun's spectrum is that of a black body at 5778 K, integrated with the multi-lobe
-//! fit to the CIE 1931 observer of C. Wyman, P.-P. Sloan and P. Shirley (JCGT 2013), and of what the
-//! air takes from it only Rayleigh scattering and aerosols are counted: ozone, mixed gases and water
-//! vapour, which need tables, would take some 5 % more of the visible light at the zenith.
+//! Differences: the sun's spectrum is that of a black body at 5778 K, integrated with the
+//! multi-lobe fit to the CIE 1931 observer of C. Wyman, P.-P. Sloan and P. Shirley (JCGT 2013), and
+//! of what the air takes from it only Rayleigh scattering and aerosols are counted: ozone, mixed
+//! gases and water vapour, which need tables, would take some 5 % more of the visible light at the
+//! zenith.
 
 use std::f64::consts::PI;
 

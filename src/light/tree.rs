@@ -6,7 +6,7 @@
 //! of the distance, by the least angles that they may have to where they shine and to the surface's
 //! normal. Trees are built by their surface area orientation heuristic.
 
-use super::bounds::{LightBounds, Vantage};
+use super::bounds::{LightBounds, LightSampleContext};
 use crate::math::Aabb;
 
 /// A tree over lights, which are known by their number.
@@ -71,13 +71,13 @@ impl LightTree {
 
     /// A light for a point, by a uniform `u`, and the probability with which it is chosen; `None`
     /// where none shines.
-    pub fn sample(&self, vantage: &Vantage, mut u: f32) -> Option<(usize, f32)> {
+    pub fn sample(&self, context: &LightSampleContext, mut u: f32) -> Option<(usize, f32)> {
         let (mut at, mut probability) = (0, 1.0);
         loop {
             match self.nodes[at].link {
                 Link::Leaf(light) => return Some((light as usize, probability)),
                 Link::Inner(second) => {
-                    let first = self.first_share(at, second as usize, vantage)?;
+                    let first = self.first_share(at, second as usize, context)?;
                     if u < first {
                         (at, probability) = (at + 1, probability * first);
                         u /= first;
@@ -92,11 +92,11 @@ impl LightTree {
     }
 
     /// The probability with which [`LightTree::sample`] chooses a light.
-    pub fn probability(&self, vantage: &Vantage, light: usize) -> f32 {
+    pub fn probability(&self, context: &LightSampleContext, light: usize) -> f32 {
         let Some(mut trail) = self.trails[light] else { return 0.0 };
         let (mut at, mut probability) = (0, 1.0);
         while let Link::Inner(second) = self.nodes[at].link {
-            let Some(first) = self.first_share(at, second as usize, vantage) else { return 0.0 };
+            let Some(first) = self.first_share(at, second as usize, context) else { return 0.0 };
             if trail & 1 == 0 {
                 (at, probability) = (at + 1, probability * first);
             } else {
@@ -108,9 +108,9 @@ impl LightTree {
     }
 
     /// The probability of an inner node's first child.
-    fn first_share(&self, at: usize, second: usize, vantage: &Vantage) -> Option<f32> {
-        let first = self.nodes[at + 1].light.importance(vantage);
-        let sum = first + self.nodes[second].light.importance(vantage);
+    fn first_share(&self, at: usize, second: usize, context: &LightSampleContext) -> Option<f32> {
+        let first = self.nodes[at + 1].light.importance(context);
+        let sum = first + self.nodes[second].light.importance(context);
         (sum > 0.0).then(|| first / sum)
     }
 }
@@ -188,11 +188,11 @@ mod tests {
             .collect()
     }
 
-    fn vantages() -> Vec<Vantage> {
+    fn contexts() -> Vec<LightSampleContext> {
         let normals = [Vec3::ZERO, Vec3::Y, Vec3::new(0.6, -0.8, 0.0)];
         let places = [Vec3::ZERO, Vec3::new(3.0, -4.9, 1.0), Vec3::splat(40.0)];
         let all = places.into_iter().flat_map(|position| {
-            normals.into_iter().map(move |normal| Vantage { position, normal })
+            normals.into_iter().map(move |normal| LightSampleContext { position, normal })
         });
         all.collect()
     }
@@ -202,19 +202,19 @@ mod tests {
         let lights = lights(300);
         let tree = LightTree::new(&lights).expect("some shine");
         let mut some = 0;
-        for (number, vantage) in vantages().iter().enumerate() {
-            let of = |light| f64::from(tree.probability(vantage, light));
+        for (number, context) in contexts().iter().enumerate() {
+            let of = |light| f64::from(tree.probability(context, light));
             let probabilities: Vec<f64> = (0..lights.len()).map(of).collect();
             let sum: f64 = probabilities.iter().sum();
             // A walk that comes to where nothing shines ends with nothing, which is rare but where
             // all lights are below the surface.
             assert!(sum <= 1.0 + 1e-4, "{number}: {sum}");
-            assert!(sum > 0.9 || vantage.normal != Vec3::ZERO, "{number}: {sum}");
+            assert!(sum > 0.9 || context.normal != Vec3::ZERO, "{number}: {sum}");
             some += u32::from(sum > 0.9);
             let (mut counts, draws) = (vec![0; lights.len() + 1], 30_000);
             for i in 0..draws {
                 let u = Sampler::independent(i, number as u64, 5).next_1d();
-                match tree.sample(vantage, u) {
+                match tree.sample(context, u) {
                     Some((light, probability)) => {
                         assert!((f64::from(probability) / probabilities[light] - 1.0).abs() < 1e-5);
                         counts[light] += 1;
@@ -225,7 +225,7 @@ mod tests {
             let mut expected: Vec<f64> = probabilities.iter().map(|p| p * draws as f64).collect();
             expected.push((1.0 - sum).max(0.0) * draws as f64 + 1e-6);
             if sum > 0.01 {
-                assert_fits(&counts, &expected, vantages().len(), &format!("vantage {number}"));
+                assert_fits(&counts, &expected, contexts().len(), &format!("context {number}"));
             } else {
                 let chosen = draws - counts[lights.len()];
                 assert!(chosen as f64 <= 0.02 * draws as f64, "{number}: {chosen} of {draws}");
@@ -240,16 +240,16 @@ mod tests {
         let lights = lights(300);
         let tree = LightTree::new(&lights).expect("some shine");
         let (mut seen, mut missed) = (0, Vec::new());
-        for vantage in vantages() {
+        for context in contexts() {
             for (number, light) in lights.iter().enumerate() {
-                let towards = light.bounds.centre() - vantage.position;
+                let towards = light.bounds.centre() - context.position;
                 let way = towards.normalize();
-                let above = vantage.normal == Vec3::ZERO || vantage.normal.dot(way) > 1e-3;
+                let above = context.normal == Vec3::ZERO || context.normal.dot(way) > 1e-3;
                 let cos = light.normals.axis.dot(-way);
                 let shines = light.normals.cos <= -1.0 || cos > light.cos_emission + 1e-3;
                 if light.power > 0.0 && above && shines {
                     seen += 1;
-                    if tree.probability(&vantage, number) <= 0.0 {
+                    if tree.probability(&context, number) <= 0.0 {
                         missed.push(number);
                     }
                 }
@@ -271,8 +271,8 @@ mod tests {
             lamp(9.0, Vec3::Y),
         ];
         let tree = LightTree::new(&lights).expect("all shine");
-        let vantage = Vantage { position: Vec3::NEG_Y, normal: Vec3::Y };
-        let all: Vec<f32> = (0..4).map(|light| tree.probability(&vantage, light)).collect();
+        let context = LightSampleContext { position: Vec3::NEG_Y, normal: Vec3::Y };
+        let all: Vec<f32> = (0..4).map(|light| tree.probability(&context, light)).collect();
         assert!(all[0] > 0.95 && all[2] < 0.01 && all[3] < 0.01, "{all:?}");
         assert!(LightTree::new(&[]).is_none());
         assert!(LightTree::new(&[LightBounds { power: 0.0, ..lights[0] }]).is_none());
@@ -283,9 +283,9 @@ mod tests {
     fn equal_lights_are_halved() {
         let lamp = LightBounds::point(Vec3::ONE, Vec3::Y, PI, 1.0);
         let tree = LightTree::new(&vec![lamp; 1000]).expect("all shine");
-        let vantage = Vantage { position: Vec3::ZERO, normal: Vec3::ZERO };
+        let context = LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO };
         for light in [0, 1, 500, 999] {
-            let probability = tree.probability(&vantage, light);
+            let probability = tree.probability(&context, light);
             assert!((1.0 / 1024.0..=1.0 / 512.0).contains(&probability), "{probability}");
         }
     }

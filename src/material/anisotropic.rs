@@ -1,21 +1,26 @@
 //! Brushed surfaces: glTF's opaque material with a stretched specular lobe
 //! (KHR_materials_anisotropy), under a thin film or not.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 
 use super::anisotropic_energy::Row;
-use super::metallic_roughness::{self, LEAST_ALPHA};
+use super::anisotropic_ggx::Lobe;
+use super::form::BsdfForm;
+use super::fresnel;
+use super::ggx::MIN_ALPHA;
+use super::metallic_roughness::{self, MetallicRoughness};
+use super::params::{SurfaceParams, saturate};
+use super::sample::{BsdfSample, is_above};
 use super::thin_film::ThinFilm;
-use super::{BsdfForm, BsdfSample, MetallicRoughness, SurfaceParams, fresnel, is_above, unit};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
 /// Metal or coated base whose microfacets tilt more along one tangent than across it.
 ///
 /// Along the tangent alpha is `mix(alpha, 1, strength²)`, across it alpha, as the specification
-/// has it. In [`BsdfForm::Conserving`] all is made up for as in [`MetallicRoughness`], by the
-/// greatest albedo of any azimuth: what is white reflects no more than it gets, to 2%, and at
-/// extreme strengths less.
+/// has it. In [`BsdfForm::Conserving`] energy is compensated as in [`MetallicRoughness`], with the
+/// greatest albedo of any azimuth: a white surface reflects all light to 2%, and less at extreme
+/// strengths.
 #[derive(Clone, Copy, Debug)]
 pub struct Anisotropic {
     surface: MetallicRoughness,
@@ -23,12 +28,12 @@ pub struct Anisotropic {
     row: Row,
     /// Cosine and sine of the angle of the tangent.
     direction: Vec2,
-    film: Option<Filmed>,
+    film: Option<FilmedReflectance>,
 }
 
-/// A film, and what is below it.
+/// The reflectance of a film and of what is below it.
 #[derive(Clone, Copy, Debug)]
-struct Filmed {
+struct FilmedReflectance {
     film: ThinFilm,
     /// Reflectances at normal incidence.
     coat: Vec3,
@@ -37,9 +42,9 @@ struct Filmed {
 }
 
 impl Anisotropic {
-    /// What `params` describe but for transmission, brushed along the unit `direction`.
+    /// The opaque surface that `params` describe, brushed along the unit `direction`.
     pub fn new(params: &SurfaceParams, strength: f32, direction: Vec2, form: BsdfForm) -> Self {
-        Self::with_metallic(params, unit(params.metallic), strength, direction, form)
+        Self::with_metallic(params, saturate(params.metallic), strength, direction, form)
     }
 
     fn with_metallic(
@@ -49,8 +54,8 @@ impl Anisotropic {
         direction: Vec2,
         form: BsdfForm,
     ) -> Self {
-        let roughness = unit(params.roughness);
-        let across = (roughness * roughness).max(LEAST_ALPHA);
+        let roughness = saturate(params.roughness);
+        let across = (roughness * roughness).max(MIN_ALPHA);
         let along = across + (1.0 - across) * strength * strength;
         let row = Row::of(along, across);
         let surface =
@@ -58,9 +63,8 @@ impl Anisotropic {
         Self { surface, lobe: Lobe { along, across }, row, direction, film: None }
     }
 
-    /// What `params` describe but for transmission, of another metalness, under a film: brushed as
-    /// [`Anisotropic::new`] has it.
-    pub fn filmed(
+    /// The same under a film, with `metallic` in place of the parameter.
+    pub fn with_film(
         params: &SurfaceParams,
         metallic: f32,
         (strength, direction): (f32, Vec2),
@@ -69,8 +73,8 @@ impl Anisotropic {
     ) -> Self {
         let mut made = Self::with_metallic(params, metallic, strength, direction, form);
         let coat = metallic_roughness::coat_f0(params);
-        let filmed = Filmed { film, coat, metal: params.base_color, metallic };
-        let (bound, average) = filmed.summary();
+        let filmed = FilmedReflectance { film, coat, metal: params.base_color, metallic };
+        let (bound, average) = filmed.fit_schlick();
         let from_above = filmed.reflectance(1.0);
         let albedo = made.row.average();
         made.surface =
@@ -87,14 +91,14 @@ impl Anisotropic {
         }
     }
 
-    /// From the local frame to that of the brush strokes.
-    fn turned(&self, w: Vec3) -> Vec3 {
+    /// From the local frame to that of the brush strokes, whose X runs along them.
+    fn to_brush_frame(&self, w: Vec3) -> Vec3 {
         let Vec2 { x: cos, y: sin } = self.direction;
         Vec3::new(cos * w.x + sin * w.y, cos * w.y - sin * w.x, w.z)
     }
 
     /// From the frame of the brush strokes to the local one.
-    fn turned_back(&self, w: Vec3) -> Vec3 {
+    fn to_local_frame(&self, w: Vec3) -> Vec3 {
         let Vec2 { x: cos, y: sin } = self.direction;
         Vec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z)
     }
@@ -106,7 +110,7 @@ impl Anisotropic {
         if !(is_above(wo.z) && is_above(wi.z)) {
             return (Vec3::ZERO, 0.0);
         }
-        let (wo, wi) = (self.turned(wo), self.turned(wi));
+        let (wo, wi) = (self.to_brush_frame(wo), self.to_brush_frame(wi));
         let h = (wo + wi).normalize();
         let along = wo.dot(h);
         let weight = fresnel::schlick_weight(along);
@@ -114,7 +118,7 @@ impl Anisotropic {
         let view = self.row.at(wo.z);
         let smooth = self.surface.smooth(weight, view, || self.row.at(wi.z));
         let value = (smooth * FRAC_1_PI + self.reflectance(along, weight) * reflected) * wi.z;
-        let choice = self.surface.choice(view);
+        let choice = self.surface.specular_probability(view);
         (value, choice * visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI)
     }
 
@@ -125,10 +129,10 @@ impl Anisotropic {
         if !is_above(above.z) {
             return None;
         }
-        let wi = if u_lobe < self.surface.choice(self.row.at(above.z)) {
-            let wo = self.turned(above);
+        let wi = if u_lobe < self.surface.specular_probability(self.row.at(above.z)) {
+            let wo = self.to_brush_frame(above);
             let h = self.lobe.sample_visible_normal(wo, u);
-            self.turned_back(h * (2.0 * wo.dot(h)) - wo)
+            self.to_local_frame(h * (2.0 * wo.dot(h)) - wo)
         } else {
             warp::cosine_hemisphere(u)
         };
@@ -136,8 +140,7 @@ impl Anisotropic {
             return None;
         }
         let (value, pdf) = self.eval(above, wi);
-        let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta: 1.0 };
-        (pdf > 0.0).then_some(sample)
+        BsdfSample::from_value(wi * side, value, pdf, 1.0)
     }
 
     /// See [`super::Bsdf::albedo`].
@@ -146,8 +149,8 @@ impl Anisotropic {
     }
 }
 
-impl Filmed {
-    /// What the dielectric's share of the surface and the metal's reflect under the film.
+impl FilmedReflectance {
+    /// The reflectances under the film of the dielectric and of the metal.
     fn reflectances(&self, cos: f32) -> (Vec3, Vec3) {
         let weight = fresnel::schlick_weight(cos);
         let of = |f0: Vec3| self.film.reflectance(cos, f0, f0 + (Vec3::ONE - f0) * weight);
@@ -163,7 +166,7 @@ impl Filmed {
 
     /// The least `f0` with which Schlick's term is as bright as the dielectric's share at all
     /// angles, and the metal's average over the hemisphere; both from a few angles.
-    fn summary(&self) -> (f32, Vec3) {
+    fn fit_schlick(&self) -> (f32, Vec3) {
         const STEPS: usize = 8;
         let (mut bound, mut average) = (0.0_f32, Vec3::ZERO);
         for step in 0..STEPS {
@@ -178,65 +181,9 @@ impl Filmed {
     }
 }
 
-/// The GGX distribution of two alphas with separable Smith shadowing; see [`super::ggx`] for the
-/// isotropic one. Directions are above the surface, X the tangent.
-#[derive(Clone, Copy, Debug)]
-pub struct Lobe {
-    /// Alpha along X.
-    pub along: f32,
-    /// Alpha along Y.
-    pub across: f32,
-}
-
-impl Lobe {
-    /// `D(h) G1(wo) / (2 wo.z)` and `D V`, as [`super::ggx::Lobe`] has them.
-    pub fn eval(&self, h: Vec3, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let (product, ratio) = (self.along * self.across, self.along / self.across);
-        let t = h.x * h.x / ratio + h.y * h.y * ratio + product * h.z * h.z;
-        let towards = self.inverse_masking(wi);
-        let reflected = product / (PI * t * t * self.inverse_masking(wo) * towards);
-        (reflected * towards, reflected)
-    }
-
-    /// Twice the cosine over Smith's masking.
-    fn inverse_masking(&self, w: Vec3) -> f32 {
-        let (x, y) = (w.x * self.along, w.y * self.across);
-        w.z + (x * x + y * y + w.z * w.z).sqrt()
-    }
-
-    /// Smith's masking.
-    pub fn masking(&self, w: Vec3) -> f32 {
-        2.0 * w.z / self.inverse_masking(w)
-    }
-
-    /// A normal as seen from `wo` (Dupuy and Benyoub 2023).
-    pub fn sample_visible_normal(&self, wo: Vec3, u: Vec2) -> Vec3 {
-        let stretched = Vec3::new(wo.x * self.along, wo.y * self.across, wo.z).normalize();
-        let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
-        let ring = warp::unit_circle(u.x) * (1.0 - z * z).max(0.0).sqrt();
-        let h = Vec3::new(ring.x, ring.y, z) + stretched;
-        Vec3::new(h.x * self.along, h.y * self.across, h.z.max(1e-12)).normalize()
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::ggx;
     use super::*;
-
-    #[test]
-    fn of_equal_alphas_it_is_the_isotropic_one() {
-        let lobe = Lobe { along: 0.3, across: 0.3 };
-        let (wo, wi) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.36, 0.48, 0.8));
-        let h = (wo + wi).normalize();
-        let (visible, reflected) = lobe.eval(h, wo, wi);
-        let expected = ggx::Lobe::new(h, wo.z, wi.z, 0.3);
-        assert!((visible / expected.visible - 1.0).abs() < 1e-5);
-        assert!((reflected / expected.reflected - 1.0).abs() < 1e-5);
-        let u = Vec2::new(0.3, 0.7);
-        let normal = ggx::sample_visible_normal(wo, 0.3, u);
-        assert!(lobe.sample_visible_normal(wo, u).distance(normal) < 1e-6);
-    }
 
     /// Rough along X: light from above spreads further that way.
     #[test]

@@ -1,15 +1,15 @@
 //! How much a stretched microfacet lobe reflects in all; see [`super::energy`].
 //!
-//! The table is indexed by the roots of both alphas and of the cosine.
-//! Each entry is the greatest albedo of any azimuth, factor by factor, so that what is made up for
-//! is too much nowhere but for the table's own error: 2% between two alphas of a mirror.
+//! The table is indexed by the roots of both alphas and of the cosine. Each entry is the greatest
+//! albedo of any azimuth, factor by factor, so that compensation never adds too much, but for the
+//! table's own error: 2% between two alphas of a mirror.
 
 use std::sync::LazyLock;
 
-use super::anisotropic::Lobe;
-use super::energy::{Albedo, cell};
+use super::anisotropic_ggx::Lobe;
+use super::energy::{Albedo, locate_cell};
 use super::fresnel;
-use super::metallic_roughness::LEAST_ALPHA;
+use super::ggx::MIN_ALPHA;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
@@ -24,7 +24,7 @@ type Cells = [Albedo; COLUMNS];
 static TABLE: LazyLock<Vec<(Cells, Albedo)>> = LazyLock::new(|| {
     let alpha = |k: usize| {
         let root = k as f32 / (N - 1) as f32;
-        (root * root).max(LEAST_ALPHA)
+        (root * root).max(MIN_ALPHA)
     };
     let mut rows = Vec::with_capacity(N * N);
     for along in 0..N {
@@ -41,7 +41,7 @@ static TABLE: LazyLock<Vec<(Cells, Albedo)>> = LazyLock::new(|| {
     rows
 });
 
-/// The place of two alphas in the table.
+/// The position of two alphas in the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Number of the row of the lesser neighbours of both.
@@ -51,9 +51,9 @@ pub struct Row {
 }
 
 impl Row {
-    /// The place of a pair of alphas.
+    /// The position of a pair of alphas.
     pub fn of(along: f32, across: f32) -> Self {
-        let place = |alpha: f32| cell::<N>(alpha.sqrt() * (N - 1) as f32);
+        let place = |alpha: f32| locate_cell::<N>(alpha.sqrt() * (N - 1) as f32);
         let ((i, along_t), (j, across_t)) = (place(along), place(across));
         Self { first: i * N + j, along_t, across_t }
     }
@@ -66,7 +66,7 @@ impl Row {
 
     /// The albedo seen from a direction of that cosine.
     pub fn at(&self, cos: f32) -> Albedo {
-        let (j, t) = cell::<COLUMNS>(cos.sqrt() * (COLUMNS - 1) as f32);
+        let (j, t) = locate_cell::<COLUMNS>(cos.sqrt() * (COLUMNS - 1) as f32);
         self.mix(|(cells, _)| cells[j].mix(cells[j + 1], t))
     }
 

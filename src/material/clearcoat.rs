@@ -2,17 +2,19 @@
 //! (KHR_materials_clearcoat).
 
 use super::energy::{Albedos, Row};
-use super::metallic_roughness::LEAST_ALPHA;
-use super::{BsdfForm, fresnel, ggx, is_above};
+use super::form::BsdfForm;
+use super::fresnel;
+use super::ggx::{self, MIN_ALPHA};
+use super::sample::is_above;
 use crate::math::{Frame, Vec2, Vec3};
 
 /// The coat's reflectance at normal incidence.
 const F0: f32 = 0.04;
 
-/// The coat at a point, ready to be asked.
+/// The coat at a point.
 ///
-/// It reflects by GGX under Schlick's Fresnel term at the half vector. What it leaves to the layer
-/// below is, in one direction, `1 - F` at the macroscopic normal in [`BsdfForm::AppendixB`], and
+/// It reflects by GGX under Schlick's Fresnel term at the half vector. The share that it lets
+/// through in one direction is `1 - F` at the macroscopic normal in [`BsdfForm::AppendixB`], and
 /// one minus the coat's albedo in [`BsdfForm::Conserving`].
 #[derive(Clone, Copy, Debug)]
 pub struct Clearcoat {
@@ -27,7 +29,7 @@ pub struct Clearcoat {
 impl Clearcoat {
     /// A coat of that strength, roughness (both 0 to 1) and unit normal.
     pub fn new(strength: f32, roughness: f32, normal: Vec3, form: BsdfForm) -> Self {
-        let alpha = (roughness * roughness).max(LEAST_ALPHA);
+        let alpha = (roughness * roughness).max(MIN_ALPHA);
         Self { strength, alpha, row: Row::of(alpha), frame: Frame::from_normal(normal), form }
     }
 
@@ -38,7 +40,7 @@ impl Clearcoat {
     }
 
     /// The share of light from a direction, on either side, that it lets through.
-    pub fn through(&self, w: Vec3) -> f32 {
+    pub fn transmittance(&self, w: Vec3) -> f32 {
         match self.form {
             BsdfForm::AppendixB => {
                 let weight = fresnel::schlick_weight(w.dot(self.frame.normal).abs());
@@ -61,8 +63,8 @@ impl Clearcoat {
         (self.strength * fresnel * lobe.reflected * wi.z, lobe.visible * 0.5)
     }
 
-    /// A direction that it reflects to, perhaps below the surface; `None` where the viewer does
-    /// not see it.
+    /// Samples a reflected direction, which may lie below the surface; `None` where the viewer does
+    /// not see the coat.
     pub fn sample(&self, wo: Vec3, u: Vec2) -> Option<Vec3> {
         let wo = self.frame.to_local(wo);
         if !is_above(wo.z) {

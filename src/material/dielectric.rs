@@ -1,16 +1,12 @@
 //! Glass: clear boundaries of solids, and thin sheets.
 
-use super::energy::GlassAlbedo;
-use super::metallic_roughness::coat_f0;
+use super::boundary::{Boundary, Kind, Split};
+use super::form::BsdfForm;
+use super::params::SurfaceParams;
+use super::rough_dielectric;
+use super::sample::{BsdfSample, is_above};
 use super::thin_film::ThinFilm;
-use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, is_above, mean, rough_dielectric, unit};
 use crate::math::{Vec2, Vec3};
-
-/// Up to this roughness a boundary is taken as smooth.
-const SMOOTH: f32 = 0.02;
-
-/// Stands for the infinite index that KHR_materials_ior writes as 0.
-const INFINITE_IOR: f32 = 1e4;
 
 /// A boundary that reflects and transmits by the exact Fresnel equations; light that passes is
 /// tinted once.
@@ -24,112 +20,46 @@ const INFINITE_IOR: f32 = 1e4;
 /// reflection stays what it is: there is no way through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
-    pub(super) tint: Vec3,
-    /// Of the inside over the outside.
-    pub(super) ior: f32,
-    pub(super) alpha: f32,
-    pub(super) form: BsdfForm,
-    kind: Kind,
-    /// Whether reflectances are those of the index.
-    plain: bool,
-    /// One face's reflectance at normal incidence and, of all colours, at grazing angles.
-    f0: Vec3,
-    f90: f32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Smooth,
-    Rough,
-    ThinSmooth,
-    ThinRough,
-}
-
-/// The two things that a boundary does to light, for one direction of view.
-pub(super) struct Split {
-    pub reflectance: Vec3,
-    /// Probability of drawing the reflection.
-    pub choice: f32,
-}
-
-impl Split {
-    #[inline]
-    fn new(reflectance: f32, tint: Vec3) -> Self {
-        Self::by(Vec3::splat(reflectance), reflectance, tint)
-    }
-
-    #[inline]
-    fn by(colors: Vec3, reflectance: f32, tint: Vec3) -> Self {
-        let transmitted = (1.0 - reflectance) * tint.max_element().max(0.0);
-        // Black glass seen where it does not reflect: draw the nothing that is transmitted.
-        let all = reflectance + transmitted;
-        Self { reflectance: colors, choice: if all > 0.0 { reflectance / all } else { 0.0 } }
-    }
-
-    /// Tinted share of the light that passes.
-    #[inline]
-    pub fn transmittance(&self, tint: Vec3) -> Vec3 {
-        tint * (Vec3::ONE - self.reflectance)
-    }
+    boundary: Boundary,
 }
 
 impl Dielectric {
     /// The clear part of what `params` describe.
     pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
-        let usable = params.ior.is_finite() && params.ior > 1e-3;
-        let ior = if usable { params.ior.min(INFINITE_IOR) } else { INFINITE_IOR };
-        let roughness = unit(params.roughness);
-        // Rough or not, what does not bend light lets it pass straight.
-        let rough = roughness > SMOOTH && (ior - 1.0).abs() > 1e-3;
-        let kind = match (params.thin, rough) {
-            (false, false) => Kind::Smooth,
-            (false, true) => Kind::Rough,
-            (true, true) if form == BsdfForm::Conserving => Kind::ThinRough,
-            (true, _) => Kind::ThinSmooth,
-        };
-        Self {
-            tint: params.base_color,
-            ior,
-            alpha: roughness * roughness,
-            form,
-            kind,
-            plain: params.specular >= 1.0 && params.specular_color == Vec3::ONE,
-            f0: coat_f0(&SurfaceParams { ior, ..*params }),
-            f90: unit(params.specular),
-        }
+        Self { boundary: Boundary::new(params, form) }
     }
 
-    /// Whether it only reflects and refracts as mirrors and lenses do.
+    /// Whether both of its lobes are delta lobes.
     #[inline]
     pub fn is_delta(&self) -> bool {
-        matches!(self.kind, Kind::Smooth | Kind::ThinSmooth)
+        matches!(self.boundary.kind, Kind::Smooth | Kind::ThinSmooth)
     }
 
     /// See [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        self.eval_under(None, wo, wi)
+        self.eval_under_film(None, wo, wi)
     }
 
-    /// The same, under a film on the outside.
+    /// The same under a film on the outside.
     #[inline]
-    pub fn eval_under(&self, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        match self.kind {
+    pub fn eval_under_film(&self, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        match self.boundary.kind {
             Kind::Smooth | Kind::ThinSmooth => (Vec3::ZERO, 0.0),
-            Kind::Rough => rough_dielectric::eval_solid(self, film, wo, wi),
-            Kind::ThinRough => rough_dielectric::eval_thin(self, film, wo, wi),
+            Kind::Rough => rough_dielectric::eval_solid(&self.boundary, film, wo, wi),
+            Kind::ThinRough => rough_dielectric::eval_thin(&self.boundary, film, wo, wi),
         }
     }
 
     /// See [`super::Bsdf::sample`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        self.sample_under(None, wo, u_lobe, u)
+        self.sample_under_film(None, wo, u_lobe, u)
     }
 
-    /// The same, under a film on the outside.
+    /// The same under a film on the outside.
     #[inline]
-    pub fn sample_under(
+    pub fn sample_under_film(
         &self,
         film: Option<&ThinFilm>,
         wo: Vec3,
@@ -139,125 +69,52 @@ impl Dielectric {
         if !is_above(wo.z.abs()) {
             return None;
         }
-        match self.kind {
-            Kind::Smooth => Some(self.sample_smooth(film, wo, u_lobe)),
-            Kind::ThinSmooth => Some(self.sample_thin(film, wo, u_lobe)),
-            Kind::Rough => rough_dielectric::sample_solid(self, film, wo, u_lobe, u),
-            Kind::ThinRough => rough_dielectric::sample_thin(self, film, wo, u_lobe, u),
+        match self.boundary.kind {
+            Kind::Smooth => Some(sample_smooth(&self.boundary, film, wo, u_lobe)),
+            Kind::ThinSmooth => Some(sample_thin(&self.boundary, film, wo, u_lobe)),
+            Kind::Rough => rough_dielectric::sample_solid(&self.boundary, film, wo, u_lobe, u),
+            Kind::ThinRough => rough_dielectric::sample_thin(&self.boundary, film, wo, u_lobe, u),
         }
-    }
-
-    /// Index on the far side over that on the side of `wo`.
-    #[inline]
-    pub(super) fn eta(&self, wo: Vec3) -> f32 {
-        if wo.z < 0.0 { 1.0 / self.ior } else { self.ior }
-    }
-
-    /// What the boundary of a solid does to light that meets it, or a facet of it, at that cosine;
-    /// and the cosine of the refracted ray.
-    #[inline]
-    pub(super) fn split(&self, cos: f32, eta: f32, film: Option<&ThinFilm>) -> (Split, f32) {
-        let (exact, cos_t) = fresnel::dielectric(cos, eta);
-        if exact >= 1.0 || (self.plain && film.is_none()) {
-            return (Split::new(exact, self.tint), cos_t);
-        }
-        // What is reflected within is what is reflected back along the same way.
-        let outside = if eta == self.ior { cos } else { cos_t };
-        let colors = self.face(film, outside, exact);
-        (Split::by(colors, mean(colors), self.tint), cos_t)
-    }
-
-    /// The same of a thin sheet.
-    #[inline]
-    pub(super) fn split_thin(&self, cos: f32, film: Option<&ThinFilm>) -> Split {
-        let (exact, _) = fresnel::dielectric(cos, self.ior);
-        if self.plain && film.is_none() {
-            return Split::new(fresnel::thin_sheet(exact), self.tint);
-        }
-        let colors = self.face(film, cos, exact).map(fresnel::thin_sheet);
-        Split::by(colors, mean(colors), self.tint)
-    }
-
-    /// The reflectance of one face of light that meets it from outside at `cos`, given that of its
-    /// index.
-    fn face(&self, film: Option<&ThinFilm>, cos: f32, exact: f32) -> Vec3 {
-        let bare = if self.plain {
-            Vec3::splat(exact)
-        } else {
-            self.f0 + (Vec3::splat(self.f90) - self.f0) * self.grazing(cos, exact)
-        };
-        film.map_or(bare, |film| film.reflectance(cos, self.f0, bare))
-    }
-
-    /// How far the reflectance is on the way from normal incidence to grazing angles, 0 to 1.
-    fn grazing(&self, cos: f32, exact: f32) -> f32 {
-        if self.ior >= INFINITE_IOR {
-            return fresnel::schlick_weight(cos);
-        }
-        let least = self.of_index();
-        unit((exact - least) / (1.0 - least))
-    }
-
-    /// The reflectance of the index at normal incidence.
-    fn of_index(&self) -> f32 {
-        let root = (self.ior - 1.0) / (self.ior + 1.0);
-        root * root
-    }
-
-    /// What makes up for the light that one bounce on a rough boundary loses.
-    pub(super) fn gain(&self, albedo: GlassAlbedo) -> Vec3 {
-        if self.plain {
-            return Vec3::splat(1.0 / albedo.exact);
-        }
-        let least = self.of_index();
-        let slope = if self.ior >= INFINITE_IOR {
-            Vec3::ZERO
-        } else {
-            (Vec3::splat(self.f90) - self.f0) / (1.0 - least)
-        };
-        let constant = self.f0 - slope * least;
-        let of = |constant, slope| 1.0 / albedo.of(constant, slope).clamp(0.1, 1.0);
-        Vec3::new(of(constant.x, slope.x), of(constant.y, slope.y), of(constant.z, slope.z))
-    }
-
-    fn sample_smooth(&self, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
-        let eta = self.eta(wo);
-        let (split, cos_t) = self.split(wo.z.abs(), eta, film);
-        if u_lobe < split.choice {
-            return mirror(wo, &split);
-        }
-        let inverse = 1.0 / eta;
-        let pdf = 1.0 - split.choice;
-        BsdfSample {
-            wi: Vec3::new(-wo.x * inverse, -wo.y * inverse, -cos_t.copysign(wo.z)),
-            weight: split.transmittance(self.tint) * (inverse * inverse / pdf),
-            pdf,
-            delta: true,
-            eta,
-        }
-    }
-
-    fn sample_thin(&self, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
-        let split = self.split_thin(wo.z.abs(), film);
-        if u_lobe < split.choice {
-            return mirror(wo, &split);
-        }
-        let pdf = 1.0 - split.choice;
-        let weight = split.transmittance(self.tint) / pdf;
-        BsdfSample { wi: -wo, weight, pdf, delta: true, eta: 1.0 }
     }
 
     /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
-        self.tint
+        self.boundary.tint
     }
 }
 
-fn mirror(wo: Vec3, split: &Split) -> BsdfSample {
+fn sample_smooth(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
+    let eta = glass.eta(wo);
+    let (split, cos_t) = glass.split(wo.z.abs(), eta, film);
+    if u_lobe < split.reflection_probability {
+        return sample_mirror(wo, &split);
+    }
+    let inverse = 1.0 / eta;
+    let pdf = 1.0 - split.reflection_probability;
+    BsdfSample {
+        wi: Vec3::new(-wo.x * inverse, -wo.y * inverse, -cos_t.copysign(wo.z)),
+        weight: split.transmittance(glass.tint) * (inverse * inverse / pdf),
+        pdf,
+        delta: true,
+        eta,
+    }
+}
+
+fn sample_thin(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
+    let split = glass.split_thin(wo.z.abs(), film);
+    if u_lobe < split.reflection_probability {
+        return sample_mirror(wo, &split);
+    }
+    let pdf = 1.0 - split.reflection_probability;
+    let weight = split.transmittance(glass.tint) / pdf;
+    BsdfSample { wi: -wo, weight, pdf, delta: true, eta: 1.0 }
+}
+
+fn sample_mirror(wo: Vec3, split: &Split) -> BsdfSample {
     BsdfSample {
         wi: Vec3::new(-wo.x, -wo.y, wo.z),
-        weight: split.reflectance / split.choice,
-        pdf: split.choice,
+        weight: split.reflectance / split.reflection_probability,
+        pdf: split.reflection_probability,
         delta: true,
         eta: 1.0,
     }
@@ -265,6 +122,7 @@ fn mirror(wo: Vec3, split: &Split) -> BsdfSample {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fresnel;
     use super::*;
 
     fn glass(thin: bool) -> Dielectric {
@@ -289,7 +147,7 @@ mod tests {
         // Radiance is scaled by 1 / eta² on the way in, and back again; the tint counts twice.
         let (reflectance, _) = fresnel::dielectric(0.8, 1.5);
         let both = inside.weight * inside.pdf * outside.weight * outside.pdf;
-        let once = glass(false).tint * (1.0 - reflectance);
+        let once = glass(false).boundary.tint * (1.0 - reflectance);
         assert!((both - once * once).length() < 1e-5);
         assert!((inside.weight.z * inside.pdf * 2.25 - (1.0 - reflectance)).abs() < 1e-5);
     }
@@ -321,7 +179,8 @@ mod tests {
             Dielectric::new(&params, BsdfForm::Conserving)
         };
         let color = Vec3::new(1.0, 0.5, 0.0);
-        let reflected = |glass: &Dielectric, cos, eta| glass.split(cos, eta, None).0.reflectance;
+        let reflected =
+            |glass: &Dielectric, cos, eta| glass.boundary.split(cos, eta, None).0.reflectance;
         let (glass, plain) = (of(1.0, color, false), of(1.0, Vec3::ONE, false));
         assert!((reflected(&glass, 1.0, 1.5) - color * 0.04).length() < 1e-6);
         assert!((reflected(&glass, 1.0, 1.0 / 1.5) - color * 0.04).length() < 1e-6);
@@ -335,13 +194,13 @@ mod tests {
             assert!((half - 0.5 * exact).length() < 1e-6);
         }
         assert_eq!(reflected(&of(0.0, color, false), 0.3, 1.0 / 1.5), Vec3::ONE, "no way through");
-        let sheet = of(1.0, color, true).split_thin(1.0, None).reflectance;
+        let sheet = of(1.0, color, true).boundary.split_thin(1.0, None).reflectance;
         let expected = (color * 0.04).map(fresnel::thin_sheet);
         assert!((sheet - expected).length() < 1e-6);
         // As materials that tell reflectances instead of an index are written.
         let told = SurfaceParams { ior: 0.0, ..SurfaceParams::default() };
         let told = SurfaceParams { specular_color: Vec3::splat(0.2), thin: true, ..told };
-        let told = Dielectric::new(&told, BsdfForm::Conserving).split_thin(1.0, None);
+        let told = Dielectric::new(&told, BsdfForm::Conserving).boundary.split_thin(1.0, None);
         assert!((told.reflectance - fresnel::thin_sheet(0.2)).length() < 1e-3);
     }
 

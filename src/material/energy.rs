@@ -1,7 +1,7 @@
-//! How much light microfacet lobes reflect in all: tables, computed once by quadrature.
+//! Tables of how much light microfacet lobes reflect in all, computed once by quadrature.
 //!
-//! A lobe of one bounce between microfacets loses what bounces twice or more. What is lost must be
-//! known to be put back; what a coat reflects must be known to be taken from what lies below.
+//! A lobe of one bounce between microfacets loses what bounces twice or more. The tables tell what
+//! is lost, to be added again, and what a coat reflects, to be taken from what lies below.
 //!
 //! Tables are indexed by the square roots of alpha and of the cosine, where the albedo is smooth
 //! enough for 32 by 32 entries, and by `(eta - 1) / (eta + 1)` for glass. Averages are those of the
@@ -39,7 +39,7 @@ impl Albedo {
         f0 * self.f0 + f90 * self.f90
     }
 
-    /// What a white lobe loses; at least zero.
+    /// The share that a white lobe loses; at least zero.
     #[inline]
     pub fn loss(self) -> f32 {
         (1.0 - self.f0 - self.f90).max(0.0)
@@ -52,12 +52,12 @@ impl Albedo {
     }
 }
 
-/// The place of an alpha between two rows of [`Albedos`].
+/// An alpha's position between two rows of [`Albedos`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row(f32);
 
 impl Row {
-    /// The place of `alpha`.
+    /// The position of `alpha`.
     #[inline]
     pub fn of(alpha: f32) -> Self {
         Self(alpha.sqrt() * (N - 1) as f32)
@@ -67,7 +67,7 @@ impl Row {
 static ALBEDOS: LazyLock<Box<Albedos>> = LazyLock::new(|| Box::new(Albedos::compute()));
 
 impl Albedos {
-    /// The table, computed when first asked for.
+    /// The table. The first call computes it.
     #[inline]
     pub fn get() -> &'static Self {
         &ALBEDOS
@@ -76,8 +76,8 @@ impl Albedos {
     /// The albedo seen from a direction of that cosine.
     #[inline]
     pub fn at(&self, row: Row, cos: f32) -> Albedo {
-        let (i, row_t) = cell::<N>(row.0);
-        let (j, t) = cell::<N>(cos.sqrt() * (N - 1) as f32);
+        let (i, row_t) = locate_cell::<N>(row.0);
+        let (j, t) = locate_cell::<N>(cos.sqrt() * (N - 1) as f32);
         let (below, above) = (&self.cells[i], &self.cells[i + 1]);
         let below = below[j].mix(below[j + 1], t);
         below.mix(above[j].mix(above[j + 1], t), row_t)
@@ -86,7 +86,7 @@ impl Albedos {
     /// The albedo under light from all directions alike.
     #[inline]
     pub fn average(&self, row: Row) -> Albedo {
-        let (i, t) = cell::<N>(row.0);
+        let (i, t) = locate_cell::<N>(row.0);
         self.averages[i].mix(self.averages[i + 1], t)
     }
 
@@ -99,9 +99,9 @@ impl Albedos {
     }
 }
 
-/// The interval of an axis of `M` entries that holds `x`, and the place in it.
+/// The interval of an axis of `M` entries that holds `x`, and the position in it, 0 to 1.
 #[inline]
-pub fn cell<const M: usize>(x: f32) -> (usize, f32) {
+pub fn locate_cell<const M: usize>(x: f32) -> (usize, f32) {
     // Through i32, the one conversion that is one instruction.
     let index = (x as i32).clamp(0, M as i32 - 2);
     (index as usize, (x - index as f32).min(1.0))
@@ -109,7 +109,7 @@ pub fn cell<const M: usize>(x: f32) -> (usize, f32) {
 
 fn node_alpha(row: usize, count: usize) -> f32 {
     let root = row as f32 / (count - 1) as f32;
-    (root * root).max(super::metallic_roughness::LEAST_ALPHA)
+    (root * root).max(ggx::MIN_ALPHA)
 }
 
 fn node_cos(column: usize, count: usize) -> f32 {
@@ -174,21 +174,20 @@ const G: usize = 16;
 const SLICES: usize = 49;
 const SLICES_PER_UNIT: f32 = 32.0;
 
-/// Shares of light from a direction that one bounce on rough, colourless glass sends on, reflection
-/// and transmission together.
+/// The albedo of one bounce on rough, colourless glass: what it reflects and what it transmits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GlassAlbedo {
-    /// By the reflectances of its index.
+    /// With the reflectances of its index.
     pub exact: f32,
-    /// If all light passed that can.
+    /// If all light passed that is not totally reflected.
     clear: f32,
     /// What is added to that if all of it were reflected instead.
     mirrored: f32,
 }
 
 impl GlassAlbedo {
-    /// Where a facet reflects `constant + slope * F` instead of F, the reflectance of the index, but
-    /// all of what it cannot let through.
+    /// The albedo where a facet reflects `constant + slope * F` instead of F, the reflectance of
+    /// the index. Total reflection stays total.
     pub fn of(self, constant: f32, slope: f32) -> f32 {
         self.clear + constant * self.mirrored + slope * (self.exact - self.clear)
     }
@@ -206,7 +205,7 @@ impl GlassAlbedo {
 /// Those of one index: by roughness, then by cosine.
 type Slice = [[GlassAlbedo; G]; G];
 
-/// Each computed when first asked for: a scene's few kinds of glass need few of them.
+/// Each is computed on first use: a scene's few kinds of glass need few of them.
 static GLASS: [OnceLock<Box<Slice>>; SLICES] = [const { OnceLock::new() }; SLICES];
 
 fn glass_slice(index: usize) -> &'static Slice {
@@ -224,9 +223,9 @@ fn glass_slice(index: usize) -> &'static Slice {
 /// before the boundary.
 pub fn rough_glass(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
     let ratio = (eta - 1.0) / (eta + 1.0);
-    let (k, index_t) = cell::<SLICES>(((ratio + 0.5) * SLICES_PER_UNIT).max(0.0));
-    let (i, row_t) = cell::<G>(alpha.sqrt() * (G - 1) as f32);
-    let (j, column_t) = cell::<G>(cos.sqrt() * (G - 1) as f32);
+    let (k, index_t) = locate_cell::<SLICES>(((ratio + 0.5) * SLICES_PER_UNIT).max(0.0));
+    let (i, row_t) = locate_cell::<G>(alpha.sqrt() * (G - 1) as f32);
+    let (j, column_t) = locate_cell::<G>(cos.sqrt() * (G - 1) as f32);
     let at = |slice: &Slice| {
         let row = |row: &[GlassAlbedo; G]| row[j].mix(row[j + 1], column_t);
         row(&slice[i]).mix(row(&slice[i + 1]), row_t)

@@ -1,9 +1,12 @@
 //! Surfaces under a thin film: metal, plastic, glass, or some of each (KHR_materials_iridescence).
 
 use super::anisotropic::Anisotropic;
-use super::mixed::{mixed, sample_mixed};
+use super::dielectric::Dielectric;
+use super::form::BsdfForm;
+use super::mixed::{mix, sample_mixed};
+use super::params::{SurfaceParams, saturate};
+use super::sample::BsdfSample;
 use super::thin_film::ThinFilm;
-use super::{BsdfForm, BsdfSample, Dielectric, SurfaceParams, unit};
 use crate::math::{Vec2, Vec3};
 
 /// A film over what is opaque but for a `share` of glass.
@@ -20,18 +23,18 @@ pub struct Filmed {
 }
 
 impl Filmed {
-    /// What `params` describe, brushed with a strength along a direction, under a film.
+    /// The surface that `params` describe under a film, brushed with a strength along a direction.
     pub fn new(
         params: &SurfaceParams,
         stretch: (f32, Vec2),
         film: ThinFilm,
         form: BsdfForm,
     ) -> Self {
-        let metallic = unit(params.metallic);
-        let share = unit(params.transmission) * (1.0 - metallic);
+        let metallic = saturate(params.metallic);
+        let share = saturate(params.transmission) * (1.0 - metallic);
         // All of the metal is in the part that is not clear.
-        let metallic = unit(metallic / (1.0 - share));
-        let opaque = Anisotropic::filmed(params, metallic, stretch, film, form);
+        let metallic = saturate(metallic / (1.0 - share));
+        let opaque = Anisotropic::with_film(params, metallic, stretch, film, form);
         Self { opaque, glass: Dielectric::new(params, form), share, film }
     }
 
@@ -41,7 +44,7 @@ impl Filmed {
         if self.share == 0.0 {
             return opaque;
         }
-        mixed(self.share, opaque, self.glass.eval_under(Some(&self.film), wo, wi))
+        mix(self.share, opaque, self.glass.eval_under_film(Some(&self.film), wo, wi))
     }
 
     /// See [`super::Bsdf::sample`].
@@ -50,7 +53,7 @@ impl Filmed {
             self.share,
             u_lobe,
             |u_lobe| self.opaque.sample(wo, u_lobe, u),
-            |u_lobe| self.glass.sample_under(Some(&self.film), wo, u_lobe, u),
+            |u_lobe| self.glass.sample_under_film(Some(&self.film), wo, u_lobe, u),
             |wi| self.eval(wo, wi),
         )
     }

@@ -8,13 +8,16 @@ use std::f32::consts::PI;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
-/// What the density of the lobe and its value have in common.
+/// The least alpha. GGX's alpha is the square of the roughness, but not below this.
+pub const MIN_ALPHA: f32 = 1e-3;
+
+/// The factors that the lobe's density and its value share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lobe {
-    /// `D(h) G1(wo) / (2 wo.z)`: with `D(h)` the distribution of normals. Half of it is the density
-    /// of the reflected direction, if normals are drawn by [`sample_visible_normal`].
+    /// `D(h) G1(wo) / (2 wo.z)`, where `D(h)` is the distribution of normals. Half of it is the
+    /// density of the reflected direction, if normals come from [`sample_visible_normal`].
     pub visible: f32,
-    /// The same times `G1(wi) / (2 wi.z)`: `D V`, with glTF's separable visibility term V.
+    /// The same times `G1(wi) / (2 wi.z)`, that is `D V` with glTF's separable visibility term V.
     pub reflected: f32,
 }
 
@@ -46,7 +49,7 @@ pub fn masking(cos: f32, alpha2: f32) -> f32 {
     2.0 * cos / inverse_masking(cos, alpha2)
 }
 
-/// A normal as seen from `wo`, whose `z >= 0`: density `D(h) G1(wo) max(0, wo.h) / wo.z`.
+/// Samples a normal visible from `wo`, whose `z >= 0`: density `D(h) G1(wo) max(0, wo.h) / wo.z`.
 ///
 /// Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023.
 #[inline]

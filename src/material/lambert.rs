@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{BsdfSample, is_above};
+use super::sample::{BsdfSample, is_above};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 

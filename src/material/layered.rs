@@ -1,20 +1,25 @@
-//! Surfaces with something on them: a film, cloth, lacquer, or all, over any of the others.
+//! Surfaces with something on them: a film, cloth, lacquer, or all of these.
 
 use super::anisotropic::Anisotropic;
+use super::base::BaseBsdf;
 use super::clearcoat::Clearcoat;
 use super::filmed::Filmed;
+use super::form::BsdfForm;
+use super::layers::Layers;
+use super::params::{SurfaceParams, saturate};
+use super::sample::{BsdfSample, is_above, mean};
 use super::sheen::Sheen;
 use super::thin_film::ThinFilm;
-use super::{Bsdf, BsdfForm, BsdfSample, Layers, SurfaceParams, is_above, mean, unit};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::ONE_MINUS_EPSILON;
 
-/// Each lobe is drawn with at least this probability, before all are made to add up to one: what
-/// reflects little in all may reflect nearly everything at grazing half vectors.
-const LEAST_CHOICE: f32 = 0.1;
+/// Each lobe gets at least this share of the probability, before normalisation: what reflects
+/// little in all may reflect nearly everything at grazing half vectors.
+const MIN_PROBABILITY: f32 = 0.1;
 
-/// A coat over a sheen over a base with a thin film on it, of which any may be missing, packed: it is unpacked for each
-/// question, so that surfaces without layers stay small and pay nothing for it.
+/// A coat over a sheen over a base with a thin film on it, of which any may be missing. It is
+/// packed, and unpacked for each call, so that surfaces without layers stay small and pay nothing
+/// for it.
 ///
 /// What a layer reflects, those below it do not get: they are scaled by what it lets through, and
 /// for the coat in [`BsdfForm::AppendixB`] by the product of that for both directions (as
@@ -53,9 +58,9 @@ struct Share(u16);
 impl Share {
     const ONE: f32 = 65535.0;
 
-    /// `x` taken to the range, NaN to 0.
+    /// `x` clamped to the range; NaN becomes 0.
     fn new(x: f32) -> Self {
-        Self((unit(x) * Self::ONE + 0.5) as u16)
+        Self((saturate(x) * Self::ONE + 0.5) as u16)
     }
 
     fn get(self) -> f32 {
@@ -64,10 +69,10 @@ impl Share {
 }
 
 impl Layered {
-    /// What both describe; `None` where `layers` add nothing.
+    /// The surface that both describe; `None` where `layers` add nothing.
     pub(super) fn new(params: &SurfaceParams, layers: &Layers, form: BsdfForm) -> Option<Self> {
-        let sheen_color = Vec3::from_array(layers.sheen_color.to_array().map(unit));
-        let transmission = unit(params.transmission) * (1.0 - unit(params.metallic));
+        let sheen_color = Vec3::from_array(layers.sheen_color.to_array().map(saturate));
+        let transmission = saturate(params.transmission) * (1.0 - saturate(params.metallic));
         let made = Self {
             base_color: params.base_color,
             specular_color: params.specular_color,
@@ -114,7 +119,7 @@ impl Layered {
             let direction = self.anisotropy_direction;
             Base::Brushed(Anisotropic::new(&params, anisotropy, direction, form))
         } else {
-            Base::Plain(Bsdf::new(&params, form))
+            Base::Plain(BaseBsdf::new(&params, form))
         };
         let coat = (self.clearcoat != Share(0)).then(|| {
             let z = (1.0 - self.coat_slope.length_squared()).max(0.0).sqrt();
@@ -127,31 +132,31 @@ impl Layered {
         Stack { base, coat, sheen, both_sides, form }
     }
 
-    /// See [`Bsdf::eval`].
+    /// See [`super::Bsdf::eval`].
     #[inline(never)]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         self.unpack().eval(wo, wi)
     }
 
-    /// See [`Bsdf::sample`].
+    /// See [`super::Bsdf::sample`].
     #[inline(never)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         self.unpack().sample(wo, u_lobe, u)
     }
 
-    /// See [`Bsdf::transmits`].
+    /// See [`super::Bsdf::transmits`].
     pub fn transmits(&self) -> bool {
-        // As the base says, without making it.
+        // The same as the base's, without unpacking it.
         self.transmission.get() * (1.0 - self.metallic.get()) >= 1e-6
     }
 
-    /// See [`Bsdf::albedo`].
+    /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
         let stack = self.unpack();
         let sheen = stack.sheen.map_or(0.0, |sheen| sheen.albedo(Vec3::Z));
         let fibres = self.sheen_color * (sheen / mean(self.sheen_color).max(1e-6));
         let coat = stack.coat.map_or(0.0, |coat| coat.albedo(Vec3::Z));
-        let (through_coat, through_sheen) = stack.through(Vec3::Z, Vec3::Z);
+        let (through_coat, through_sheen) = stack.transmittance(Vec3::Z, Vec3::Z);
         Vec3::splat(coat) + (fibres + stack.base.albedo() * through_sheen) * through_coat
     }
 }
@@ -159,7 +164,7 @@ impl Layered {
 /// What lies below all layers.
 #[derive(Clone, Copy, Debug)]
 enum Base {
-    Plain(Bsdf),
+    Plain(BaseBsdf),
     Brushed(Anisotropic),
     Filmed(Filmed),
 }
@@ -198,7 +203,7 @@ impl Base {
     }
 }
 
-/// The layers at a point, ready to be asked.
+/// The layers at a point, unpacked.
 #[derive(Clone, Copy, Debug)]
 struct Stack {
     base: Base,
@@ -210,110 +215,109 @@ struct Stack {
 }
 
 /// Probabilities of the lobes; that of the base is the rest.
-struct Choice {
+struct LobeProbabilities {
     coat: f32,
     sheen: f32,
 }
 
-impl Choice {
+impl LobeProbabilities {
     fn base(&self) -> f32 {
         1.0 - self.coat - self.sheen
     }
 }
 
 impl Stack {
-    /// Seen from the front, if both sides are alike, and whether that took a turn.
-    fn turned(&self, wo: Vec3) -> (Vec3, f32) {
+    /// The same direction seen from the front if both sides are alike, and the sign that did it.
+    fn flip_to_front(&self, wo: Vec3) -> (Vec3, f32) {
         let side = if self.both_sides && wo.z < 0.0 { -1.0 } else { 1.0 };
         (wo * side, side)
     }
 
-    /// What of light between two directions the coat and the sheen leave to what is below.
-    fn through(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+    /// The shares of light between two directions that the coat and the sheen let through.
+    fn transmittance(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
         let outside = |w: Vec3| self.both_sides || w.z > 0.0;
         let of = |through: &dyn Fn(Vec3) -> f32| {
             let share = |w: Vec3| if outside(w) { through(w) } else { 1.0 };
             (share(wo), share(wi))
         };
         let coat = self.coat.as_ref().map_or(1.0, |coat| {
-            let (o, i) = of(&|w| coat.through(w));
+            let (o, i) = of(&|w| coat.transmittance(w));
             if self.form == BsdfForm::AppendixB { o * i } else { o.min(i) }
         });
         let sheen = self.sheen.as_ref().map_or(1.0, |sheen| {
-            let (o, i) = of(&|w| sheen.through(w));
+            let (o, i) = of(&|w| sheen.transmittance(w));
             o.min(i)
         });
         (coat, sheen)
     }
 
-    /// By what each lobe reflects of the light that comes from the viewer.
-    fn choice(&self, wo: Vec3) -> Choice {
+    /// Proportional to what each lobe reflects of light from the viewer's direction.
+    fn lobe_probabilities(&self, wo: Vec3) -> LobeProbabilities {
         if wo.z < 0.0 {
-            return Choice { coat: 0.0, sheen: 0.0 };
+            return LobeProbabilities { coat: 0.0, sheen: 0.0 };
         }
-        let (through_coat, through_sheen) = self.through(wo, wo);
+        let (through_coat, through_sheen) = self.transmittance(wo, wo);
         let coat = self.coat.as_ref().map_or(0.0, |coat| coat.albedo(wo));
         let sheen = self.sheen.as_ref().map_or(0.0, |sheen| sheen.albedo(wo) * through_coat);
         let base = mean(self.base.albedo()).clamp(0.0, 1.0) * through_coat * through_sheen;
-        let least = LEAST_CHOICE * (coat + sheen + base) + 1e-6;
+        let least = MIN_PROBABILITY * (coat + sheen + base) + 1e-6;
         let coat = if self.coat.is_some() { coat.max(least) } else { 0.0 };
         let sheen = if self.sheen.is_some() { sheen.max(least) } else { 0.0 };
         let total = coat + sheen + base.max(least);
-        Choice { coat: coat / total, sheen: sheen / total }
+        LobeProbabilities { coat: coat / total, sheen: sheen / total }
     }
 
     fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        let (wo, side) = self.turned(wo);
+        let (wo, side) = self.flip_to_front(wo);
         if !is_above(wo.z.abs()) {
             return (Vec3::ZERO, 0.0);
         }
-        self.evaluate(&self.choice(wo), wo, wi * side)
+        self.evaluate(&self.lobe_probabilities(wo), wo, wi * side)
     }
 
-    fn evaluate(&self, choice: &Choice, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        let (through_coat, through_sheen) = self.through(wo, wi);
+    fn evaluate(&self, lobes: &LobeProbabilities, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let (through_coat, through_sheen) = self.transmittance(wo, wi);
         let (below, below_pdf) = self.base.eval(wo, wi);
-        let (mut value, mut pdf) = (below * through_sheen, below_pdf * choice.base());
+        let (mut value, mut pdf) = (below * through_sheen, below_pdf * lobes.base());
         let above = is_above(wo.z) && is_above(wi.z);
         if let Some(sheen) = self.sheen.as_ref().filter(|_| above) {
             value += sheen.eval(wo, wi);
-            pdf += Sheen::PDF * choice.sheen;
+            pdf += Sheen::PDF * lobes.sheen;
         }
         value *= through_coat;
         if let Some(coat) = self.coat.as_ref().filter(|_| above) {
             let (reflected, density) = coat.eval(wo, wi);
             value += reflected;
-            pdf += density * choice.coat;
+            pdf += density * lobes.coat;
         }
         (value, pdf)
     }
 
     fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        let (wo, side) = self.turned(wo);
+        let (wo, side) = self.flip_to_front(wo);
         if !is_above(wo.z.abs()) {
             return None;
         }
-        let choice = self.choice(wo);
+        let lobes = self.lobe_probabilities(wo);
         let mut eta = 1.0;
-        let wi = if let Some(coat) = self.coat.as_ref().filter(|_| u_lobe < choice.coat) {
+        let wi = if let Some(coat) = self.coat.as_ref().filter(|_| u_lobe < lobes.coat) {
             coat.sample(wo, u).filter(|wi| is_above(wi.z))?
-        } else if u_lobe < choice.coat + choice.sheen {
+        } else if u_lobe < lobes.coat + lobes.sheen {
             Some(Sheen::sample(u)).filter(|wi| is_above(wi.z))?
         } else {
-            let rest = (u_lobe - choice.coat - choice.sheen) / choice.base();
+            let rest = (u_lobe - lobes.coat - lobes.sheen) / lobes.base();
             let mut sample = self.base.sample(wo, rest.clamp(0.0, ONE_MINUS_EPSILON), u)?;
             if sample.delta {
-                let (through_coat, through_sheen) = self.through(wo, sample.wi);
-                sample.weight *= through_coat * through_sheen / choice.base();
-                sample.pdf *= choice.base();
+                let (through_coat, through_sheen) = self.transmittance(wo, sample.wi);
+                sample.weight *= through_coat * through_sheen / lobes.base();
+                sample.pdf *= lobes.base();
                 sample.wi *= side;
                 return Some(sample);
             }
             eta = sample.eta;
             sample.wi
         };
-        let (value, pdf) = self.evaluate(&choice, wo, wi);
-        let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta };
-        (pdf > 0.0).then_some(sample)
+        let (value, pdf) = self.evaluate(&lobes, wo, wi);
+        BsdfSample::from_value(wi * side, value, pdf, eta)
     }
 }

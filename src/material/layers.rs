@@ -1,35 +1,35 @@
-//! What may lie on a surface, or stretch its reflection: parameters of the layered extensions.
+//! The parameters of what may lie on a surface, or stretch its reflection.
 
 use crate::math::{Vec2, Vec3};
 
-/// What KHR_materials_clearcoat, sheen, iridescence and anisotropy come down to at a point, named as the
-/// specifications name them. All texture look-ups are done.
+/// The parameters of KHR_materials_clearcoat, sheen, iridescence and anisotropy at a point, named
+/// as in the specifications. All texture look-ups are done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers {
-    /// Strength of a coat of lacquer, 0 to 1; taken to that range.
+    /// Strength of a coat of lacquer, 0 to 1; clamped to that range.
     pub clearcoat: f32,
-    /// Its perceptual roughness, 0 to 1; taken to that range.
+    /// Its perceptual roughness, 0 to 1; clamped to that range.
     pub clearcoat_roughness: f32,
     /// Its unit normal, in the local frame of the surface below.
     pub clearcoat_normal: Vec3,
-    /// Colour of the fibres that stand off cloth, 0 to 1; taken to that range.
+    /// Colour of the fibres that stand off cloth, 0 to 1; clamped to that range.
     pub sheen_color: Vec3,
-    /// How far they stand from upright, 0 to 1; taken to that range.
+    /// How far the fibres lean, 0 to 1; clamped to that range.
     pub sheen_roughness: f32,
-    /// How far the reflection is stretched, 0 to 1; taken to that range.
+    /// How far the reflection is stretched, 0 to 1; clamped to that range.
     pub anisotropy: f32,
-    /// The way in which it is, a unit vector of the local frame's tangent plane.
+    /// The direction of the stretch, a unit vector of the local frame's tangent plane.
     pub anisotropy_direction: Vec2,
-    /// Strength of a thin film on the base, 0 to 1; taken to that range.
+    /// Strength of a thin film on the base, 0 to 1; clamped to that range.
     pub iridescence: f32,
     /// Its index of refraction, at least 1.
     pub iridescence_ior: f32,
-    /// Nanometres.
+    /// Thickness of the film, nanometres.
     pub iridescence_thickness: f32,
 }
 
 impl Layers {
-    /// Nothing on it, nothing stretched.
+    /// No layer, and no stretch.
     pub const NONE: Self = Self {
         clearcoat: 0.0,
         clearcoat_roughness: 0.0,

@@ -3,16 +3,17 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::energy::{Albedo, Albedos, Row};
-use super::{BsdfForm, BsdfSample, SurfaceParams, fresnel, ggx, is_above, mean, unit};
+use super::form::BsdfForm;
+use super::fresnel;
+use super::ggx::{self, MIN_ALPHA};
+use super::params::{SurfaceParams, saturate};
+use super::sample::{BsdfSample, is_above, mean};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
-/// GGX's alpha is the square of the roughness, and at least this.
-pub const LEAST_ALPHA: f32 = 1e-3;
-
-/// The specular lobe is drawn with at least this probability where it has any weight: a coat that
+/// The specular lobe is sampled with at least this probability where it has any weight: a coat that
 /// reflects little in all reflects nearly everything at grazing half vectors.
-const LEAST_SPECULAR: f32 = 0.1;
+const MIN_SPECULAR_PROBABILITY: f32 = 0.1;
 
 /// A metal and a coated diffuse base, mixed by `metallic`: a specular lobe, and one that follows
 /// the cosine.
@@ -47,7 +48,7 @@ pub struct MetallicRoughness {
     form: BsdfForm,
 }
 
-/// What the direction towards the viewer decides.
+/// What depends on the direction towards the viewer alone.
 struct View {
     albedo: Albedo,
     /// Probability of the specular lobe.
@@ -57,12 +58,12 @@ struct View {
 impl MetallicRoughness {
     /// The opaque part of what `params` describe.
     pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
-        Self::with_metallic(params, unit(params.metallic), form)
+        Self::with_metallic(params, saturate(params.metallic), form)
     }
 
     pub(super) fn with_metallic(params: &SurfaceParams, metallic: f32, form: BsdfForm) -> Self {
-        let roughness = unit(params.roughness);
-        let alpha = (roughness * roughness).max(LEAST_ALPHA);
+        let roughness = saturate(params.roughness);
+        let alpha = (roughness * roughness).max(MIN_ALPHA);
         let row = Row::of(alpha);
         Self::with_average(params, metallic, form, alpha, || Albedos::get().average(row))
     }
@@ -76,7 +77,7 @@ impl MetallicRoughness {
         alpha: f32,
         average: impl FnOnce() -> Albedo,
     ) -> Self {
-        let specular = unit(params.specular);
+        let specular = saturate(params.specular);
         let (base, dielectric) = (params.base_color, 1.0 - metallic);
 
         let coat = coat_f0(params);
@@ -110,9 +111,9 @@ impl MetallicRoughness {
         }
     }
 
-    /// The same with another specular lobe on both, whose reflectances nowhere exceed Schlick's of
-    /// `coat_f0` and one: `f0` is its reflectance from above, `average` that of the metal from
-    /// everywhere, and `albedo` the white lobe's.
+    /// The same with another specular lobe, whose reflectances nowhere exceed Schlick's of
+    /// `coat_f0` and one: `f0` is its reflectance from above, `average` the metal's over the
+    /// hemisphere, and `albedo` the white lobe's.
     pub(super) fn with_reflectance(
         self,
         f0: Vec3,
@@ -162,20 +163,18 @@ impl MetallicRoughness {
             return None;
         }
         let (value, pdf) = self.evaluate(&view, wo, wi, h);
-        // Also where nothing is reflected at all.
-        let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta: 1.0 };
-        (pdf > 0.0).then_some(sample)
+        BsdfSample::from_value(wi * side, value, pdf, 1.0)
     }
 
     #[inline]
     fn view(&self, cos: f32) -> View {
         let albedo = Albedos::get().at(self.row, cos);
-        View { albedo, specular: self.choice(albedo) }
+        View { albedo, specular: self.specular_probability(albedo) }
     }
 
     /// The probability of the specular lobe where its albedo is this.
     #[inline(always)]
-    pub(super) fn choice(&self, albedo: Albedo) -> f32 {
+    pub(super) fn specular_probability(&self, albedo: Albedo) -> f32 {
         let specular = mean(self.f0) * albedo.f0 + self.f90 * albedo.f90;
         let below = mean(self.diffuse) * (1.0 - albedo.of(self.coat_f0, self.coat_f90));
         let other = below + mean(self.multiple) * albedo.loss();
@@ -184,7 +183,7 @@ impl MetallicRoughness {
         } else if specular <= 0.0 {
             0.0
         } else {
-            (specular / (specular + other)).max(LEAST_SPECULAR)
+            (specular / (specular + other)).max(MIN_SPECULAR_PROBABILITY)
         }
     }
 
@@ -206,8 +205,8 @@ impl MetallicRoughness {
         self.f0 + (self.f90 - self.f0) * weight
     }
 
-    /// What follows the cosine, times π: of Schlick's weight at the half vector, and of the lobe's
-    /// albedos from the viewer and towards the light.
+    /// The lobe that follows the cosine, times π, for Schlick's weight at the half vector and the
+    /// specular lobe's albedos towards the viewer and towards the light.
     #[inline(always)]
     pub(super) fn smooth(
         &self,
@@ -239,10 +238,10 @@ impl MetallicRoughness {
 /// The reflectance of a dielectric's surface at normal incidence, by colour.
 pub(super) fn coat_f0(params: &SurfaceParams) -> Vec3 {
     let root = (params.ior - 1.0) / (params.ior + 1.0);
-    (params.specular_color * (root * root)).min(Vec3::ONE) * unit(params.specular)
+    (params.specular_color * (root * root)).min(Vec3::ONE) * saturate(params.specular)
 }
 
-/// The colour of light that a metal has reflected more than once, of its average reflectance and
+/// The colour of light that a metal has reflected more than once, from its average reflectance and
 /// the share of light that the white lobe loses.
 #[inline]
 fn multiple_scattering(fresnel: Vec3, loss: f32) -> Vec3 {

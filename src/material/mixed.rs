@@ -1,6 +1,10 @@
 //! Surfaces that are clear in part.
 
-use super::{BsdfForm, BsdfSample, Dielectric, MetallicRoughness, SurfaceParams, unit};
+use super::dielectric::Dielectric;
+use super::form::BsdfForm;
+use super::metallic_roughness::MetallicRoughness;
+use super::params::{SurfaceParams, saturate};
+use super::sample::BsdfSample;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::ONE_MINUS_EPSILON;
 
@@ -13,10 +17,11 @@ pub struct Mixed {
 }
 
 impl Mixed {
-    /// What `params` describe; `share = transmission * (1 - metallic)`, between 0 and 1.
+    /// The surface that `params` describe; `share = transmission * (1 - metallic)`, between 0 and
+    /// 1.
     pub(super) fn new(params: &SurfaceParams, share: f32, form: BsdfForm) -> Self {
         // All of the metal is in the part that is not clear.
-        let metallic = unit(unit(params.metallic) / (1.0 - share));
+        let metallic = saturate(saturate(params.metallic) / (1.0 - share));
         Self {
             opaque: MetallicRoughness::with_metallic(params, metallic, form),
             glass: Dielectric::new(params, form),
@@ -27,7 +32,7 @@ impl Mixed {
     /// See [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        mixed(self.share, self.opaque.eval(wo, wi), self.glass.eval(wo, wi))
+        mix(self.share, self.opaque.eval(wo, wi), self.glass.eval(wo, wi))
     }
 
     /// See [`super::Bsdf::sample`].
@@ -50,12 +55,12 @@ impl Mixed {
 
 /// Values and densities of what is opaque but for a `share` of glass.
 #[inline(always)]
-pub(super) fn mixed(share: f32, opaque: (Vec3, f32), glass: (Vec3, f32)) -> (Vec3, f32) {
+pub(super) fn mix(share: f32, opaque: (Vec3, f32), glass: (Vec3, f32)) -> (Vec3, f32) {
     let rest = 1.0 - share;
     (opaque.0 * rest + glass.0 * share, opaque.1 * rest + glass.1 * share)
 }
 
-/// Draws from one of both, by `u_lobe`, and weighs by both.
+/// Samples one of both by `u_lobe`, with the value and the density of both together.
 #[inline(always)]
 pub(super) fn sample_mixed(
     share: f32,

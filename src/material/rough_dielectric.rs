@@ -5,15 +5,17 @@
 //! (after Turquin, "Practical multiple scattering compensation for microfacet models", 2019): no
 //! light is lost, at the price of reciprocity.
 
-use super::dielectric::Dielectric;
+use super::boundary::Boundary;
 use super::energy::{self, Albedos, Row};
+use super::form::BsdfForm;
+use super::ggx;
+use super::sample::{BsdfSample, is_above};
 use super::thin_film::ThinFilm;
-use super::{BsdfForm, BsdfSample, ggx, is_above};
 use crate::math::{Vec2, Vec3};
 
 /// See [`super::Bsdf::eval`].
 #[inline]
-pub fn eval_solid(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+pub fn eval_solid(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let eta = glass.eta(wo);
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
@@ -28,7 +30,7 @@ pub fn eval_solid(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec
 /// See [`super::Bsdf::sample`].
 #[inline]
 pub fn sample_solid(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     wo: Vec3,
     u_lobe: f32,
@@ -40,7 +42,7 @@ pub fn sample_solid(
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
     let along = wo.dot(h);
     let (split, cos_t) = glass.split(along, eta, film);
-    let reflects = u_lobe < split.choice;
+    let reflects = u_lobe < split.reflection_probability;
     let wi = if reflects {
         h * (2.0 * along) - wo
     } else {
@@ -51,14 +53,13 @@ pub fn sample_solid(
     }
     let (value, pdf) = evaluate_solid(glass, film, eta, wo, wi, h);
     let eta = if reflects { 1.0 } else { eta };
-    let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta };
-    (pdf > 0.0).then_some(sample)
+    BsdfSample::from_value(wi * side, value, pdf, eta)
 }
 
 /// For `wo` and the half vector `h` above the surface.
 #[inline]
 fn evaluate_solid(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     eta: f32,
     wo: Vec3,
@@ -74,24 +75,24 @@ fn evaluate_solid(
     let lobe = ggx::Lobe::new(h, wo.z, wi.z.abs(), glass.alpha);
     let gain = match glass.form {
         BsdfForm::AppendixB => Vec3::ONE,
-        BsdfForm::Conserving => glass.gain(energy::rough_glass(glass.alpha, wo.z, eta)),
+        BsdfForm::Conserving => glass.compensation(energy::rough_glass(glass.alpha, wo.z, eta)),
     };
     if wi.z > 0.0 {
         let value = split.reflectance * gain * (lobe.reflected * wi.z);
-        (value, split.choice * lobe.visible * 0.5)
+        (value, split.reflection_probability * lobe.visible * 0.5)
     } else {
         let denominator = along_o + eta * along_i;
         let spread = 2.0 * along_o * along_i.abs() / (denominator * denominator);
         let scattered = 2.0 * spread * lobe.reflected * wi.z.abs();
         let value = split.transmittance(glass.tint) * gain * scattered;
         // Radiance is denser behind the boundary: the value lacks the factor eta² of the density.
-        (value, (1.0 - split.choice) * spread * lobe.visible * eta * eta)
+        (value, (1.0 - split.reflection_probability) * spread * lobe.visible * eta * eta)
     }
 }
 
 /// See [`super::Bsdf::eval`]. What passes is the mirror image of what is reflected.
 #[inline]
-pub fn eval_thin(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+pub fn eval_thin(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
         return (Vec3::ZERO, 0.0);
@@ -103,7 +104,7 @@ pub fn eval_thin(glass: &Dielectric, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3
 /// See [`super::Bsdf::sample`].
 #[inline]
 pub fn sample_thin(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     wo: Vec3,
     u_lobe: f32,
@@ -117,16 +118,15 @@ pub fn sample_thin(
     if !is_above(mirrored.z) {
         return None;
     }
-    let reflects = u_lobe < glass.split_thin(along, film).choice;
+    let reflects = u_lobe < glass.split_thin(along, film).reflection_probability;
     let (value, pdf) = evaluate_thin(glass, film, wo, mirrored, h, reflects);
     let wi = if reflects { mirrored } else { Vec3::new(mirrored.x, mirrored.y, -mirrored.z) };
-    let sample = BsdfSample { wi: wi * side, weight: value / pdf, pdf, delta: false, eta: 1.0 };
-    (pdf > 0.0).then_some(sample)
+    BsdfSample::from_value(wi * side, value, pdf, 1.0)
 }
 
 #[inline]
 fn evaluate_thin(
-    glass: &Dielectric,
+    glass: &Boundary,
     film: Option<&ThinFilm>,
     wo: Vec3,
     mirrored: Vec3,
@@ -139,8 +139,11 @@ fn evaluate_thin(
     let scattered = lobe.reflected * mirrored.z / (1.0 - albedo.loss());
     let density = lobe.visible * 0.5;
     if reflects {
-        (split.reflectance * scattered, split.choice * density)
+        (split.reflectance * scattered, split.reflection_probability * density)
     } else {
-        (split.transmittance(glass.tint) * scattered, (1.0 - split.choice) * density)
+        (
+            split.transmittance(glass.tint) * scattered,
+            (1.0 - split.reflection_probability) * density,
+        )
     }
 }

@@ -6,15 +6,16 @@
 use std::f32::consts::TAU;
 use std::sync::LazyLock;
 
-use super::energy::cell;
-use super::{BsdfForm, mean};
+use super::energy::locate_cell;
+use super::form::BsdfForm;
+use super::sample::mean;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
-/// Below this the distribution is a blade that no light meets.
-const LEAST_ROUGHNESS: f32 = 0.07;
+/// Below this the distribution is too narrow to be seen.
+const MIN_ROUGHNESS: f32 = 0.07;
 
-/// The sheen at a point, ready to be asked. Directions are above the surface.
+/// The sheen at a point. Directions are above the surface.
 ///
 /// The model reflects more than it gets at grazing angles on smooth fibres; in
 /// [`BsdfForm::Conserving`] it is scaled down there.
@@ -34,9 +35,9 @@ impl Sheen {
 
     /// Of a colour and a roughness, both 0 to 1.
     pub fn new(color: Vec3, roughness: f32, form: BsdfForm) -> Self {
-        let roughness = roughness.max(LEAST_ROUGHNESS);
+        let roughness = roughness.max(MIN_ROUGHNESS);
         let alpha = roughness * roughness;
-        let step = (roughness - LEAST_ROUGHNESS) / (1.0 - LEAST_ROUGHNESS) * STEPS as f32;
+        let step = (roughness - MIN_ROUGHNESS) / (1.0 - MIN_ROUGHNESS) * STEPS as f32;
         Self { color, alpha, shadowing: Shadowing::new(alpha), step, form }
     }
 
@@ -51,7 +52,7 @@ impl Sheen {
     }
 
     /// The share of light from a direction, on either side, that it lets through.
-    pub fn through(&self, w: Vec3) -> f32 {
+    pub fn transmittance(&self, w: Vec3) -> f32 {
         (1.0 - self.color.max_element() * self.white(w)).max(0.0)
     }
 
@@ -61,7 +62,7 @@ impl Sheen {
         let sin2 = h.x * h.x + h.y * h.y;
         let inverse = 1.0 / self.alpha;
         let distribution = (2.0 + inverse) / TAU * libm::powf(sin2, 0.5 * inverse);
-        let shadowed = 1.0 + self.shadowing.at(wo.z) + self.shadowing.at(wi.z);
+        let shadowed = 1.0 + self.shadowing.lambda(wo.z) + self.shadowing.lambda(wi.z);
         let limit = match self.form {
             BsdfForm::AppendixB => 1.0,
             BsdfForm::Conserving => self.white(wo).max(self.white(wi)).max(1.0),
@@ -69,7 +70,7 @@ impl Sheen {
         self.color * (distribution / (shadowed * 4.0 * wo.z * limit))
     }
 
-    /// A direction of the hemisphere, all of them alike: there is no peak.
+    /// Samples the hemisphere uniformly: there is no peak.
     pub fn sample(u: Vec2) -> Vec3 {
         warp::cone(u, 0.0)
     }
@@ -98,15 +99,15 @@ impl Shadowing {
         }
     }
 
-    fn log(&self, cos: f32) -> f32 {
+    fn log_lambda(&self, cos: f32) -> f32 {
         self.a / (1.0 + self.b * libm::powf(cos, self.c)) + self.d * cos + self.e
     }
 
-    fn at(&self, cos: f32) -> f32 {
+    fn lambda(&self, cos: f32) -> f32 {
         libm::expf(if cos < 0.5 {
-            self.log(cos)
+            self.log_lambda(cos)
         } else {
-            2.0 * self.log(0.5) - self.log((1.0 - cos).max(0.0))
+            2.0 * self.log_lambda(0.5) - self.log_lambda((1.0 - cos).max(0.0))
         })
     }
 }
@@ -126,7 +127,7 @@ static ALBEDOS: LazyLock<Box<[[f32; COLUMNS]; ROWS]>> = LazyLock::new(|| {
             Some(beyond) => (PARTED + beyond) as f32,
             None => row as f32 / PARTS as f32,
         };
-        let roughness = LEAST_ROUGHNESS + (1.0 - LEAST_ROUGHNESS) * (step / STEPS as f32);
+        let roughness = MIN_ROUGHNESS + (1.0 - MIN_ROUGHNESS) * (step / STEPS as f32);
         integrate_row(roughness * roughness)
     }))
 });
@@ -134,12 +135,12 @@ static ALBEDOS: LazyLock<Box<[[f32; COLUMNS]; ROWS]>> = LazyLock::new(|| {
 fn albedo(step: f32, cos: f32) -> f32 {
     let table = &**ALBEDOS;
     let (i, row_t) = if step < PARTED as f32 {
-        cell::<{ PARTED * PARTS + 1 }>(step * PARTS as f32)
+        locate_cell::<{ PARTED * PARTS + 1 }>(step * PARTS as f32)
     } else {
-        let (i, t) = cell::<{ STEPS + 1 }>(step);
+        let (i, t) = locate_cell::<{ STEPS + 1 }>(step);
         (i + PARTED * (PARTS - 1), t)
     };
-    let (j, t) = cell::<COLUMNS>(cos.sqrt() * (COLUMNS - 1) as f32);
+    let (j, t) = locate_cell::<COLUMNS>(cos.sqrt() * (COLUMNS - 1) as f32);
     let at = |row: &[f32; COLUMNS]| row[j] + (row[j + 1] - row[j]) * t;
     let (below, above) = (at(&table[i]), at(&table[i + 1]));
     below + (above - below) * row_t
@@ -153,13 +154,13 @@ fn integrate_row(alpha: f32) -> [f32; COLUMNS] {
     let inverse = 1.0 / alpha;
     let caps: [(f32, f32, f32); CAPS] = std::array::from_fn(|cap| {
         let root = (cap as f32 + 0.5) / CAPS as f32;
-        (root * root, 2.0 * root / CAPS as f32, shadowing.at(root * root))
+        (root * root, 2.0 * root / CAPS as f32, shadowing.lambda(root * root))
     });
     std::array::from_fn(|column| {
         let root = column as f32 / (COLUMNS - 1) as f32;
         // At the horizon itself the limit is taken from close by.
         let cos = (root * root).max(1e-4);
-        let (sin, here) = ((1.0 - cos * cos).max(0.0).sqrt(), shadowing.at(cos));
+        let (sin, here) = ((1.0 - cos * cos).max(0.0).sqrt(), shadowing.lambda(cos));
         let mut sum = 0.0_f64;
         for (z, width, there) in caps {
             let radius = (1.0 - z * z).sqrt();

@@ -7,7 +7,8 @@
 
 use std::f32::consts::PI;
 
-use super::{fresnel, unit};
+use super::fresnel;
+use super::params::saturate;
 use crate::math::Vec3;
 
 /// A film in air over something that reflects.
@@ -28,7 +29,7 @@ impl ThinFilm {
     /// nanometres (at least 0).
     pub fn new(strength: f32, ior: f32, thickness: f32) -> Self {
         // The approximations below would leave something of a film of no thickness.
-        let strength = if thickness > 0.0 { unit(strength) } else { 0.0 };
+        let strength = if thickness > 0.0 { saturate(strength) } else { 0.0 };
         Self { strength, ior: ior.max(1.0), thickness: thickness.max(0.0) }
     }
 

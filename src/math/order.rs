@@ -1,7 +1,7 @@
 //! The larger and the smaller of two numbers, neither of which is NaN.
 //!
-//! One instruction each, where `f32::max` and `f32::min` take three for what they promise about NaN.
-//! Of two zeros of different sign either may come out.
+//! One instruction each, where `f32::max` and `f32::min` take three for what they promise about
+//! NaN. Of two zeros of different sign either may come out.
 
 /// The larger.
 #[inline(always)]

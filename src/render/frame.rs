@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::layers::picture;
+use super::aov::assemble_picture;
 use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
 use super::tile::{LostSample, SIDE, Tile, first_lost};
@@ -17,21 +17,29 @@ use crate::world::World;
 
 /// How a render talks to its caller while it runs.
 pub struct Control<'a> {
-    /// Once true, the tiles under way are finished to the end of their block of samples, and what
-    /// there is is the picture.
+    /// Once true, tiles under way finish their block of samples, and the picture is made of what
+    /// there is.
     pub cancel: &'a AtomicBool,
     /// Called from a thread of its own, some ten times a second and once at the end.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
-/// How far a render is.
+impl Default for Control<'static> {
+    /// Reports nothing and never cancels.
+    fn default() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { cancel: &NEVER, progress: &|_| {} }
+    }
+}
+
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Samples taken, over all pixels.
     pub done: u64,
     /// Samples wanted.
     pub total: u64,
-    /// Since it began.
+    /// Time since it began.
     pub elapsed: Duration,
 }
 
@@ -52,15 +60,15 @@ pub struct Rendered {
     pub rays: RayCounts,
     /// Paths that were followed.
     pub paths: u64,
-    /// Time for all but the preparations.
+    /// Time that rendering took, without loading and building.
     pub elapsed: Duration,
     /// The fewest and the most samples a pixel has, lost ones included.
     pub samples: (u64, u64),
-    /// Pixels without any: black.
+    /// Pixels without any sample, which are black.
     pub without_samples: u64,
     /// Whether it was cancelled before all samples were taken.
     pub cancelled: bool,
-    /// Samples that were not finite: how many.
+    /// The number of samples that were not finite.
     pub lost_count: u64,
     /// The first ten of them, by row, column and sample.
     pub lost: Vec<LostSample>,
@@ -69,8 +77,9 @@ pub struct Rendered {
 /// Renders a picture, on the threads of the current rayon pool.
 ///
 /// The result is a function of the world, the camera and the settings: neither `accel` nor the
-/// number of threads changes a bit of it, but for the layer `cost`. All pixels take 16 samples, then
-/// all of them 16 more, then 32, 64 and so on, so that a cancelled picture is whole, if noisier.
+/// number of threads changes a bit of it, except for the layer `cost`. All pixels take 16 samples,
+/// then all of them 16 more, then 32, 64 and so on, so that a cancelled picture is complete, only
+/// noisier.
 pub fn render(
     world: &World,
     camera: &Camera,
@@ -78,17 +87,16 @@ pub fn render(
     settings: &Settings,
     control: &Control<'_>,
 ) -> Rendered {
-    let mut exposure = Exposure::new(settings);
-    exposure.expose(world, camera, accel, settings.spp, control);
-    exposure.develop()
+    let mut film = FilmAccumulator::new(settings);
+    film.accumulate(world, camera, accel, settings.spp, control);
+    film.finish()
 }
 
-/// A film while light falls on it: what moves may be elsewhere from one part of its samples to the
-/// next.
-pub struct Exposure<'a> {
+/// Adds up the samples of a picture. The scene may be posed anew from one part of them to the next.
+pub struct FilmAccumulator<'a> {
     settings: &'a Settings,
     tiles: Vec<Mutex<Tile>>,
-    /// When the first light fell.
+    /// When the first sample was taken.
     start: Option<Instant>,
     /// Paths followed.
     done: AtomicU64,
@@ -96,12 +104,12 @@ pub struct Exposure<'a> {
     elapsed: Duration,
 }
 
-impl<'a> Exposure<'a> {
-    /// No samples yet.
+impl<'a> FilmAccumulator<'a> {
+    /// A film without samples.
     pub fn new(settings: &'a Settings) -> Self {
         Self {
             settings,
-            tiles: cut(settings.crop).into_iter().map(Mutex::new).collect(),
+            tiles: split_into_tiles(settings.crop).into_iter().map(Mutex::new).collect(),
             start: None,
             done: AtomicU64::new(0),
             rays: RayCounts::default(),
@@ -109,9 +117,9 @@ impl<'a> Exposure<'a> {
         }
     }
 
-    /// Takes every pixel on to its sample `end`, exclusively, on the threads of the current rayon
-    /// pool; see [`render`].
-    pub fn expose(
+    /// Takes the samples of every pixel up to `end`, exclusively, on the threads of the current
+    /// rayon pool; see [`render`].
+    pub fn accumulate(
         &mut self,
         world: &World,
         camera: &Camera,
@@ -122,7 +130,7 @@ impl<'a> Exposure<'a> {
         let start = Instant::now();
         let (settings, tiles, done) = (self.settings, &self.tiles, &self.done);
         let first = tiles.first().map_or(end, |tile| lock(tile).next);
-        let passes = passes(first, end);
+        let passes = pass_ends(first, end);
         let camera = camera.rays(settings.aspect());
         let region = camera.region();
         let next_job = AtomicUsize::new(0);
@@ -157,8 +165,8 @@ impl<'a> Exposure<'a> {
         self.elapsed += start.elapsed();
     }
 
-    /// The picture of what there is.
-    pub fn develop(self) -> Rendered {
+    /// Makes the picture of the samples so far.
+    pub fn finish(self) -> Rendered {
         let tiles: Vec<Tile> = self
             .tiles
             .into_iter()
@@ -166,7 +174,7 @@ impl<'a> Exposure<'a> {
             .collect();
         let fewest = tiles.iter().map(|tile| tile.next).min().unwrap_or(0);
         Rendered {
-            picture: picture(&tiles, self.settings),
+            picture: assemble_picture(&tiles, self.settings),
             rays: self.rays,
             paths: self.done.into_inner(),
             elapsed: self.elapsed,
@@ -188,8 +196,8 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The tiles of a window, row by row.
-fn cut(crop: Window) -> Vec<Tile> {
+/// Splits a window into tiles, row by row.
+fn split_into_tiles(crop: Window) -> Vec<Tile> {
     let (x0, y0, x1, y1) = (crop.x0 as u32, crop.y0 as u32, crop.x1 as u32, crop.y1 as u32);
     let rows = (y0..y1).step_by(SIDE as usize);
     rows.flat_map(|y| (x0..x1).step_by(SIDE as usize).map(move |x| (x, y)))
@@ -198,7 +206,7 @@ fn cut(crop: Window) -> Vec<Tile> {
 }
 
 /// The sample at which each pass ends: doubling, so that the sums of a pixel are few nodes.
-fn passes(first: u64, end: u64) -> Vec<u64> {
+fn pass_ends(first: u64, end: u64) -> Vec<u64> {
     let doubling = std::iter::successors(Some(BLOCK), |end| Some(end * 2));
     let within = doubling.skip_while(|&pass| pass <= first).take_while(|&pass| pass < end);
     within.chain([end]).collect()
@@ -241,11 +249,11 @@ mod tests {
 
     #[test]
     fn passes_double_and_end_at_the_last_sample() {
-        assert_eq!(passes(0, 1), [1]);
-        assert_eq!(passes(0, 16), [16]);
-        assert_eq!(passes(0, 100), [16, 32, 64, 100]);
-        assert_eq!(passes(16, 100), [32, 64, 100]);
-        assert_eq!(passes(20, 24), [24]);
+        assert_eq!(pass_ends(0, 1), [1]);
+        assert_eq!(pass_ends(0, 16), [16]);
+        assert_eq!(pass_ends(0, 100), [16, 32, 64, 100]);
+        assert_eq!(pass_ends(16, 100), [32, 64, 100]);
+        assert_eq!(pass_ends(20, 24), [24]);
     }
 
     #[test]
@@ -268,7 +276,7 @@ mod tests {
     fn tiles_cover_a_crop_once() {
         let crop = Window { x0: 5, y0: 3, x1: 40, y1: 20 };
         let mut seen = vec![0; crop.area()];
-        for tile in cut(crop) {
+        for tile in split_into_tiles(crop) {
             for (x, y, _) in tile.iter() {
                 seen[(y as usize - 3) * crop.width() + x as usize - 5] += 1;
             }

@@ -5,18 +5,18 @@
 //! | `stream` | advances some thousand paths together, bounce by bounce |
 //! | `tile` | a rectangle of pixels and the sums of their samples |
 //! | `frame` | hands tiles to threads, pass after pass |
-//! | `layers` | makes the picture of what pixels hold |
-//! | [`replay`] | one path alone, told step by step |
+//! | `aov` | makes the layers of the picture |
+//! | `replay` | one path alone, described step by step |
 
+mod aov;
 mod frame;
-mod layers;
 mod replay;
 mod settings;
 mod stream;
 mod tile;
 
-pub use frame::{Control, Exposure, Progress, Rendered, render};
-pub use layers::film_bytes;
+pub use aov::film_bytes;
+pub use frame::{Control, FilmAccumulator, Progress, Rendered, render};
 pub use replay::replay;
 pub use settings::{Aov, Settings};
 pub use stream::RayCounts;

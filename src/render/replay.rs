@@ -1,4 +1,4 @@
-//! One path alone, told step by step: to find out why a sample is what it is.
+//! One path alone, described step by step: to find out why a sample is what it is.
 
 use std::fmt::Write;
 
@@ -10,9 +10,9 @@ use crate::integrator::{PathSample, PathTracer};
 use crate::math::Ray;
 use crate::world::{AlphaFilter, World};
 
-/// Follows the path of one sample of the pixel at column `x`, row `y` of the frame, the very one
-/// that [`super::render`] would follow, and tells of every vertex: a line for each segment, what it
-/// hit, what that emits and the shadow ray, and last the sample's radiance.
+/// Follows the path of one sample of the pixel at column `x`, row `y` of the frame, exactly as
+/// [`super::render`] would, and describes it: a line for each segment, what it hit, what that emits
+/// and the shadow ray, and last the sample's radiance.
 pub fn replay(
     world: &World,
     camera: &Camera,
@@ -34,14 +34,17 @@ pub fn replay(
         let rays = [ray];
         tracer.closest_hits(&Batch::new(&rays).with_filter(filter), &mut hit);
         let throughput = path.throughput();
-        line(&mut text, &format!("segment {depth}: {}, throughput {throughput:?}", of_ray(&ray)));
+        push_line(
+            &mut text,
+            &format!("segment {depth}: {}, throughput {throughput:?}", format_ray(&ray)),
+        );
         describe_hit(&mut text, world, &ray, &hit[0]);
 
         let before = result.radiance;
         let step = integrator.advance(depth, &mut path, &ray, &hit[0], &mut result);
         if result.radiance != before {
             let found = result.radiance - before;
-            line(&mut text, &format!("  light found: {found:?}"));
+            push_line(&mut text, &format!("  light found: {found:?}"));
         }
         if let Some(shadow) = step.shadow {
             let keys = [ray_key(path.key, 2 * depth + 1)];
@@ -49,9 +52,9 @@ pub fn replay(
             let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
             let mut blocked = [AnyHit(false)];
             tracer.any_hits(&Batch::new(&[shadow.ray]).with_filter(filter), &mut blocked);
-            let verdict = if blocked[0].0 { "blocked" } else { "free" };
-            let what = format!("  shadow ray {}, {verdict}", of_ray(&shadow.ray));
-            line(&mut text, &format!("{what}: {:?}", shadow.radiance));
+            let state = if blocked[0].0 { "blocked" } else { "free" };
+            let what = format!("  shadow ray {}, {state}", format_ray(&shadow.ray));
+            push_line(&mut text, &format!("{what}: {:?}", shadow.radiance));
             if !blocked[0].0 {
                 result.radiance += shadow.radiance;
             }
@@ -59,13 +62,13 @@ pub fn replay(
         let Some(next) = step.next else { break };
         (ray, depth) = (next, depth + 1);
     }
-    line(&mut text, &format!("radiance {:?}", result.radiance));
+    push_line(&mut text, &format!("radiance {:?}", result.radiance));
     text
 }
 
 fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit) {
     if !hit.is_hit() {
-        line(text, "  hit nothing");
+        push_line(text, "  hit nothing");
         return;
     }
     let surface = world.surface(ray, hit);
@@ -74,14 +77,14 @@ fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit) {
     let head = format!("  hit triangle {} at t = {:?}", hit.triangle.0, hit.t);
     let place = format!("{side} of {:?} at {:?}", material.name, surface.position);
     let normals = format!("normal {:?}, shading {:?}", surface.normal, surface.frame.normal);
-    line(text, &format!("{head}: {place}, {normals}"));
-    line(text, &format!("  {:?}", world.bsdf(&surface, hit)));
+    push_line(text, &format!("{head}: {place}, {normals}"));
+    push_line(text, &format!("  {:?}", world.bsdf(&surface, hit)));
 }
 
-fn of_ray(ray: &Ray) -> String {
+fn format_ray(ray: &Ray) -> String {
     format!("from {:?} towards {:?}", ray.origin(), ray.direction())
 }
 
-fn line(text: &mut String, line: &str) {
+fn push_line(text: &mut String, line: &str) {
     writeln!(text, "{line}").expect("a string takes all");
 }

@@ -1,15 +1,13 @@
-//! What a picture is a function of, beside its scene and camera.
-
-use std::fmt;
-use std::str::FromStr;
+//! What a picture is a function of, besides its scene and camera.
 
 use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
 use crate::integrator::{Path, Transport};
 use crate::math::{Ray, Vec2};
+use crate::names::choices;
 use crate::sampling::SamplePattern;
 
-/// A layer of the picture beside its colours.
+/// A layer of the picture besides its colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
     /// The share of light that the first surface scatters.
@@ -24,51 +22,19 @@ pub enum Aov {
     Variance,
     /// The number of samples in each pixel's mean.
     Samples,
-    /// Nanoseconds a sample. The only layer that differs from run to run.
+    /// Nanoseconds per sample. The only layer that differs from run to run.
     Cost,
 }
 
-impl Aov {
-    /// All, in the order of the help.
-    pub const ALL: [Self; 7] = [
-        Self::Albedo,
-        Self::Normal,
-        Self::Position,
-        Self::Depth,
-        Self::Variance,
-        Self::Samples,
-        Self::Cost,
-    ];
-
-    /// The layer's name.
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::Position => "position",
-            Self::Depth => "depth",
-            Self::Variance => "variance",
-            Self::Samples => "samples",
-            Self::Cost => "cost",
-        }
-    }
-}
-
-impl fmt::Display for Aov {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.id())
-    }
-}
-
-impl FromStr for Aov {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|aov| aov.id() == text).ok_or_else(|| {
-            format!("unknown layer '{text}', have {}", Self::ALL.map(Self::id).join(", "))
-        })
-    }
-}
+choices!(Aov, "layer", [
+    Albedo => "albedo",
+    Normal => "normal",
+    Position => "position",
+    Depth => "depth",
+    Variance => "variance",
+    Samples => "samples",
+    Cost => "cost",
+]);
 
 /// How to render.
 #[derive(Clone, Debug)]
@@ -77,7 +43,7 @@ pub struct Settings {
     pub resolution: (u32, u32),
     /// The part of it to render; inside the frame, not empty.
     pub crop: Window,
-    /// Samples a pixel, at least 1.
+    /// Samples per pixel, at least 1.
     pub spp: u64,
     /// Another number, another noise.
     pub seed: u64,
@@ -92,6 +58,29 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// A frame of that many pixels with 64 samples each, and otherwise the defaults of
+    /// `dapple render`.
+    ///
+    /// # Examples
+    /// ```
+    /// use dapple::Settings;
+    ///
+    /// let quick = Settings { spp: 4, ..Settings::new(320, 180) };
+    /// assert_eq!(quick.crop.area(), 320 * 180);
+    /// ```
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            resolution: (width, height),
+            crop: Window::of_size(width as usize, height as usize),
+            spp: 64,
+            seed: 0,
+            pattern: SamplePattern::default(),
+            filter: PixelFilter::BlackmanHarris,
+            transport: Transport::default(),
+            aovs: Aov::ALL.to_vec(),
+        }
+    }
+
     /// Width over height of the whole frame.
     pub fn aspect(&self) -> f32 {
         self.resolution.0 as f32 / self.resolution.1 as f32

@@ -30,7 +30,7 @@ pub struct RayCounts {
 }
 
 impl RayCounts {
-    /// Both kinds.
+    /// Rays of both kinds.
     pub fn total(&self) -> u64 {
         self.closest + self.shadow
     }
@@ -46,7 +46,7 @@ impl std::ops::AddAssign for RayCounts {
 /// One worker's paths, and all the memory that they need.
 pub(super) struct Stream<'w> {
     integrator: PathTracer<'w>,
-    /// What shading is compiled for; like the structure's walks.
+    /// The instruction set that shading is compiled for; that of the structure's walks.
     level: Level,
     tracer: Box<dyn Tracer + 'w>,
     /// Of path `i`: its current ray, what that hit, and its state.
@@ -62,9 +62,9 @@ pub(super) struct Stream<'w> {
     samples: Vec<PathSample>,
     /// How many segments each slot's path had.
     segments: Vec<u32>,
-    /// What a path of so many segments has cost in nanoseconds.
+    /// The cost of a path in nanoseconds, by its number of segments.
     shares: Vec<f32>,
-    /// The raster that the rays are those of, until they have been traced.
+    /// The raster of pixels whose rays these are, until they have been traced.
     grid: Option<(u32, u32)>,
     counts: RayCounts,
 }
@@ -78,7 +78,8 @@ struct ShadowEnd {
 }
 
 impl<'w> Stream<'w> {
-    /// A worker's stream; structures that gain by it are narrowed to the region that the camera sees.
+    /// A worker's stream; structures that gain by it are narrowed to the region that the camera
+    /// sees.
     pub fn new(integrator: PathTracer<'w>, accel: &'w dyn Accel, region: Option<&Shaft>) -> Self {
         let mut tracer = accel.tracer();
         if let (Some(mut regions), Some(region)) = (tracer.regions(), region) {
@@ -103,8 +104,8 @@ impl<'w> Stream<'w> {
         }
     }
 
-    /// Follows paths to their ends; the slots of `starts` count from 0. They start from a raster of
-    /// pixels of some width and height, each pixel's paths in a row.
+    /// Follows paths to their ends; the slots of `starts` count from 0. They start from the pixels
+    /// of a raster of width and height `grid`, each pixel's paths one after the other.
     pub fn run(&mut self, starts: impl Iterator<Item = (Ray, Path)>, grid: (u32, u32)) {
         vectorized!(self.level, _simd => self.begin(starts));
         self.segments.clear();
@@ -112,7 +113,7 @@ impl<'w> Stream<'w> {
         self.shares.clear();
         self.shares.push(0.0);
 
-        // Should the camera not see everywhere, the rays are not a raster's, and nothing is said.
+        // Where the camera does not see everywhere, the rays are not a raster's.
         self.grid = (self.paths.len() == self.samples.len()).then_some(grid);
         let mut depth = 1;
         while !self.paths.is_empty() {
@@ -157,15 +158,15 @@ impl<'w> Stream<'w> {
         self.counts
     }
 
-    /// Takes all paths across one segment.
+    /// Advances all paths by one segment.
     fn bounce(&mut self, depth: u32) {
-        self.trace(depth);
+        self.trace_paths(depth);
         vectorized!(self.level, _simd => self.shade(depth));
-        self.ask_lights();
+        self.trace_shadow_rays();
     }
 
     /// Finds what all current rays hit.
-    fn trace(&mut self, depth: u32) {
+    fn trace_paths(&mut self, depth: u32) {
         let world = self.integrator.world();
         self.keys.clear();
         if world.is_see_through() {
@@ -216,8 +217,8 @@ impl<'w> Stream<'w> {
         self.rays.truncate(kept);
     }
 
-    /// Adds the light whose way is free.
-    fn ask_lights(&mut self) {
+    /// Traces the shadow rays and adds the light of those that nothing blocks.
+    fn trace_shadow_rays(&mut self) {
         let world = self.integrator.world();
         self.blocked.clear();
         self.blocked.resize(self.shadow_rays.len(), AnyHit(false));

@@ -20,7 +20,7 @@ pub struct LostSample {
     pub y: u32,
     /// Column of the frame.
     pub x: u32,
-    /// Which of the pixel's samples.
+    /// The sample's number in its pixel.
     pub sample: u64,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Means {
     pub distance: f64,
     /// Samples in the mean.
     pub count: u64,
-    /// Nanoseconds a sample.
+    /// Nanoseconds per sample.
     pub cost: f64,
 }
 
@@ -114,7 +114,7 @@ impl PixelSums {
         }
     }
 
-    /// Bytes that a pixel takes once it has so many samples.
+    /// Bytes that a pixel takes with some number of samples.
     pub const fn bytes(samples: u64) -> u64 {
         let sums = BlockSums::<{ channel::COUNT }, 3>::bytes(samples);
         sums + size_of::<Self>() as u64 - BlockSums::<{ channel::COUNT }, 3>::bytes(0)

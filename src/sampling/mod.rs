@@ -14,8 +14,5 @@ pub mod warp;
 
 pub use alias::{AliasError, AliasTable};
 pub use distribution::{Distribution2d, DistributionError};
-pub use sampler::{SamplePattern, Sampler};
+pub use sampler::{ONE_MINUS_EPSILON, SamplePattern, Sampler};
 pub use sums::{BLOCK, BlockSums, NotAdjacent};
-
-/// The largest `f32` below one.
-pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;

@@ -10,12 +10,13 @@
 //! `sobol_burley`). A sequence ends after 65,536 points; a sample beyond them is a point of another
 //! sequence, seeded by `sample >> 16`, so that each run of 65,536 is stratified by itself.
 
-use std::fmt;
-use std::str::FromStr;
-
 use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_scramble_rev};
 
 use crate::math::Vec2;
+use crate::names::choices;
+
+/// The largest `f32` below one.
+pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// How the samples of one pixel relate to each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,18 +29,9 @@ pub enum SamplePattern {
     Independent,
 }
 
+choices!(SamplePattern, "sampler", [Sobol => "sobol", Independent => "independent"]);
+
 impl SamplePattern {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Sobol, Self::Independent];
-
-    /// The name on the command line.
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Sobol => "sobol",
-            Self::Independent => "independent",
-        }
-    }
-
     /// The stream of a sample, see [`Sampler::new`].
     #[inline(always)]
     pub fn sampler(self, pixel: u64, sample: u64, seed: u64) -> Sampler {
@@ -47,22 +39,6 @@ impl SamplePattern {
             Self::Sobol => Sampler::new(pixel, sample, seed),
             Self::Independent => Sampler::independent(pixel, sample, seed),
         }
-    }
-}
-
-impl fmt::Display for SamplePattern {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.id())
-    }
-}
-
-impl FromStr for SamplePattern {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|pattern| pattern.id() == text).ok_or_else(|| {
-            format!("unknown sampler '{text}', have {}", Self::ALL.map(Self::id).join(", "))
-        })
     }
 }
 

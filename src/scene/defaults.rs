@@ -1,6 +1,6 @@
 //! What a picture needs and a scene may lack: a camera and light.
 
-use super::{Notice, Scene};
+use super::{NamedCamera, Notice, Scene};
 use crate::camera::Camera;
 use crate::light::Environment;
 use crate::math::{Aabb, Vec3};
@@ -17,6 +17,31 @@ const SKY_SLOPE: Vec3 = Vec3::new(-0.12, 0.35, 0.1);
 /// The radiance of the automatic sky from a unit direction.
 pub fn automatic_sky_radiance(direction: Vec3) -> f32 {
     SKY_MEAN + SKY_SLOPE.dot(direction)
+}
+
+impl Scene {
+    /// Adds what a picture needs and the scene lacks: a camera that sees all of it in a picture of
+    /// `aspect` (width over height), and a neutral sky where nothing shines. What was added is
+    /// among the notices.
+    ///
+    /// # Examples
+    /// ```
+    /// let mut scene = dapple::Scene::default();
+    /// scene.add_defaults(16.0 / 9.0);
+    /// assert!(scene.environment.is_some());
+    /// assert_eq!(scene.cameras.len(), 1);
+    /// ```
+    pub fn add_defaults(&mut self, aspect: f32) {
+        if let Some((sky, notice)) = automatic_sky(self, "") {
+            self.environment = Some(sky);
+            self.notices.push(notice);
+        }
+        if self.cameras.is_empty() {
+            let (camera, notice) = automatic_camera(self, aspect, "");
+            self.cameras.push(NamedCamera { name: String::new(), aspect: None, camera });
+            self.notices.push(notice);
+        }
+    }
 }
 
 /// The box of all triangles in the world; empty if there are none.
@@ -45,7 +70,7 @@ pub fn automatic_camera(scene: &Scene, aspect: f32, file: &str) -> (Camera, Noti
 }
 
 /// What to say of a scene without a triangle; none if it has one.
-pub fn nothing_to_see(scene: &Scene, file: &str) -> Option<Notice> {
+pub fn describe_empty_scene(scene: &Scene, file: &str) -> Option<Notice> {
     let has_triangles =
         |instance: &super::Instance| !scene.meshes[instance.mesh.index()].indices.is_empty();
     if scene.instances.iter().any(has_triangles) {
@@ -140,8 +165,8 @@ mod tests {
 
     #[test]
     fn a_scene_without_triangles_is_told_of() {
-        assert_eq!(nothing_to_see(&scene(1.0, Vec3::ZERO), "a.obj"), None);
-        let notice = nothing_to_see(&Scene::default(), "a.obj").expect("it is empty");
+        assert_eq!(describe_empty_scene(&scene(1.0, Vec3::ZERO), "a.obj"), None);
+        let notice = describe_empty_scene(&Scene::default(), "a.obj").expect("it is empty");
         assert!(notice.message.starts_with("no triangles"), "{notice:?}");
     }
 

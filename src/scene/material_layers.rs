@@ -4,8 +4,8 @@ use super::TextureRef;
 use crate::math::{Vec2, Vec3};
 use crate::texture::TextureRange;
 
-/// KHR_materials_clearcoat, sheen, anisotropy and iridescence. Fields are named as the specifications name them;
-/// a factor multiplies its texture.
+/// KHR_materials_clearcoat, sheen, anisotropy and iridescence. Fields are named as the
+/// specifications name them; a factor multiplies its texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialLayers {
     /// Strength of a coat of lacquer.

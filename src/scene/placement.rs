@@ -19,7 +19,7 @@ pub fn rigid(to_world: &DAffine3) -> Option<DAffine3> {
 }
 
 /// The same in f32.
-pub fn narrowed(to_world: &DAffine3) -> Affine3A {
+pub fn narrow(to_world: &DAffine3) -> Affine3A {
     Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
 }
 

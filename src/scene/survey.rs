@@ -62,7 +62,7 @@ impl Survey {
     }
 
     /// What looks like a mistake: for each a word for programs, and what to say.
-    pub fn faults(&self, scene: &Scene) -> Vec<(&'static str, String)> {
+    pub fn find_faults(&self, scene: &Scene) -> Vec<(&'static str, String)> {
         let mut faults = Vec::new();
         let mut add = |kind, message: String| faults.push((kind, message));
         if self.placed_triangles == 0 {
@@ -156,13 +156,13 @@ mod tests {
         let survey = Survey::of(&scene);
         assert_eq!((survey.unique_triangles, survey.placed_triangles), (2, 6));
         assert_eq!((survey.mirrored, survey.flattened, survey.flat_triangles), (1, 1, 1));
-        let faults = survey.faults(&scene);
+        let faults = survey.find_faults(&scene);
         let kinds: Vec<_> = faults.iter().map(|(kind, _)| *kind).collect();
         let expected =
             ["no-light", "no-camera", "no-normals", "zero-area", "mirrored", "flattened"];
         assert_eq!(kinds, expected);
         assert_eq!(faults[2].1, "no normals in 1 of 1 meshes: flat shading (sail)");
-        let nothing = Survey::of(&Scene::default()).faults(&Scene::default());
+        let nothing = Survey::of(&Scene::default()).find_faults(&Scene::default());
         assert_eq!(nothing[0].0, "no-triangles");
     }
 }

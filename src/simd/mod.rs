@@ -5,10 +5,9 @@ mod pick;
 mod prefetch;
 mod vectors;
 
-use std::fmt;
-use std::str::FromStr;
-
 use fearless_simd::Level;
+
+use crate::names::choices;
 
 pub use pick::pick;
 pub use prefetch::prefetch;
@@ -32,23 +31,16 @@ pub enum Isa {
     Avx512,
 }
 
+choices!(Isa, "instruction set", [
+    Auto => "auto",
+    Portable => "portable",
+    Sse2 => "sse2",
+    Sse42 => "sse4.2",
+    Avx2 => "avx2",
+    Avx512 => "avx512",
+]);
+
 impl Isa {
-    /// All, in the order of `--isa`'s help.
-    pub const ALL: [Self; 6] =
-        [Self::Auto, Self::Portable, Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512];
-
-    /// As `--isa` spells it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Portable => "portable",
-            Self::Sse2 => "sse2",
-            Self::Sse42 => "sse4.2",
-            Self::Avx2 => "avx2",
-            Self::Avx512 => "avx512",
-        }
-    }
-
     /// The token that unlocks its instructions; `None` if this CPU lacks them.
     pub fn level(self) -> Option<Level> {
         let best = Level::new();
@@ -71,22 +63,6 @@ impl Isa {
     /// Those that this CPU has, `Auto` aside.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().skip(1).filter(|isa| isa.level().is_some())
-    }
-}
-
-impl fmt::Display for Isa {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Isa {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|isa| isa.name() == s).ok_or_else(|| {
-            format!("unknown instruction set '{s}', have {}", Self::ALL.map(Self::name).join(", "))
-        })
     }
 }
 

@@ -164,12 +164,12 @@ fn read<T: Pod>(decoder: impl ImageDecoder, opaque: T) -> Result<Vec<[T; 4]>, Im
     let read = texels.len() * channels;
     let values = texels.as_flattened_mut();
     decoder.read_image(bytemuck::cast_slice_mut(&mut values[..read]))?;
-    spread(values, channels, opaque);
+    spread_channels(values, channels, opaque);
     Ok(texels)
 }
 
 /// Spreads values of so many channels, which stand close together at the front, to four each.
-fn spread<T: Copy>(values: &mut [T], channels: usize, opaque: T) {
+fn spread_channels<T: Copy>(values: &mut [T], channels: usize, opaque: T) {
     if channels == 4 {
         return;
     }

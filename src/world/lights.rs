@@ -3,10 +3,10 @@
 use std::f32::consts::PI;
 
 use super::interpolation::Interpolation;
-use super::light_choice::{Chooser, LightChoice, of_punctual, of_triangle};
+use super::light_sampler::{LightSampler, LightSamplerKind, punctual_bounds, triangle_bounds};
 use super::lookup::emission;
 use crate::geom::TriangleSource;
-use crate::light::{Environment, LightBounds, Sides, Vantage};
+use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
 use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::scene::defaults::bounds;
@@ -16,7 +16,7 @@ use crate::scene::{Scene, Triangles};
 /// then emitting triangles by instance; and what chooses one.
 #[derive(Debug)]
 pub struct Lights {
-    chooser: Chooser,
+    sampler: LightSampler,
     punctual: usize,
     environment: Option<usize>,
     first_triangle: usize,
@@ -47,7 +47,7 @@ pub(super) enum ChosenLight {
 
 impl Lights {
     /// The lights of a scene, to be chosen as told.
-    pub fn new(scene: &Scene, triangles: &Triangles, choice: LightChoice) -> Self {
+    pub fn new(scene: &Scene, triangles: &Triangles, choice: LightSamplerKind) -> Self {
         let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
@@ -83,24 +83,24 @@ impl Lights {
         }
         let punctual = scene.lights.len();
         let bounds = || {
-            let mut bounds = of_punctual(scene, &weights);
+            let mut bounds = punctual_bounds(scene, &weights);
             bounds.extend(environment.map(|_| LightBounds::NOWHERE));
             let of_triangles = emitters.iter().zip(&weights[first_triangle..]);
             bounds.extend(of_triangles.map(|(emitter, &weight)| {
                 let instance = &scene.instances[emitter.instance.index()];
                 let both = scene.materials[instance.material.index()].double_sided;
                 let sides = if both { Sides::Both } else { Sides::Front };
-                of_triangle(triangles, (emitter.instance, emitter.index), sides, weight)
+                triangle_bounds(triangles, (emitter.instance, emitter.index), sides, weight)
             }));
             bounds
         };
-        let chooser = Chooser::new(weights.clone(), choice, bounds);
-        Self { chooser, punctual, environment, first_triangle, triangles: emitters, instances }
+        let sampler = LightSampler::new(weights.clone(), choice, bounds);
+        Self { sampler, punctual, environment, first_triangle, triangles: emitters, instances }
     }
 
     /// Whether nothing shines.
     pub fn is_dark(&self) -> bool {
-        self.chooser.is_empty()
+        self.sampler.is_empty()
     }
 
     /// The number of lights, each emitting triangle one.
@@ -115,8 +115,12 @@ impl Lights {
 
     /// Chooses a light for a point by `u`, with its probability; `None`: none shines there.
     #[inline(always)]
-    pub(super) fn choose(&self, vantage: &Vantage, u: f32) -> Option<(ChosenLight, f32)> {
-        let (light, pmf) = self.chooser.sample(vantage, u)?;
+    pub(super) fn choose(
+        &self,
+        context: &LightSampleContext,
+        u: f32,
+    ) -> Option<(ChosenLight, f32)> {
+        let (light, pmf) = self.sampler.sample(context, u)?;
         let chosen = if light >= self.first_triangle {
             ChosenLight::Emitter(self.triangles[light - self.first_triangle])
         } else if light < self.punctual {
@@ -129,20 +133,20 @@ impl Lights {
 
     /// The probability that the environment is chosen.
     pub(super) fn environment_pmf(&self) -> f32 {
-        self.environment.map_or(0.0, |light| self.chooser.far_probability(light))
+        self.environment.map_or(0.0, |light| self.sampler.far_probability(light))
     }
 
     /// The probability that a triangle is chosen for a point: the one numbered `index` of an
     /// instance.
     pub(super) fn triangle_pmf(
         &self,
-        vantage: &Vantage,
+        context: &LightSampleContext,
         instance: InstanceId,
         index: usize,
     ) -> f32 {
         match self.instances[instance.index()] {
             u32::MAX => 0.0,
-            first => self.chooser.near_probability(vantage, first as usize + index),
+            first => self.sampler.near_probability(context, first as usize + index),
         }
     }
 }

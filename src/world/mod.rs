@@ -6,7 +6,7 @@
 mod alpha;
 mod interpolation;
 mod layers;
-mod light_choice;
+mod light_sampler;
 mod lights;
 mod lookup;
 mod prepared_material;
@@ -18,7 +18,7 @@ mod world;
 
 pub use alpha::AlphaFilter;
 pub use interpolation::Attributes;
-pub use light_choice::{LightChoice, UnknownChoice};
+pub use light_sampler::LightSamplerKind;
 pub use lights::Lights;
 pub use sample_light::LightSample;
 pub use surface::Surface;

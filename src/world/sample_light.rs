@@ -3,7 +3,7 @@
 use super::lights::{ChosenLight, Emitter};
 use super::surface::{offset_origin, triangle_point};
 use super::{Surface, World};
-use crate::light::{Punctual, Vantage, area_to_solid_angle, sample_triangle};
+use crate::light::{LightSampleContext, Punctual, area_to_solid_angle, sample_triangle};
 use crate::math::{Ray, Vec2, Vec3};
 
 /// A light chosen for a point, and a direction to it.
@@ -22,17 +22,18 @@ pub struct LightSample {
 }
 
 impl World {
-    /// Chooses a light and a direction to it, from a `surface` that is asked about as `vantage`
-    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from there.
+    /// Chooses a light and a direction to it, from a `surface` that is asked about as `context`
+    /// tells: by `u_light` which light, by `u` where on it. `None` where nothing arrives from
+    /// there.
     #[inline(always)]
     pub fn sample_light(
         &self,
         surface: &Surface,
-        vantage: &Vantage,
+        context: &LightSampleContext,
         u_light: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let (light, pmf) = self.lights.choose(vantage, u_light)?;
+        let (light, pmf) = self.lights.choose(context, u_light)?;
         match light {
             ChosenLight::Emitter(emitter) => self.sample_emitter(surface, emitter, pmf, u),
             ChosenLight::Punctual(light) => {
@@ -61,7 +62,7 @@ impl World {
 
     /// What a `surface` sends back along a ray that hit it; `None` where it does not emit.
     #[inline]
-    pub fn emitted(&self, surface: &Surface) -> Option<Vec3> {
+    pub fn emitted_radiance(&self, surface: &Surface) -> Option<Vec3> {
         let material = self.material(surface.material);
         if material.unlit {
             // Found by following paths alone: it is no light, but looks its colour from everywhere.
@@ -73,19 +74,19 @@ impl World {
         Some(self.emission(surface.material, &surface.attributes))
     }
 
-    /// The density over solid angle with which [`World::sample_light`] chooses for `vantage`, where
+    /// The density over solid angle with which [`World::sample_light`] chooses for `context`, where
     /// a ray of unit `direction` began, the point of a `surface` that the ray hit at `distance`.
     pub fn emitter_pdf(
         &self,
         surface: &Surface,
-        vantage: &Vantage,
+        context: &LightSampleContext,
         direction: Vec3,
         distance: f32,
     ) -> f32 {
         if self.material(surface.material).unlit {
             return 0.0;
         }
-        let pmf = self.lights.triangle_pmf(vantage, surface.instance, surface.triangle);
+        let pmf = self.lights.triangle_pmf(context, surface.instance, surface.triangle);
         let cosine = surface.normal.dot(direction);
         pmf * area_to_solid_angle(surface.area, distance * distance, cosine)
     }

@@ -8,7 +8,7 @@ use super::lookup::{alpha, emission, surface_params};
 use super::prepared_material::{PreparedMaterial, materials_with_clear_vertices};
 use super::shading_normal::{NormalContext, shading_normal};
 use super::surface::{normal_and_area, triangle_point};
-use super::{Attributes, LightChoice, Lights, Surface};
+use super::{Attributes, LightSamplerKind, Lights, Surface};
 use crate::accel::ClosestHit;
 use crate::geom::Triangle;
 use crate::material::{Bsdf, BsdfForm, SurfaceParams, Wavelength};
@@ -42,8 +42,8 @@ impl World {
     ///
     /// # Errors
     /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
-    pub fn new(scene: Arc<Scene>, form: BsdfForm) -> Result<Self, TooManyTriangles> {
-        Self::with_lights(scene, form, LightChoice::default())
+    pub fn new(scene: impl Into<Arc<Scene>>, form: BsdfForm) -> Result<Self, TooManyTriangles> {
+        Self::with_lights(scene, form, LightSamplerKind::default())
     }
 
     /// The same, with lights chosen as told.
@@ -51,10 +51,11 @@ impl World {
     /// # Errors
     /// As [`World::new`].
     pub fn with_lights(
-        scene: Arc<Scene>,
+        scene: impl Into<Arc<Scene>>,
         form: BsdfForm,
-        choice: LightChoice,
+        choice: LightSamplerKind,
     ) -> Result<Self, TooManyTriangles> {
+        let scene = scene.into();
         let triangles = Arc::new(Triangles::new(&scene)?);
         let mut materials: Vec<PreparedMaterial> =
             scene.materials.iter().map(|material| PreparedMaterial::new(material, form)).collect();

@@ -42,7 +42,8 @@ pub const FLAWS: &[Flaw] = &[
     flaw("ACCESSOR_VECTOR3_NON_UNIT", "", Warned, &[
         ("/meshes/0/primitives/0/attributes/NORMAL", "0")]),
     flaw("ARRAY_LENGTH_NOT_IN_LIST", "", Refused, &[("/nodes/0/translation", "[1, 2]")]),
-    flaw("ASSET_MIN_VERSION_GREATER_THAN_VERSION", "", Refused, &[("/asset/minVersion", r#""2.1""#)]),
+    flaw("ASSET_MIN_VERSION_GREATER_THAN_VERSION", "", Refused, &[
+        ("/asset/minVersion", r#""2.1""#)]),
     flaw("BUFFER_BYTE_LENGTH_MISMATCH", "", Refused, &[("/buffers/0/byteLength", "45")]),
     flaw("BUFFER_VIEW_INVALID_BYTE_STRIDE", "", Warned, &[
         ("/bufferViews/0/byteStride", "12"), ("/bufferViews/0/target", "34963")]),
@@ -56,13 +57,15 @@ pub const FLAWS: &[Flaw] = &[
         "orthographic": {"xmag": 0, "ymag": 1, "znear": 0, "zfar": 1}}"#)]),
     flaw("CAMERA_YFOV_GEQUAL_PI", "", Refused, &[("/cameras/0/perspective/yfov", "3.2")]),
     flaw("CAMERA_ZFAR_LEQUAL_ZNEAR", "", Ignored, &[("/cameras/0/perspective/zfar", "0.1")]),
-    flaw("DUPLICATE_ELEMENTS", "extensionsUsed", Warned, &[("/extensionsUsed", r#"["A_b", "A_b"]"#)]),
+    flaw("DUPLICATE_ELEMENTS", "extensionsUsed", Warned, &[
+        ("/extensionsUsed", r#"["A_b", "A_b"]"#)]),
     flaw("DUPLICATE_ELEMENTS", "extensionsRequired", Refused, &[
         ("/extensionsRequired", r#"["A_b", "A_b"]"#)]),
     flaw("DUPLICATE_ELEMENTS", "", Refused, &[("/scenes/0/nodes", "[0, 0]")]),
     flaw("EMPTY_ENTITY", "", Ignored, &[("/samplers", "[]")]),
     flaw("IMAGE_UNRECOGNIZED_FORMAT", "", Refused, &[
-        ("/images", r#"[{"uri": "data:image/png;base64,AAAA"}]"#), ("/textures", r#"[{"source": 0}]"#),
+        ("/images", r#"[{"uri": "data:image/png;base64,AAAA"}]"#),
+        ("/textures", r#"[{"source": 0}]"#),
         ("/materials/0/emissiveTexture", r#"{"index": 0}"#)]),
     flaw("INVALID_EXTENSION_NAME_FORMAT", "", Warned, &[("/extensionsUsed", r#"["ab"]"#)]),
     flaw("INVALID_URI", "", Refused, &[("/buffers/0/uri", r#""data:;base64,!!!!""#)]),
@@ -76,7 +79,9 @@ pub const FLAWS: &[Flaw] = &[
     flaw("MESH_PRIMITIVE_NO_POSITION", "", Warned, &[
         ("/meshes/0/primitives/0/attributes/POSITION", "null")]),
     flaw("MESH_PRIMITIVE_TOO_FEW_TEXCOORDS", "", Warned, &[
-        ("/images", r#"[{"uri": "data:image/bmp;base64,Qk06AAAAAAAAADYAAAAoAAAAAQAAAAEAAAABABgAAAAAAAQAAAATCwAAEwsAAAAAAAAAAAAA////AA=="}]"#),
+        ("/images", concat!(
+            r#"[{"uri": "data:image/bmp;base64,Qk06AAAAAAAAADYAAAAoAAAAAQAAAAEAAAABABgAAAAAAAQAAAA"#,
+            r#"TCwAAEwsAAAAAAAAAAAAA////AA=="}]"#)),
         ("/textures", r#"[{"source": 0}]"#), ("/materials/0/emissiveTexture", r#"{"index": 0}"#)]),
     flaw("MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT", "", Refused, &[
         ("/meshes/0/primitives/0/attributes/NORMAL", "2"), ("/accessors/2", r#"{"bufferView": 0,

@@ -6,17 +6,17 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use dapple::Isa;
+use dapple::SamplePattern;
+use dapple::Transport;
 use dapple::accel::{self, AccelSpec};
 use dapple::camera::{Camera, Projection};
 use dapple::film::{Picture, PixelFilter, Window};
 use dapple::geom::Mesh;
-use dapple::integrator::Transport;
 use dapple::material::BsdfForm;
 use dapple::math::{Affine3A, MaterialId, MeshId, Vec3, Vec4};
 use dapple::render::{Aov, Control, Rendered, Settings, render};
-use dapple::sampling::SamplePattern;
 use dapple::scene::{Instance, Material, Scene, Transform};
-use dapple::simd::Isa;
 use dapple::world::World;
 
 /// A diffuse material.

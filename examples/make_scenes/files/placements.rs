@@ -83,40 +83,8 @@ pub fn many_lights() -> Files {
     let panes: Vec<usize> =
         (0..4).map(|k| if k == 0 { first } else { g.mesh_again(first, glows[k]) }).collect();
 
-    let mut windows = 0;
-    for house in 0..25_usize {
-        let (column, row) = (house % 5, house / 5);
-        let (x, z) = (2.3 * (column as f32 - 2.0), 2.3 * (row as f32 - 2.0));
-        let floors = 2 + (house * 7 + row * 3) % 5;
-        let height = 0.62 * floors as f32 + 0.3;
-        let mut children = vec![g.push(
-            "nodes",
-            json!({ "mesh": blocks[house % 3], "scale": rounded([1.3, height, 1.3]) }),
-        )];
-        for floor in 0..floors {
-            for side in 0..4_usize {
-                // Two of three windows are dark.
-                if !(house * 5 + floor * 3 + side * 7 + floor * side).is_multiple_of(2) {
-                    continue;
-                }
-                let turn = Quat::from_rotation_y(TAU / 4.0 * side as f32);
-                let at = turn * Vec3::new(0.0, 0.28 + 0.62 * floor as f32, 0.655);
-                children.push(g.push(
-                    "nodes",
-                    json!({
-                        "mesh": panes[(house + floor + side) % 4],
-                        "translation": rounded(at.to_array()),
-                        "rotation": rounded(turn.to_array()), "scale": [0.5, 0.32, 1.0],
-                    }),
-                ));
-                windows += 1;
-            }
-        }
-        g.root(json!({
-            "name": format!("house {house}"), "children": children,
-            "translation": rounded([x, 0.0, z]),
-        }));
-    }
+    let windows: usize = (0..25).map(|house| place_house(&mut g, house, blocks, &panes)).sum();
+    assert_eq!(windows, 206);
     // Lanterns over the crossings.
     let lantern = g.mesh(&cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)).plain(), glows[3]);
     for k in 0..16 {
@@ -125,7 +93,6 @@ pub fn many_lights() -> Files {
             "mesh": lantern, "translation": rounded([x, 0.55, z]), "scale": [0.09, 0.13, 0.09],
         }));
     }
-    assert_eq!(windows, 206);
 
     let moon = json!({ "type": "directional", "color": [0.6, 0.75, 1.0], "intensity": 0.12 });
     g.light(moon, Vec3::ZERO, Vec3::new(0.6, -1.0, -0.3));
@@ -136,6 +103,44 @@ pub fn many_lights() -> Files {
     g.light(spot, Vec3::new(4.5, 6.0, 9.0), Vec3::new(2.3, 0.0, 6.0));
     g.camera(Vec3::new(7.2, 7.6, 14.0), Vec3::new(0.2, 0.55, 0.5), perspective(36.0, 16.0 / 9.0));
     g.finish()
+}
+
+/// Adds a house whose windows glow here and there, and counts these.
+fn place_house(g: &mut Gltf, house: usize, blocks: [usize; 3], panes: &[usize]) -> usize {
+    let (column, row) = (house % 5, house / 5);
+    let (x, z) = (2.3 * (column as f32 - 2.0), 2.3 * (row as f32 - 2.0));
+    let mut windows = 0;
+    let floors = 2 + (house * 7 + row * 3) % 5;
+    let height = 0.62 * floors as f32 + 0.3;
+    let mut children =
+        vec![g.push(
+            "nodes",
+            json!({ "mesh": blocks[house % 3], "scale": rounded([1.3, height, 1.3]) }),
+        )];
+    for floor in 0..floors {
+        for side in 0..4_usize {
+            // Two of three windows are dark.
+            if !(house * 5 + floor * 3 + side * 7 + floor * side).is_multiple_of(2) {
+                continue;
+            }
+            let turn = Quat::from_rotation_y(TAU / 4.0 * side as f32);
+            let at = turn * Vec3::new(0.0, 0.28 + 0.62 * floor as f32, 0.655);
+            children.push(g.push(
+                "nodes",
+                json!({
+                    "mesh": panes[(house + floor + side) % 4],
+                    "translation": rounded(at.to_array()),
+                    "rotation": rounded(turn.to_array()), "scale": [0.5, 0.32, 1.0],
+                }),
+            ));
+            windows += 1;
+        }
+    }
+    g.root(json!({
+        "name": format!("house {house}"), "children": children,
+        "translation": rounded([x, 0.0, z]),
+    }));
+    windows
 }
 
 /// Blocks in parallel projection: edges that are parallel stay so.

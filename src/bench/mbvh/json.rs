@@ -2,12 +2,15 @@
 
 use serde_json::{Value, json};
 
-use super::super::measure::hit_rate;
-use super::{INCOHERENT, Rates, Scene, Settings, Structure, paper};
+use super::figures::{Rates, Scene, Structure};
+use super::measure::MbvhBenchSettings;
+use super::paper;
+use super::structures::INCOHERENT;
 use crate::accel::Event;
+use crate::bench::measure::hit_rate;
 
 /// All figures, the paper's among them.
-pub fn json(scenes: &[Scene], settings: &Settings) -> Value {
+pub fn json(scenes: &[Scene], settings: &MbvhBenchSettings) -> Value {
     let caches = paper::CACHES.map(
         |(megabytes, hits, krays)| json!({ "mb": megabytes, "hit_rate": hits / 100.0, "mrays_s": krays * 1e-3 }),
     );

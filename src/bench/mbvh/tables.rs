@@ -1,26 +1,20 @@
 //! The tables, in the paper's form, its figures beside ours.
 
-use super::super::measure::{hit_rate, speed_up};
-use super::super::plot::{Curve, lines};
-use super::super::table::{Table, cell};
+use super::figures::{Incoherence, Rates, Scene, Structure};
+use super::measure::MbvhBenchSettings;
 use super::paper::{self, MACHINE};
-use super::{AUTO, INCOHERENT, Mode, Rates, Scene, Settings, Structure};
+use super::structures::{AUTO, INCOHERENT, Mode};
 use crate::accel::Event;
+use crate::bench::measure::{hit_rate, speed_up};
+use crate::bench::plot::{Curve, lines};
+use crate::bench::table::{Table, cell};
 
 /// Tables 1 to 4 and figure 4 as one.
-pub fn tables(scenes: &[Scene], settings: &Settings) -> Vec<Table> {
+pub fn tables(scenes: &[Scene], settings: &MbvhBenchSettings) -> Vec<Table> {
     let mut tables = vec![build(scenes, settings), rates(scenes)];
     tables.extend(scenes.iter().filter(|scene| !scene.caches.is_empty()).map(caches));
     tables.extend([widths(scenes), incoherence(scenes)]);
     tables
-}
-
-/// A scene's name, and that of the paper's scene of as many triangles.
-fn label(scene: &Scene) -> String {
-    match paper::Scene::of(scene.triangles) {
-        Some(paper) => format!("{} (P: {})", scene.name, paper.name),
-        None => format!("{}, {} triangles", scene.name, scene.triangles),
-    }
 }
 
 fn row_name(structure: &Structure, suffix: &str) -> String {
@@ -41,7 +35,7 @@ fn thousands(count: usize) -> String {
     format!("{:.1}", count as f64 * 1e-3)
 }
 
-fn build(scenes: &[Scene], settings: &Settings) -> Table {
+fn build(scenes: &[Scene], settings: &MbvhBenchSettings) -> Table {
     let refined = if settings.refine { ", refined" } else { "" };
     let note = format!(
         "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, wide nodes written, \
@@ -58,7 +52,7 @@ fn build(scenes: &[Scene], settings: &Settings) -> Table {
     ];
     let mut table = Table::new("Table 1: construction", note, &heading);
     for scene in scenes {
-        table.rows.push(vec![label(scene)]);
+        table.rows.push(vec![scene.label()]);
         for structure in &scene.structures {
             table.rows.push(build_row(scene, structure));
         }
@@ -124,7 +118,7 @@ fn rates(scenes: &[Scene]) -> Table {
     ];
     let mut table = Table::new("Table 2: random rays", note, &heading);
     for scene in scenes {
-        table.rows.push(vec![label(scene)]);
+        table.rows.push(vec![scene.label()]);
         for mode in [Mode::Cache, Mode::Inline] {
             for shadow in [true, false] {
                 let structures = scene.structures_of(mode);
@@ -171,7 +165,7 @@ fn caches(scene: &Scene) -> Table {
          fill it. H in per cent, counted ray by ray. P: the car of 4,304,391 triangles; {MACHINE}."
     );
     let heading = ["MB", "H", "krays/s", "slices", "P H", "P krays/s"];
-    let title = format!("Table 3: size of the cache, {}", label(scene));
+    let title = format!("Table 3: size of the cache, {}", scene.label());
     let mut table = Table::new(title, note, &heading);
     for (cache, (_, theirs, krays)) in scene.caches.iter().zip(paper::CACHES) {
         let Rates { single, slices } = &cache.closest;
@@ -213,7 +207,7 @@ fn widths(scenes: &[Scene]) -> Table {
     ];
     let mut table = Table::new("Table 4: width", note, &heading);
     for scene in scenes {
-        let mut row = vec![label(scene)];
+        let mut row = vec![scene.label()];
         for part in [|rates: &Rates| rates.single, |rates: &Rates| rates.slices] {
             let rate = |one: &Structure| part(&one.closest).rate();
             let fixed = scene.structures_of(Mode::Inline).filter(|one| one.id != AUTO);
@@ -239,7 +233,7 @@ fn incoherence(scenes: &[Scene]) -> Table {
     let mut table = Table::new("Figure 4: incoherence", note, &["I"]);
     table.heading.extend(INCOHERENT.map(str::to_owned));
     for scene in scenes {
-        table.rows.push(vec![label(scene)]);
+        table.rows.push(vec![scene.label()]);
         for row in &scene.incoherence {
             let rates = row.rates.iter().map(|&rate| cell(Some(rate * 1e3), 0));
             let factor = std::iter::once(format!("  {}", row.factor));
@@ -252,11 +246,11 @@ fn incoherence(scenes: &[Scene]) -> Table {
 /// Figure 4 of a scene.
 pub fn incoherence_plot(scene: &Scene) -> String {
     let curve = |(column, id): (usize, &&str)| {
-        let point = |row: &super::Incoherence| (f64::from(row.factor), row.rates[column]);
+        let point = |row: &Incoherence| (f64::from(row.factor), row.rates[column]);
         Curve { name: (*id).to_owned(), points: scene.incoherence.iter().map(point).collect() }
     };
     let curves: Vec<_> = INCOHERENT.iter().enumerate().map(curve).collect();
-    lines(&format!("Packets, {}", label(scene)), "incoherence I", "Mrays/s", &curves)
+    lines(&format!("Packets, {}", scene.label()), "incoherence I", "Mrays/s", &curves)
 }
 
 /// How rates fall with the number of triangles: nearest hits by slices, triangles in the leaves.

@@ -1,10 +1,12 @@
 //! Tables over a small scene.
 
+use super::structures::Mode;
+use super::structures::{INCOHERENCE, INCOHERENT, STRUCTURES};
 use super::*;
-use crate::geom::{Triangle, TriangleList};
-use crate::math::Vec3;
+use crate::bench::test_scene::cloud;
+use crate::simd::Isa;
 
-const SETTINGS: Settings = Settings {
+const SETTINGS: MbvhBenchSettings = MbvhBenchSettings {
     rays: 600,
     rounds: 1,
     build: "binned",
@@ -13,17 +15,8 @@ const SETTINGS: Settings = Settings {
     isa: Isa::Portable,
 };
 
-fn source(count: usize) -> Arc<dyn TriangleSource> {
-    let corner = |i: usize| Vec3::new((i * i % 37) as f32, (i * 7 % 31) as f32, (i % 50) as f32);
-    let list = (0..count).map(|i| {
-        let a = corner(i);
-        Triangle { a, b: a + Vec3::X * 3.0, c: a + Vec3::new(1.0, 4.0, 2.0) }
-    });
-    Arc::new(TriangleList(list.collect()))
-}
-
 fn scene() -> Scene {
-    measure("cloud", &source(2000), true, &SETTINGS, &|_| {}).expect("all agree")
+    measure("cloud", &cloud(2000), true, &SETTINGS, &|_| {}).expect("all agree")
 }
 
 #[test]
@@ -99,13 +92,13 @@ fn json_and_plots_hold_every_structure() {
 
 #[test]
 fn a_scene_without_triangles_is_measured_too() {
-    let scene = measure("empty", &source(0), false, &SETTINGS, &|_| {}).expect("all agree");
+    let scene = measure("empty", &cloud(0), false, &SETTINGS, &|_| {}).expect("all agree");
     assert!(tables(&[scene], &SETTINGS).len() == 4);
 }
 
 #[test]
 fn what_would_not_fit_is_refused() {
-    let settings = Settings { memory: 1000, ..SETTINGS };
-    let error = measure("cloud", &source(100), false, &settings, &|_| {}).expect_err("too large");
+    let settings = MbvhBenchSettings { memory: 1000, ..SETTINGS };
+    let error = measure("cloud", &cloud(100), false, &settings, &|_| {}).expect_err("too large");
     assert!(error.to_string().contains("more than the 1000"), "{error}");
 }

@@ -2,15 +2,14 @@
 
 use std::path::PathBuf;
 
-use super::super::progress::say;
-use super::super::{CliError, Quiet, input, table};
-use super::memory_limit;
+use super::options::MachineArgs;
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use crate::accel::BuildError;
-use crate::bench::structures::{self, Settings};
+use crate::bench::structures::{self, AccelsBenchSettings};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::{input, text};
 use crate::generate::Generator;
-use crate::simd::Isa;
 
 /// All structures with their defaults: paper, memory and rates, a row each.
 ///
@@ -38,12 +37,8 @@ pub struct BenchAccelsArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
-    /// The instruction set
-    #[arg(long, default_value_t)]
-    isa: Isa,
-    /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
-    #[arg(long, value_name = "MB", default_value_t = 0)]
-    memory: u64,
+    #[command(flatten)]
+    machine: MachineArgs,
     /// Print the table as Markdown
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
@@ -59,27 +54,23 @@ const KITCHEN: u64 = 103_000;
 /// Runs the command.
 pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     args.output.probe()?;
-    args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
+    let isa = args.machine.isa()?;
     let scene = match &args.file {
         Some(file) => BenchScene::File(file.clone()),
         None => BenchScene::Made(Generator::Kitchen, KITCHEN),
     };
     let quiet = args.quiet;
-    let source = scene.with_file(|path| input::triangles(path, quiet))?;
+    let source = scene.with_file(|path| input::load_triangles(path, quiet))?;
     // Its own flight leads through a scene that was made.
     let pose = args.file.is_none().then(|| Generator::Kitchen.flight(KITCHEN, 0)[0]);
-    let settings = Settings {
+    let settings = AccelsBenchSettings {
         rays: args.rays as usize,
         rounds: args.rounds,
-        memory: memory_limit(args.memory),
-        isa: args.isa,
+        memory: args.machine.memory_limit(),
+        isa,
     };
-    let tell = |what: &str| {
-        if !args.quiet.quiet {
-            say(what);
-        }
-    };
-    let rows = input::on_threads(1, || structures::measure(&source, pose, &settings, &tell))??;
+    let tell = |what: &str| args.quiet.tell(what);
+    let rows = input::run_on_threads(1, || structures::measure(&source, pose, &settings, &tell))??;
     let results = Results {
         name: "accels",
         tables: vec![structures::table(&rows, &scene.name(), source.len())],
@@ -88,7 +79,7 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     };
     if args.markdown {
         let text = structures::markdown(&rows, &scene.name(), source.len());
-        return Ok(table::print(&text)?);
+        return Ok(text::print(&text)?);
     }
     results.publish(&args.output)
 }

@@ -4,32 +4,32 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::super::progress::say;
-use super::super::values::resolution;
-use super::super::{CliError, Quiet, input, memory};
+use super::options::{MachineArgs, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use super::{builder, memory_limit, ray_bytes};
-use crate::accel::BuildError;
-use crate::bench::coherent::{self, Settings, paper};
+use crate::bench::fly_through::{self, FlyThroughBenchSettings, paper};
 use crate::camera::flight::{self, Pose};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::settings::parse::resolution;
+use crate::cli::{input, memory};
 use crate::generate::Generator;
 use crate::geom::TriangleSource;
-use crate::simd::Isa;
 
-/// Packets, entry points and compressed paths over flights: the tables of Barczak's paper, its
-/// figures beside.
+/// Packets, entry points and compressed paths over flights: the tables of Barczak's paper, next to
+/// its figures.
 ///
-/// On one thread, primary rays that were made before: nodes visited (table 1), rates of packets (2),
-/// memory and construction of compressed paths (3), partitioned packets and single rays (4), what a
-/// node spared is worth, entry points by fixed tiles and by adaptive ones, and rays to lights of
-/// limited range, to spot lights and to lights with an area. Structures take turns, picture by
-/// picture, and the median of the rounds counts. First all answers are compared to those of
-/// bvh-packet.
+/// On one thread, primary rays that were made before: nodes visited (table 1), rates of packets
+/// (2), memory and construction of compressed paths (3), partitioned packets and single rays (4),
+/// what a node spared is worth, entry points by fixed tiles and by adaptive ones, and rays to
+/// lights of limited range, to spot lights and to lights with an area. Structures take turns,
+/// picture by picture, and the median of the rounds counts. First all answers are compared to those
+/// of bvh-packet.
 ///
 /// Without files, the scenes are a machine of 871,414 triangles from afar, a city of 9,200, a
-/// kitchen of 103,000 and a landscape of 644,000, as `dapple generate` makes them with their flights:
-/// the sizes of the paper's. That takes some twelve minutes; --frames 4 --rounds 1 some three.
+/// kitchen of 103,000 and a landscape of 644,000, as `dapple generate` makes them with their
+/// flights: the sizes of the paper's. That takes some twelve minutes; --frames 4 --rounds 1 some
+/// three.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -56,22 +56,18 @@ pub struct CoherentArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
-    /// How trees are built; `dapple accels` tells
-    #[arg(long, default_value = "binned", value_parser = builder)]
+    /// How trees are built; see the option `build` in `dapple accels`
+    #[arg(long, default_value = "binned", value_parser = parse_builder)]
     build: &'static str,
-    /// The instruction set
-    #[arg(long, default_value_t)]
-    isa: Isa,
-    /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
-    #[arg(long, value_name = "MB", default_value_t = 0)]
-    memory: u64,
+    #[command(flatten)]
+    machine: MachineArgs,
     #[command(flatten)]
     quiet: Quiet,
     #[command(flatten)]
     output: OutputArgs,
 }
 
-/// The scenes that stand beside the paper's, in its order.
+/// The scenes that are compared with the paper's, in its order.
 const MADE: [Generator; 4] =
     [Generator::Assembly, Generator::City, Generator::Kitchen, Generator::Landscape];
 
@@ -91,32 +87,28 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
     // A picture's rays and their answers, and shadow rays with theirs.
     memory::require(&format!("pictures of {width}x{height}"), ray_bytes(rays, 4))?;
     args.output.probe()?;
-    args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
-    let settings = Settings {
+    let isa = args.machine.isa()?;
+    let settings = FlyThroughBenchSettings {
         resolution: args.resolution,
         frames: args.frames,
         rounds: args.rounds,
         build: args.build,
-        memory: memory_limit(args.memory),
-        isa: args.isa,
+        memory: args.machine.memory_limit(),
+        isa,
     };
-    let tell = |what: &str| {
-        if !args.quiet.quiet {
-            say(what);
-        }
-    };
-    let measured = input::on_threads(1, || {
+    let tell = |what: &str| args.quiet.tell(what);
+    let measured = input::run_on_threads(1, || {
         let measure = |load: Box<dyn Fn() -> Result<Loaded, CliError>>| {
             let (name, source, flight) = load()?;
-            Ok::<_, CliError>(coherent::measure(&name, &source, &flight, &settings, &tell)?)
+            Ok::<_, CliError>(fly_through::measure(&name, &source, &flight, &settings, &tell)?)
         };
         scenes(args).into_iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let results = Results {
         name: "coherent",
-        tables: coherent::tables(&measured, &settings),
-        json: coherent::json(&measured, &settings),
-        plots: coherent::plots(&measured),
+        tables: fly_through::tables(&measured, &settings),
+        json: fly_through::json(&measured, &settings),
+        plots: fly_through::plots(&measured),
     };
     results.publish(&args.output)
 }
@@ -130,7 +122,7 @@ fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> +
             let triangles = paper.triangles as u64;
             let scene = BenchScene::Made(generator, triangles);
             Box::new(move || {
-                let source = scene.with_file(|path| input::triangles(path, quiet))?;
+                let source = scene.with_file(|path| input::load_triangles(path, quiet))?;
                 Ok((generator.name().to_owned(), source, generator.flight(triangles, 0)))
             }) as Box<dyn Fn() -> _>
         };
@@ -141,7 +133,7 @@ fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> +
         Box::new(move || {
             // What is short first.
             let flight = read(&path)?;
-            Ok((scene.name(), scene.with_file(|path| input::triangles(path, quiet))?, flight))
+            Ok((scene.name(), scene.with_file(|path| input::load_triangles(path, quiet))?, flight))
         }) as Box<dyn Fn() -> _>
     };
     args.files.iter().zip(&args.path).map(load).collect()

@@ -4,20 +4,21 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::super::{CliError, Quiet, input, memory};
+use super::options::{MachineArgs, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use super::{memory_limit, ray_bytes};
 use crate::bench::bars::bars;
-use crate::bench::kd::{self, Row, SETS, Settings};
+use crate::bench::kd::{self, KdBenchSettings, Row, SETS};
 use crate::bench::kd_growth::{self, Growth};
 use crate::bench::measure::Measured;
 use crate::bench::ray_sets::RaySet;
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::{input, memory};
 use crate::generate::Generator;
-use crate::simd::Isa;
 
-/// All kd-trees: bytes, rates, nodes, leaves and tests a ray; then builds by layouts; with --report
-/// also the time of builds over machines of 10^4 to 10^6 triangles.
+/// All kd-trees: bytes, rates, nodes, leaves and tests per ray; then builds by layouts; with
+/// --report also the build times over machines of 10^4 to 10^6 triangles.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out")]
 pub struct KdArgs {
@@ -27,12 +28,8 @@ pub struct KdArgs {
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     rays: u64,
-    /// The instruction set
-    #[arg(long, default_value_t)]
-    isa: Isa,
-    /// Megabytes that a structure may take; 0: three quarters of the machine's memory
-    #[arg(long, value_name = "MB", default_value_t = 0)]
-    memory: u64,
+    #[command(flatten)]
+    machine: MachineArgs,
     #[command(flatten)]
     quiet: Quiet,
     #[command(flatten)]
@@ -45,9 +42,9 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     let needed = ray_bytes(args.rays, SETS.len() as u64 + 1);
     memory::require(&format!("{} rays of each set", args.rays), needed)?;
     args.output.probe()?;
-    let source = input::triangles(&args.scene, args.quiet)?;
-    let memory = memory_limit(args.memory);
-    let settings = Settings { rays: args.rays as usize, memory, isa: args.isa };
+    let source = input::load_triangles(&args.scene, args.quiet)?;
+    let (isa, memory) = (args.machine.isa()?, args.machine.memory_limit());
+    let settings = KdBenchSettings { rays: args.rays as usize, memory, isa };
     let walks = kd::walks(&source, &settings)?;
     let builds = kd::builds_and_layouts(&source, &settings)?;
     let name = args.scene.display();
@@ -82,10 +79,10 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
 }
 
 /// Builds over machines of growing size.
-fn growth(settings: &Settings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
+fn growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
     let measure = |size: u64| {
         let source = BenchScene::Made(Generator::Assembly, size)
-            .with_file(|path| input::triangles(path, quiet))?;
+            .with_file(|path| input::load_triangles(path, quiet))?;
         Ok(kd_growth::measure(&source, settings)?)
     };
     kd_growth::sizes(settings).map(measure).collect()

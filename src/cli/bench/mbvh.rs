@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
-use super::super::progress::say;
-use super::super::{CliError, Quiet, input, memory};
+use super::options::{MachineArgs, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::scenes;
-use super::{builder, memory_limit, ray_bytes};
-use crate::accel::BuildError;
-use crate::bench::mbvh::{self, Settings};
-use crate::simd::Isa;
+use crate::bench::mbvh::{self, MbvhBenchSettings};
+use crate::cli::error::CliError;
+use crate::cli::flags::Quiet;
+use crate::cli::{input, memory};
 
-/// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, its figures beside.
+/// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, next to its
+/// figures.
 ///
 /// On one thread: construction (table 1), random rays with and without a cache of triangles (2),
 /// the size of that cache, on the largest scene (3), width (4), and packets of rays that lose their
@@ -38,25 +38,21 @@ pub struct MbvhArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
-    /// How trees are built; `dapple accels` tells
-    #[arg(long, default_value = "binned", value_parser = builder)]
+    /// How trees are built; see the option `build` in `dapple accels`
+    #[arg(long, default_value = "binned", value_parser = parse_builder)]
     build: &'static str,
     /// Refine all trees by reinsertion, bvh2's too; auto's always is
     #[arg(long)]
     refine: bool,
-    /// The instruction set
-    #[arg(long, default_value_t)]
-    isa: Isa,
-    /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
-    #[arg(long, value_name = "MB", default_value_t = 0)]
-    memory: u64,
+    #[command(flatten)]
+    machine: MachineArgs,
     #[command(flatten)]
     quiet: Quiet,
     #[command(flatten)]
     output: OutputArgs,
 }
 
-/// Below so many a pass takes less than some tenths of a second.
+/// With fewer rays, a pass takes less than some tenths of a second.
 const FEW_RAYS: u64 = 100_000;
 
 /// Runs the command.
@@ -64,20 +60,16 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
     // A set, its answers, and those that are compared with them.
     memory::require(&format!("{} rays", args.rays), ray_bytes(args.rays, 2))?;
     args.output.probe()?;
-    let settings = Settings {
+    let isa = args.machine.isa()?;
+    let settings = MbvhBenchSettings {
         rays: args.rays as usize,
         rounds: args.rounds,
         build: args.build,
         refine: args.refine,
-        memory: memory_limit(args.memory),
-        isa: args.isa,
+        memory: args.machine.memory_limit(),
+        isa,
     };
-    args.isa.level().ok_or(BuildError::NoSuchIsa { isa: args.isa.name() })?;
-    let tell = |what: &str| {
-        if !args.quiet.quiet {
-            say(what);
-        }
-    };
+    let tell = |what: &str| args.quiet.tell(what);
     if args.rays < FEW_RAYS {
         tell(&format!(
             "warning: {} rays of a kind take milliseconds, and times so short say little; \
@@ -88,12 +80,12 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
     let mut loaded = Vec::new();
     for scene in scenes(&args.files) {
         tell(&format!("{}: loading", scene.name()));
-        let source = scene.with_file(|path| input::triangles(path, args.quiet))?;
+        let source = scene.with_file(|path| input::load_triangles(path, args.quiet))?;
         loaded.push((scene.name(), source));
     }
     let largest = loaded.iter().map(|(_, source)| source.len()).max();
     // One thread in all: caches share their bytes among the threads of the pool.
-    let measured = input::on_threads(1, || {
+    let measured = input::run_on_threads(1, || {
         let mut caches = true;
         let measure = |(name, source): &(String, _)| {
             let source: &std::sync::Arc<dyn crate::geom::TriangleSource> = source;

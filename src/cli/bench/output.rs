@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::super::{CliError, table};
 use crate::bench::table::Table;
+use crate::cli::error::CliError;
+use crate::cli::text;
 use crate::files::{self, Flush};
 
 /// Flags of all benches.
@@ -65,7 +66,7 @@ impl Results {
                 write(folder, &format!("{}-{stem}.svg", self.name), svg)?;
             }
         }
-        Ok(table::print(&if args.json { object } else { self.text() })?)
+        Ok(text::print(&if args.json { object } else { self.text() })?)
     }
 
     fn markdown(&self) -> String {
@@ -77,7 +78,7 @@ impl Results {
     fn text(&self) -> String {
         let text = |one: &Table| {
             let note = wrapped(&one.note);
-            format!("{}\n{note}\n{}", one.title, table::columns(&one.lines()))
+            format!("{}\n{note}\n{}", one.title, text::align_columns(&one.lines()))
         };
         self.tables.iter().map(text).collect::<Vec<_>>().join("\n")
     }

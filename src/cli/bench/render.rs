@@ -6,21 +6,22 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::super::prepare::{Job, prepare};
-use super::super::progress::say;
-use super::super::render::parse;
-use super::super::validate::specs;
-use super::super::{CliError, Quiet, input, memory, values::threads};
 use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, scenes};
 use crate::accel::{Accel, AccelSpec, build};
 use crate::bench::bars::bars;
 use crate::bench::renders::{self, Rendered, Scene};
+use crate::cli::error::CliError;
+use crate::cli::flags::{Quiet, parse_accels};
+use crate::cli::job::Job;
+use crate::cli::settings::parse::threads;
+use crate::cli::settings::resolve_words;
+use crate::cli::{input, memory};
 use crate::geom::TriangleSource;
 use crate::render::{Aov, Control, film_bytes, render};
 use crate::simd::Isa;
 
-/// Whole renders per structure: figure 1 of Ernst and Greiner's paper, its speed-ups beside ours.
+/// Whole renders per structure: figure 1 of Ernst and Greiner's paper, its speed-ups next to ours.
 ///
 /// Structures take turns, and the median of the rounds counts, without loading and building. All
 /// pictures must be equal to the bit.
@@ -42,7 +43,7 @@ pub struct BenchRenderArgs {
     /// Pixels
     #[arg(long, value_name = "WxH", default_value = "500x500")]
     resolution: String,
-    /// Samples a pixel
+    /// Samples per pixel
     #[arg(long, value_name = "N", default_value_t = 16)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     spp: u64,
@@ -50,7 +51,7 @@ pub struct BenchRenderArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     rounds: usize,
-    /// Threads to build and render with; 0: one a core
+    /// Threads to build and render with; 0: one per core
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     threads: usize,
     /// The instruction set
@@ -67,13 +68,13 @@ const DEPTH: u32 = 20;
 
 /// Runs the command.
 pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
-    let specs = specs(&args.accel)?;
+    let specs = parse_accels(&args.accel)?;
     if specs.iter().any(|spec| spec.variant.id == "brute") {
         let message = "--accel: brute force takes forever here; leave it out".to_owned();
         return Err(CliError::Usage(message));
     }
     args.output.probe()?;
-    let measured = input::on_threads(args.threads, || {
+    let measured = input::run_on_threads(args.threads, || {
         let measure = |scene: &BenchScene| measure(args, &specs, scene);
         scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
@@ -108,14 +109,10 @@ fn measure(
     specs: &[AccelSpec],
     scene: &BenchScene,
 ) -> Result<Scene, CliError> {
-    let tell = |what: &str| {
-        if !args.quiet.quiet {
-            say(&format!("{}: {what}", scene.name()));
-        }
-    };
+    let tell = |what: &str| args.quiet.tell(&format!("{}: {what}", scene.name()));
     tell("loading");
     // The time of a sample is the one layer that differs from run to run.
-    let layers = Aov::ALL.into_iter().filter(|&aov| aov != Aov::Cost).map(Aov::id);
+    let layers = Aov::ALL.into_iter().filter(|&aov| aov != Aov::Cost).map(Aov::name);
     let layers = layers.collect::<Vec<_>>().join(",");
     let (spp, depth) = (args.spp.to_string(), DEPTH.to_string());
     let words = [
@@ -125,7 +122,7 @@ fn measure(
         ["--aov", &layers],
     ];
     let words = words.concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
-    let job = scene.with_file(|path| prepare(&parse(path, &words)?))?;
+    let job = scene.with_file(|path| Job::prepare(resolve_words(path, &words)?.args))?;
     // One to compare with, and one under way.
     let what = format!("two pictures of {}", args.resolution);
     memory::require(&what, film_bytes(&job.settings) * 2)?;
@@ -134,10 +131,10 @@ fn measure(
     for spec in specs {
         tell(&format!("building {spec}"));
         let start = Instant::now();
-        accels.push(build(spec, job.world.triangles.clone(), args.isa)?);
+        accels.push(build(spec, job.first.world.triangles.clone(), args.isa)?);
         structures.push((spec.to_string(), start.elapsed().as_secs_f64()));
     }
-    let name = (scene.name(), job.world.triangles.len());
+    let name = (scene.name(), job.first.world.triangles.len());
     let scene = renders::measure(name, &structures, args.rounds, |which| {
         tell(&format!("rendering by {}", structures[which].0));
         rendered(&job, &*accels[which])
@@ -147,7 +144,7 @@ fn measure(
 
 fn rendered(job: &Job, accel: &dyn Accel) -> Rendered {
     let control = Control { cancel: &AtomicBool::new(false), progress: &|_| {} };
-    let rendered = render(&job.world, &job.camera, accel, &job.settings, &control);
+    let rendered = render(&job.first.world, &job.first.camera, accel, &job.settings, &control);
     Rendered {
         picture: rendered.picture,
         rays: rendered.rays.total(),

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::super::CliError;
 use crate::bench::mbvh::paper;
+use crate::cli::error::CliError;
 use crate::files::{self, Flush};
 use crate::generate::Generator;
 
@@ -13,7 +13,7 @@ use crate::generate::Generator;
 pub enum BenchScene {
     /// A file.
     File(PathBuf),
-    /// As `dapple generate` makes it of so many triangles from seed 0.
+    /// One that `dapple generate` makes from seed 0, with its number of triangles.
     Made(Generator, u64),
 }
 
@@ -73,7 +73,7 @@ impl Drop for Temporary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::Quiet;
+    use crate::cli::flags::Quiet;
 
     #[test]
     fn a_machine_is_there_while_it_is_loaded() {
@@ -81,7 +81,7 @@ mod tests {
         let mut seen = PathBuf::new();
         let count = scene.with_file(|path| {
             seen = path.to_owned();
-            Ok(super::super::super::input::triangles(path, Quiet::default())?.len())
+            Ok(crate::cli::input::load_triangles(path, Quiet::default())?.len())
         });
         assert_eq!(count.expect("loads"), 50);
         assert!(!seen.exists() && scene.name() == "assembly-50");

@@ -3,8 +3,11 @@
 mod read;
 mod write;
 
-pub use read::{decode, decode_rgb, decode_rgba, read, read_rgb, size};
-pub use write::{encode, write};
+pub use read::{decode, read, read_rgb};
+pub(crate) use read::{decode_rgb, decode_rgba, size};
+#[cfg(test)]
+pub(crate) use write::encode;
+pub use write::write;
 
 #[cfg(test)]
 mod tests {

@@ -21,7 +21,7 @@ pub struct CameraDeclaration {
 impl CameraDeclaration {
     /// The camera at a node called `node`; none if the node's transform has no directions.
     pub fn place(&self, to_world: &DAffine3, node: &str) -> Option<NamedCamera> {
-        let to_world = placement::narrowed(&placement::rigid(to_world)?);
+        let to_world = placement::narrow(&placement::rigid(to_world)?);
         let name = if self.name.is_empty() { node } else { &self.name };
         Some(NamedCamera {
             name: name.to_owned(),

@@ -16,7 +16,7 @@ use super::resources::{self, BufferDeclaration};
 use super::skin::{self, Skin};
 use super::texture::{self, ImageDeclaration, Slots, TextureDeclaration};
 use super::variants::{self, Variants};
-use crate::formats::chosen;
+use crate::formats::find_by_name_or_number;
 use crate::scene::{Contents, Material, UsedExtension};
 
 /// One of the scenes of a document.
@@ -96,10 +96,7 @@ impl Document {
     ) -> Result<Self, Refusal> {
         let root = Object::new(value, String::new())?;
         check_version(&root)?;
-        let unsupported = extensions::unsupported(&root)?;
-        if !unsupported.is_empty() {
-            return Err(Refusal::Extensions(unsupported));
-        }
+        check_extensions(&root)?;
         let extensions = extensions::note(value, &root, notices)?;
         let buffers = resources::buffers(&root)?;
         let lengths: Vec<u64> = buffers.iter().map(|buffer| buffer.length).collect();
@@ -110,19 +107,13 @@ impl Document {
         let mut slots = Slots::new(textures.len());
         let materials = material::read(&root, &mut slots, notices)?;
         let variants = variants::names(&root)?;
-        let shown = match variant {
-            None => None,
-            Some(wanted) => match chosen(variants.iter().map(String::as_str), wanted) {
-                None => return Err(Refusal::Variant(variants)),
-                found => found,
-            },
-        };
+        let shown = choose_variant(&variants, variant)?;
         let choice = Variants { count: variants.len(), materials: materials.len(), shown };
         let meshes = mesh::read(&root, accessors.len(), choice, notices)?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
-        let skins = skin::read(&root, root.array("nodes")?.len(), accessors.len())?;
         let nodes_count = root.array("nodes")?.len();
+        let skins = skin::read(&root, nodes_count, accessors.len())?;
         let animations = animation::read(&root, nodes_count, accessors.len(), notices)?;
         let counts = Counts {
             nodes: nodes_count,
@@ -175,8 +166,26 @@ impl Document {
             let scene = self.scenes.get(self.default_scene.unwrap_or(0));
             return Some(scene.map_or(&self.roots, |scene| &scene.roots));
         };
-        let number = chosen(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
+        let number =
+            find_by_name_or_number(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
         Some(&self.scenes[number].roots)
+    }
+}
+
+/// Refuses a document that requires extensions that are not supported.
+fn check_extensions(root: &Object) -> Result<(), Refusal> {
+    match extensions::unsupported(root)? {
+        none if none.is_empty() => Ok(()),
+        unsupported => Err(Refusal::Extensions(unsupported)),
+    }
+}
+
+/// The number of the variant that is wanted, if any is.
+fn choose_variant(variants: &[String], wanted: Option<&str>) -> Result<Option<usize>, Refusal> {
+    let Some(wanted) = wanted else { return Ok(None) };
+    match find_by_name_or_number(variants.iter().map(String::as_str), wanted) {
+        None => Err(Refusal::Variant(variants.to_vec())),
+        found => Ok(found),
     }
 }
 

@@ -110,14 +110,15 @@ mod tests {
     #[test]
     fn all_members_are_read() {
         let (mut material, notices) = material(
-            r#"{"KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatTexture": {"index": 0},
+            r#"{"KHR_materials_clearcoat": {"clearcoatFactor": 0.5,
+                "clearcoatTexture": {"index": 0},
                 "clearcoatRoughnessFactor": 0.25, "clearcoatRoughnessTexture": {"index": 0},
                 "clearcoatNormalTexture": {"index": 1, "scale": 2}},
                 "KHR_materials_sheen": {"sheenColorFactor": [1, 0.5, 0],
                 "sheenColorTexture": {"index": 2}, "sheenRoughnessFactor": 0.75,
                 "sheenRoughnessTexture": {"index": 2}},
-                "KHR_materials_anisotropy": {"anisotropyStrength": 0.6, "anisotropyRotation": 3.1415927,
-                "anisotropyTexture": {"index": 3}},
+                "KHR_materials_anisotropy": {"anisotropyStrength": 0.6,
+                "anisotropyRotation": 3.1415927, "anisotropyTexture": {"index": 3}},
                 "KHR_materials_iridescence": {"iridescenceFactor": 0.75, "iridescenceIor": 1.5,
                 "iridescenceTexture": {"index": 3}, "iridescenceThicknessMinimum": 200,
                 "iridescenceThicknessMaximum": 700, "iridescenceThicknessTexture": {"index": 3}}}"#,
@@ -161,7 +162,8 @@ mod tests {
         let layers = material.layers.expect("there are some");
         assert_eq!((layers.clearcoat, layers.clearcoat_roughness), (1.0, 0.0));
         assert_eq!((layers.sheen_color, layers.sheen_roughness), (Vec3::X, 1.0));
-        // One for what is out of range, at five places, and one each for what is negative or below 1.
+        // One for what is out of range, at five places, and one each for what is negative or below
+        // 1.
         assert_eq!((layers.anisotropy, layers.iridescence_ior), (0.0, 1.0));
         assert_eq!((layers.iridescence, layers.iridescence_thickness), (1.0, [100.0, 0.0]));
         assert_eq!(notices.len(), 3, "{notices:?}");

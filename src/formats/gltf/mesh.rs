@@ -54,8 +54,8 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Whether tangents for a normal map, which is looked up by a set of texture coordinates, can be
-    /// made and must be.
+    /// Whether tangents for a normal map, which is looked up by a set of texture coordinates, can
+    /// be made and must be.
     pub fn lacks_tangents(&self, uv_set: u8) -> bool {
         let uvs = self.uvs[usize::from(uv_set)];
         self.tangents.is_none() && self.normals.is_some() && uvs.is_some()
@@ -92,7 +92,7 @@ impl Primitive {
     }
 
     /// The same with other weights of its morph targets, as a node may ask.
-    pub fn posed(&self, weights: &[f32]) -> Self {
+    pub fn pose(&self, weights: &[f32]) -> Self {
         let mut posed = self.clone();
         posed.geometry.targets = weighted(&self.morphs, weights);
         posed

@@ -90,7 +90,8 @@ mod tests {
 
     #[test]
     fn a_triangle_is_unpacked() {
-        // Triangles, version 1: a code that says "three new vertices", no data, and the codes' table.
+        // Triangles, version 1: a code that says "three new vertices", no data, and the codes'
+        // table.
         let table: [u8; 16] =
             [0, 0x76, 0x87, 0x56, 0x67, 0x78, 0xa9, 0x86, 0x65, 0x89, 0x68, 0x98, 1, 0x69, 0, 0];
         let bytes: Vec<u8> = [0xe1, 0xf0].into_iter().chain(table).collect();

@@ -42,12 +42,12 @@ pub fn build(
 
     let mut mesh =
         Mesh { name: name.to_owned(), positions, normals, tangents, uvs, colors, indices };
-    put_right(&mut mesh, place, notices);
+    repair(&mut mesh, place, notices);
     Ok(mesh)
 }
 
-/// Gives a mesh that has normals and texture coordinates the tangents that a normal map is meant for
-/// which is looked up as `map` says.
+/// Gives a mesh that has normals and texture coordinates the tangents that a normal map is meant
+/// for which is looked up as `map` says.
 ///
 /// # Errors
 /// If that takes more memory than the file can justify.
@@ -182,7 +182,7 @@ impl Reader<'_> {
 
 /// Makes normals and tangents unit vectors, replaces those that cannot be, and coordinates of
 /// textures and colours that are not numbers.
-fn put_right(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
+fn repair(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
     if repair::normals(mesh) {
         notices.add(
             format!("{place}/attributes/NORMAL"),
@@ -249,7 +249,7 @@ mod tests {
             uvs: [vec![Vec2::NAN, Vec2::ONE], Vec::new()],
             ..Mesh::default()
         };
-        put_right(&mut mesh, "/p", &mut Notices::default());
+        repair(&mut mesh, "/p", &mut Notices::default());
         assert!(mesh.tangents.is_empty());
         assert_eq!(mesh.uvs[0], [Vec2::ZERO, Vec2::ONE]);
     }

@@ -54,7 +54,7 @@ pub fn load_buffers<'a>(
         let bytes = if needed { load_buffer(declaration, i, binary, folder) } else { Ok(None) };
         buffers.push(bytes.unwrap_or_else(|reason| {
             broken.push(Broken {
-                name: shown(declaration.uri.as_deref().unwrap_or_default()),
+                name: display_uri(declaration.uri.as_deref().unwrap_or_default()),
                 place: format!("/buffers/{i}"),
                 reason,
                 texture: false,
@@ -83,7 +83,7 @@ fn load_buffer<'a>(
 }
 
 /// A name for messages: the text of data URIs is long and says nothing.
-fn shown(uri: &str) -> String {
+fn display_uri(uri: &str) -> String {
     if uri.get(..5).is_some_and(|head| head.eq_ignore_ascii_case("data:")) {
         String::new()
     } else {
@@ -94,7 +94,7 @@ fn shown(uri: &str) -> String {
 /// What to call an image: the file that it is in, else what the document calls it.
 fn name_of(image: &ImageDeclaration) -> String {
     let file = match &image.source {
-        ImageSource::Uri(uri) => shown(uri),
+        ImageSource::Uri(uri) => display_uri(uri),
         ImageSource::View(_) => String::new(),
     };
     if file.is_empty() { image.name.clone() } else { file }

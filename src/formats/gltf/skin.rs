@@ -83,46 +83,21 @@ pub fn pose(
     matrices: &[DAffine3],
     storage: &Storage,
 ) -> Result<(), Fault> {
-    let fault = |message: String| Fault::new(primitive.place.clone(), message);
     let count = mesh.positions.len();
-    let mut blended = vec![(DMat3::ZERO, DVec3::ZERO, 0.0); count];
-    storage.reserve(&primitive.place, count as u64 * 104)?;
-    for &[joints, weights] in &primitive.geometry.joints {
-        let (joints, weights) = (storage.vectors::<4>(joints)?, storage.vectors::<4>(weights)?);
-        if joints.len() != count || weights.len() != count {
-            return Err(fault(format!(
-                "joints and weights must be as many as its {count} vertices"
-            )));
-        }
-        for (sum, (joints, weights)) in blended.iter_mut().zip(joints.iter().zip(&weights)) {
-            for (&joint, &weight) in joints.iter().zip(weights) {
-                if weight == 0.0 {
-                    continue;
-                }
-                // What is no number is no joint.
-                let found = matrices.get(if joint >= 0.0 { joint as usize } else { usize::MAX });
-                let matrix = found.ok_or_else(|| {
-                    fault(format!("a vertex follows joint {joint} of {}", matrices.len()))
-                })?;
-                let weight = f64::from(weight);
-                sum.0 += matrix.matrix3 * weight;
-                sum.1 += matrix.translation * weight;
-                sum.2 += weight;
-            }
-        }
-    }
+    let blended = blend(primitive, matrices, storage, count)?;
     let mut mirrored = 0;
-    for (vertex, (linear, translation, weight)) in blended.into_iter().enumerate() {
+    for (vertex, sum) in blended.into_iter().enumerate() {
         // Weights should sum to one; of nothing, all is the first joint's.
-        let (linear, translation) = if weight.abs() > 1e-6 {
-            (linear * (1.0 / weight), translation / weight)
+        let (linear, translation) = if sum.weight.abs() > 1e-6 {
+            (sum.linear * (1.0 / sum.weight), sum.translation / sum.weight)
         } else {
             (matrices[0].matrix3, matrices[0].translation)
         };
         let moved = linear * mesh.positions[vertex].as_dvec3() + translation;
         let limit = f64::from(f32::MAX) / 4.0;
         if !moved.abs().cmplt(DVec3::splat(limit)).all() {
-            return Err(fault(format!("its skin moves vertex {vertex} beyond 32-bit floats")));
+            let message = format!("its skin moves vertex {vertex} beyond 32-bit floats");
+            return Err(Fault::new(primitive.place.clone(), message));
         }
         mesh.positions[vertex] = moved.as_vec3();
         let determinant = linear.determinant();
@@ -142,6 +117,54 @@ pub fn pose(
         mesh.tangents.iter_mut().for_each(|tangent| tangent.w = -tangent.w);
     }
     Ok(())
+}
+
+/// The matrices that a vertex follows, each times its weight, and the sum of the weights.
+#[derive(Clone, Copy)]
+struct Blended {
+    linear: DMat3,
+    translation: DVec3,
+    weight: f64,
+}
+
+impl Blended {
+    const NONE: Self = Self { linear: DMat3::ZERO, translation: DVec3::ZERO, weight: 0.0 };
+}
+
+/// Sums up the matrices of the joints that each of `count` vertices follows.
+fn blend(
+    primitive: &Primitive,
+    matrices: &[DAffine3],
+    storage: &Storage,
+    count: usize,
+) -> Result<Vec<Blended>, Fault> {
+    let fault = |message: String| Fault::new(primitive.place.clone(), message);
+    let mut blended = vec![Blended::NONE; count];
+    storage.reserve(&primitive.place, count as u64 * 104)?;
+    for &[joints, weights] in &primitive.geometry.joints {
+        let (joints, weights) = (storage.vectors::<4>(joints)?, storage.vectors::<4>(weights)?);
+        if joints.len() != count || weights.len() != count {
+            return Err(fault(format!(
+                "joints and weights must be as many as its {count} vertices"
+            )));
+        }
+        for (sum, (joints, weights)) in blended.iter_mut().zip(joints.iter().zip(&weights)) {
+            for (&joint, &weight) in
+                joints.iter().zip(weights).filter(|(_, weight)| **weight != 0.0)
+            {
+                // What is no number is no joint.
+                let found = matrices.get(if joint >= 0.0 { joint as usize } else { usize::MAX });
+                let matrix = found.ok_or_else(|| {
+                    fault(format!("a vertex follows joint {joint} of {}", matrices.len()))
+                })?;
+                let weight = f64::from(weight);
+                sum.linear += matrix.matrix3 * weight;
+                sum.translation += matrix.translation * weight;
+                sum.weight += weight;
+            }
+        }
+    }
+    Ok(blended)
 }
 
 /// The inverse transpose times the determinant: what turns normals.

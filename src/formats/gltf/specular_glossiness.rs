@@ -11,8 +11,8 @@ use crate::scene::Material;
 use crate::texture::ColorSpace;
 
 impl Reader<'_, '_> {
-    /// Puts what the extension says in the place of the metallic-roughness values, and of what other
-    /// extensions say of its reflection.
+    /// Puts what the extension says in the place of the metallic-roughness values, and of what
+    /// other extensions say of its reflection.
     pub(super) fn specular_glossiness(
         &mut self,
         extension: &Object,

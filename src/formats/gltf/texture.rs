@@ -40,7 +40,7 @@ impl Slots {
     }
 
     /// Renumbers the textures of `materials` so that only those of them are left.
-    pub fn retain(self, materials: &mut [Material]) -> Vec<(usize, ColorSpace)> {
+    pub fn retain(&self, materials: &mut [Material]) -> Vec<(usize, ColorSpace)> {
         let mut kept = Vec::new();
         let mut renumbered = vec![None; self.used.len()];
         for reference in materials.iter_mut().flat_map(Material::textures_mut) {

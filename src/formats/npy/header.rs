@@ -107,7 +107,7 @@ impl Array {
         let mut rest = Literal(text.trim_matches(|c| c == ' ' || c == '\n' || c == '\0'));
         let (mut descr, mut fortran_order, mut shape) = (None, None, None);
         rest.expect('{')?;
-        while !rest.takes('}') {
+        while !rest.take('}') {
             let key = rest.string()?;
             rest.expect(':')?;
             match key {
@@ -116,7 +116,7 @@ impl Array {
                 "shape" => shape = Some(rest.shape()?),
                 other => return Err(format!("its header has the unknown key '{other}'")),
             }
-            if !rest.takes(',') {
+            if !rest.take(',') {
                 rest.expect('}')?;
                 break;
             }
@@ -142,22 +142,22 @@ impl<'a> Literal<'a> {
         self.0.trim_start().chars().take(20).collect()
     }
 
-    fn takes(&mut self, token: char) -> bool {
+    fn take(&mut self, token: char) -> bool {
         let rest = self.0.trim_start().strip_prefix(token);
         self.0 = rest.unwrap_or(self.0);
         rest.is_some()
     }
 
     fn expect(&mut self, token: char) -> Result<(), String> {
-        if self.takes(token) {
+        if self.take(token) {
             return Ok(());
         }
         Err(format!("its header has '{}' where '{token}' should stand", self.start()))
     }
 
     fn string(&mut self) -> Result<&'a str, String> {
-        let quote = if self.takes('"') { '"' } else { '\'' };
-        if quote == '\'' && !self.takes('\'') {
+        let quote = if self.take('"') { '"' } else { '\'' };
+        if quote == '\'' && !self.take('\'') {
             let start = self.start();
             return Err(format!("its header has '{start}' where a string should stand"));
         }
@@ -181,14 +181,14 @@ impl<'a> Literal<'a> {
     fn shape(&mut self) -> Result<Vec<u64>, String> {
         let mut sizes = Vec::new();
         self.expect('(')?;
-        while !self.takes(')') {
+        while !self.take(')') {
             let text = self.0.trim_start();
             let digits = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
             let size = text[..digits].parse();
             sizes.push(size.map_err(|_| format!("its shape has the size '{}'", self.start()))?);
             // Python 2 wrote long integers with an L.
             self.0 = text[digits..].strip_prefix('L').unwrap_or(&text[digits..]);
-            if !self.takes(',') {
+            if !self.take(',') {
                 self.expect(')')?;
                 break;
             }

@@ -34,7 +34,7 @@ impl<'a> Libraries<'a> {
         line: usize,
         remarks: &mut Remarks,
     ) -> Result<(), LoadError> {
-        let whole = lines::unquoted(names);
+        let whole = lines::unquote(names);
         let names = match confine(self.folder, whole) {
             Some(path) if path.is_file() => vec![whole.to_owned()],
             _ => lines::names(names),

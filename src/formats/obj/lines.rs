@@ -58,7 +58,7 @@ pub(super) fn for_each(
         });
         let statement = keyword
             .map(|keyword| Statement { line: first, keyword, rest: rest.trim_ascii() })
-            .ok_or_else(|| format!("{} is not a statement", quoted(line)));
+            .ok_or_else(|| format!("{} is not a statement", quote(line)));
         statement.and_then(&mut each).map_err(|message| LoadError::line(file, first, message))?;
     }
     Ok(())
@@ -73,7 +73,7 @@ fn next_line<'a>(bytes: &mut &'a [u8]) -> &'a [u8] {
 }
 
 /// Some of the text for a message.
-pub(super) fn quoted(text: &[u8]) -> String {
+pub(super) fn quote(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(text);
     let start: String = text.chars().take(30).collect();
     let more = if start.len() < text.len() { "…" } else { "" };
@@ -90,8 +90,8 @@ pub(super) fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
 /// A finite number.
 pub(super) fn number(word: &[u8]) -> Result<f32, String> {
     let number = str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
-    let number = number.ok_or_else(|| format!("{} is not a number", quoted(word)))?;
-    if number.is_finite() { Ok(number) } else { Err(format!("{} is not finite", quoted(word))) }
+    let number = number.ok_or_else(|| format!("{} is not a number", quote(word)))?;
+    if number.is_finite() { Ok(number) } else { Err(format!("{} is not finite", quote(word))) }
 }
 
 /// Between `least` and eight numbers, and how many there are.
@@ -125,11 +125,11 @@ pub(super) fn color(rest: &[u8]) -> Result<Vec3, String> {
 /// A name to the end of the line, without quotes. Bytes that are not UTF-8, as old exporters wrote
 /// them, become marks: the same ones in both files.
 pub(super) fn name(rest: &[u8]) -> String {
-    unquoted(&String::from_utf8_lossy(rest)).to_owned()
+    unquote(&String::from_utf8_lossy(rest)).to_owned()
 }
 
 /// A name without the quotes about it.
-pub(super) fn unquoted(name: &str) -> &str {
+pub(super) fn unquote(name: &str) -> &str {
     let name = name.trim();
     name.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(name)
 }

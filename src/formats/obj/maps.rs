@@ -59,7 +59,7 @@ impl<'a> Maps<'a> {
         }
         let texture = match self.image(map, file) {
             Some(image) => {
-                let prepared = prepared(&image, usage, map.channel);
+                let prepared = prepare_image(&image, usage, map.channel);
                 let refused = |reason: TooMuch| self.refuse(map, file, reason.to_string());
                 let image = prepared.map_err(refused).ok()?;
                 let space = if usage == Use::Color { ColorSpace::Srgb } else { ColorSpace::Linear };
@@ -82,7 +82,7 @@ impl<'a> Maps<'a> {
     ) -> Option<TextureRef> {
         let images = [self.scalars(metallic, file), self.scalars(roughness, file)];
         let map = roughness.or(metallic)?;
-        match shared(&images)? {
+        match merge_maps(&images)? {
             Ok(image) => {
                 let image = Arc::new(image);
                 let texture = Texture::new(image, ColorSpace::Linear, wrap(map), Filter::Bilinear);
@@ -100,7 +100,7 @@ impl<'a> Maps<'a> {
     fn scalars(&mut self, map: Option<&Map>, file: &Path) -> Option<Arc<Image>> {
         let map = map?;
         let image = self.image(map, file)?;
-        let prepared = prepared(&image, Use::Scalar, map.channel);
+        let prepared = prepare_image(&image, Use::Scalar, map.channel);
         prepared.map_err(|reason| self.refuse(map, file, reason.to_string())).ok()
     }
 
@@ -181,7 +181,7 @@ fn placed(map: &Map, texture: TextureId) -> TextureRef {
 
 /// Metalness and roughness, of the larger one's size: roughness in green, metalness in blue, one
 /// where an image is absent. None without any image.
-fn shared([metallic, roughness]: &[Option<Arc<Image>>; 2]) -> Option<Result<Image, TooMuch>> {
+fn merge_maps([metallic, roughness]: &[Option<Arc<Image>>; 2]) -> Option<Result<Image, TooMuch>> {
     let both = || [metallic, roughness].into_iter().flatten();
     let (width, height) = both().map(|image| (image.width(), image.height())).max()?;
     let count = u64::from(width) * u64::from(height);
@@ -204,7 +204,7 @@ fn shared([metallic, roughness]: &[Option<Arc<Image>>; 2]) -> Option<Result<Imag
 }
 
 /// The image as its use needs it; the same one if it is so already.
-fn prepared(
+fn prepare_image(
     image: &Arc<Image>,
     usage: Use,
     channel: Option<Channel>,

@@ -38,7 +38,7 @@ pub(super) fn convert(
     let mut material = Material { name: mtl.name.clone(), metallic: 0.0, ..Material::default() };
     let opacity = opacity(mtl, remarks);
     let absent = if mtl.map_kd.is_some() { 1.0 } else { DEFAULT_GREY };
-    let kd = at_most_one(mtl.kd.unwrap_or(Vec3::splat(absent)), "Kd", mtl, remarks);
+    let kd = clamp_to_one(mtl.kd.unwrap_or(Vec3::splat(absent)), "Kd", mtl, remarks);
     material.base_color = kd.extend(1.0);
 
     surface(&mut material, mtl, remarks);
@@ -71,7 +71,7 @@ fn surface(material: &mut Material, mtl: &MtlMaterial, remarks: &mut Remarks) {
     let is_pbr = [mtl.pr, mtl.pm].iter().any(Option::is_some)
         || [&mtl.map_pr, &mtl.map_pm].iter().any(|map| map.is_some());
     let given = if mtl.map_ks.is_some() || is_pbr { 0.5 } else { 0.0 };
-    let ks = at_most_one(mtl.ks.unwrap_or(Vec3::splat(given)), "Ks", mtl, remarks);
+    let ks = clamp_to_one(mtl.ks.unwrap_or(Vec3::splat(given)), "Ks", mtl, remarks);
     // Many files say 1 and have highlights nevertheless.
     material.ior = mtl.ni.filter(|&ni| ni > 1.0).unwrap_or(1.5);
     let strongest = ks.max_element();
@@ -113,7 +113,7 @@ fn glass(
     remarks: &mut Remarks,
 ) {
     let tint = mtl.tf.filter(|&tf| tf != Vec3::ZERO).unwrap_or(Vec3::ONE.lerp(kd, opacity));
-    material.base_color = at_most_one(tint, "Tf", mtl, remarks).extend(1.0);
+    material.base_color = clamp_to_one(tint, "Tf", mtl, remarks).extend(1.0);
     material.transmission = 1.0;
     material.volume =
         Some(Volume { attenuation_color: Vec3::ONE, attenuation_distance: f32::INFINITY });
@@ -179,7 +179,7 @@ fn opacity(mtl: &MtlMaterial, remarks: &mut Remarks) -> f32 {
 }
 
 /// Surfaces do not return more than they get.
-fn at_most_one(color: Vec3, what: &str, mtl: &MtlMaterial, remarks: &mut Remarks) -> Vec3 {
+fn clamp_to_one(color: Vec3, what: &str, mtl: &MtlMaterial, remarks: &mut Remarks) -> Vec3 {
     if color.max_element() > 1.0 {
         remarks.add(mtl.line, format!("a {what} above 1 is clamped"));
     }
@@ -192,7 +192,7 @@ mod tests {
     use crate::formats::MissingTexture;
 
     /// The only material of an MTL file, and what is remarked on.
-    fn converted(text: &str) -> (Material, Vec<String>) {
+    fn convert_text(text: &str) -> (Material, Vec<String>) {
         let file = Path::new("a.mtl");
         let mut remarks = Remarks::new(file);
         let text = format!("newmtl m\n{text}");
@@ -203,7 +203,7 @@ mod tests {
     }
 
     fn quietly(text: &str) -> Material {
-        let (material, remarks) = converted(text);
+        let (material, remarks) = convert_text(text);
         assert!(remarks.is_empty(), "{remarks:?}");
         material
     }
@@ -251,8 +251,8 @@ mod tests {
         let m = quietly("d 0.75\nTr 0.5");
         assert_eq!((m.alpha_mode, m.base_color.w), (AlphaMode::Blend, 0.75));
         assert_eq!(quietly("Tr 0.25").base_color.w, 0.75);
-        assert_eq!(converted("d 0").1, ["material \"m\" is invisible: its d is 0"]);
-        assert_eq!(converted("d 7").1, ["an opacity outside of 0 to 1 is clamped"]);
+        assert_eq!(convert_text("d 0").1, ["material \"m\" is invisible: its d is 0"]);
+        assert_eq!(convert_text("d 7").1, ["an opacity outside of 0 to 1 is clamped"]);
     }
 
     #[test]
@@ -283,18 +283,18 @@ mod tests {
         assert_eq!((layers.sheen_color.x, layers.anisotropy), (0.25, 0.5));
         assert!((layers.anisotropy_rotation - crate::math::Vec2::Y).length() < 1e-6);
         assert!(quietly("Pc 0\nPcr 0.5\nPs 0\naniso 0").layers.is_none());
-        assert_eq!(converted("Pc 3").1, ["a Pc outside of 0 to 1 is clamped"]);
+        assert_eq!(convert_text("Pc 3").1, ["a Pc outside of 0 to 1 is clamped"]);
     }
 
     #[test]
     fn mistakes_are_remarked_on() {
-        assert_eq!(converted("Kd 2").1, ["a Kd above 1 is clamped"]);
+        assert_eq!(convert_text("Kd 2").1, ["a Kd above 1 is clamped"]);
         assert_eq!(
-            converted("Kd 0\nmap_Kd a.png").1,
+            convert_text("Kd 0\nmap_Kd a.png").1,
             ["map_Kd is black because Kd is: set Kd to 1 1 1"]
         );
         assert_eq!(
-            converted("illum 6\nd 0.1\nNi 0.7").1,
+            convert_text("illum 6\nd 0.1\nNi 0.7").1,
             ["an index of refraction below 1 counts as 1"]
         );
     }

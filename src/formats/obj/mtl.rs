@@ -99,16 +99,7 @@ fn statement(
         "tf" | "kt" => color(&mut material.tf, s, remarks),
         "ns" => number(&mut material.ns, s.rest),
         "ni" => number(&mut material.ni, s.rest),
-        "d" => {
-            let (halo, rest) = match s.rest.strip_prefix(b"-halo") {
-                Some(rest) => (true, rest),
-                None => (false, s.rest),
-            };
-            if halo {
-                remarks.add(s.line, "d -halo is not honoured: opacity is the same from all sides");
-            }
-            number(&mut material.d, rest)
-        }
+        "d" => read_opacity(material, s, remarks),
         "tr" => number(&mut material.tr, s.rest),
         "pr" => number(&mut material.pr, s.rest),
         "pm" => number(&mut material.pm, s.rest),
@@ -117,15 +108,7 @@ fn statement(
         "pcr" => number(&mut material.pcr, s.rest),
         "aniso" => number(&mut material.aniso, s.rest),
         "anisor" => number(&mut material.anisor, s.rest),
-        "illum" => {
-            let (numbers, _) = lines::numbers(s.rest, 1)?;
-            if (0.0..=10.0).contains(&numbers[0]) {
-                material.illum = Some(numbers[0] as u32);
-            } else {
-                remarks.add(s.line, format!("there is no illum {}", numbers[0]));
-            }
-            Ok(())
-        }
+        "illum" => read_illumination(material, s, remarks),
         "map_kd" => map(&mut material.map_kd, s, remarks),
         "map_ks" => map(&mut material.map_ks, s, remarks),
         "map_ke" => map(&mut material.map_ke, s, remarks),
@@ -148,6 +131,34 @@ fn statement(
             Ok(())
         }
     }
+}
+
+/// `d`: opacity, perhaps with `-halo`, by which it would depend on the viewer.
+fn read_opacity(
+    material: &mut MtlMaterial,
+    s: &Statement,
+    remarks: &mut Remarks,
+) -> Result<(), String> {
+    let halo = s.rest.strip_prefix(b"-halo");
+    if halo.is_some() {
+        remarks.add(s.line, "d -halo is not honoured: opacity is the same from all sides");
+    }
+    number(&mut material.d, halo.unwrap_or(s.rest))
+}
+
+/// `illum`: the number of an illumination model.
+fn read_illumination(
+    material: &mut MtlMaterial,
+    s: &Statement,
+    remarks: &mut Remarks,
+) -> Result<(), String> {
+    let (numbers, _) = lines::numbers(s.rest, 1)?;
+    if (0.0..=10.0).contains(&numbers[0]) {
+        material.illum = Some(numbers[0] as u32);
+    } else {
+        remarks.add(s.line, format!("there is no illum {}", numbers[0]));
+    }
+    Ok(())
 }
 
 fn number(slot: &mut Option<f32>, rest: &[u8]) -> Result<(), String> {

@@ -78,7 +78,7 @@ impl Reader {
             "v" => self.vertex(s, remarks),
             "vt" => {
                 let ([u, v, ..], _) = lines::numbers(s.rest, 1)?;
-                limited(&mut self.geometry.uvs, Vec2::new(u, v))
+                push_limited(&mut self.geometry.uvs, Vec2::new(u, v))
             }
             "vn" => {
                 let ([x, y, z, ..], _) = lines::numbers(s.rest, 3)?;
@@ -87,7 +87,7 @@ impl Reader {
                 if normal == Vec3::ZERO {
                     remarks.add(s.line, "a normal is zero: there the shading is flat");
                 }
-                limited(&mut self.geometry.normals, normal)
+                push_limited(&mut self.geometry.normals, normal)
             }
             "f" | "fo" => self.face(s, remarks),
             "o" => {
@@ -115,7 +115,7 @@ impl Reader {
                 Ok(())
             }
             other => {
-                remarks.add(s.line, skipped(other));
+                remarks.add(s.line, describe_skipped(other));
                 Ok(())
             }
         }
@@ -137,7 +137,7 @@ impl Reader {
         } else if !colors.is_empty() {
             colors.push(Vec3::ONE);
         }
-        limited(positions, Vec3::new(x, y, z))
+        push_limited(positions, Vec3::new(x, y, z))
     }
 
     fn use_material(&mut self, name: String, line: usize) {
@@ -225,7 +225,7 @@ impl Reader {
 }
 
 fn malformed(word: &[u8]) -> String {
-    format!("{} is not a corner of a face (v, v/vt, v//vn or v/vt/vn)", lines::quoted(word))
+    format!("{} is not a corner of a face (v, v/vt, v//vn or v/vt/vn)", lines::quote(word))
 }
 
 fn integer(field: &[u8]) -> Option<i64> {
@@ -236,7 +236,7 @@ fn integer(field: &[u8]) -> Option<i64> {
     str::from_utf8(field).ok()?.parse().ok()
 }
 
-fn limited<T>(list: &mut Vec<T>, value: T) -> Result<(), String> {
+fn push_limited<T>(list: &mut Vec<T>, value: T) -> Result<(), String> {
     if list.len() >= NONE as usize {
         return Err("there are more than 2^32 - 1 vertices".to_owned());
     }
@@ -245,7 +245,7 @@ fn limited<T>(list: &mut Vec<T>, value: T) -> Result<(), String> {
 }
 
 /// What to say of a statement that does nothing here.
-fn skipped(keyword: &str) -> String {
+fn describe_skipped(keyword: &str) -> String {
     match keyword {
         "p" | "l" => "points and lines are skipped".to_owned(),
         "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim"

@@ -68,7 +68,7 @@ pub(super) fn parse(
     while let Some(word) = rest.peek() {
         if !is_option(word) {
             if !map.name.is_empty() {
-                return Err(format!("{} after the texture's name", lines::quoted(word.as_bytes())));
+                return Err(format!("{} after the texture's name", lines::quote(word.as_bytes())));
             }
             rest.name().clone_into(&mut map.name);
             continue;

@@ -146,8 +146,8 @@ impl Faces {
         Ok(())
     }
 
-    /// Gives the mesh its triangles, in the file's order, and parts its vertices where their corners
-    /// have different texture coordinates.
+    /// Gives the mesh its triangles, in the file's order, and parts its vertices where their
+    /// corners have different texture coordinates.
     ///
     /// # Errors
     /// [`Intricate`].
@@ -180,8 +180,8 @@ impl Faces {
         Ok(())
     }
 
-    /// Makes a vertex of each pair of vertex and texture coordinates that occurs; strips, which have
-    /// none, keep their vertices.
+    /// Makes a vertex of each pair of vertex and texture coordinates that occurs; strips, which
+    /// have none, keep their vertices.
     fn part_vertices(&mut self, mesh: &mut Mesh) {
         let mut known = HashMap::new();
         let mut sources: Vec<u32> = Vec::new();
@@ -196,14 +196,14 @@ impl Faces {
         };
         self.corners.iter_mut().zip(&self.wedges).for_each(|(corner, &uv)| part(corner, uv));
         self.triangles.iter_mut().flatten().for_each(|corner| part(corner, Vec2::ZERO));
-        mesh.positions = parted(&mesh.positions, &sources);
-        mesh.normals = parted(&mesh.normals, &sources);
-        mesh.colors = parted(&mesh.colors, &sources);
+        mesh.positions = duplicate_shared(&mesh.positions, &sources);
+        mesh.normals = duplicate_shared(&mesh.normals, &sources);
+        mesh.colors = duplicate_shared(&mesh.colors, &sources);
         mesh.uvs[0] = uvs;
     }
 }
 
-fn parted<T: Copy>(all: &[T], sources: &[u32]) -> Vec<T> {
+fn duplicate_shared<T: Copy>(all: &[T], sources: &[u32]) -> Vec<T> {
     if all.is_empty() {
         return Vec::new();
     }

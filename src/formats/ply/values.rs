@@ -47,7 +47,8 @@ pub(super) fn skip(values: &mut impl Values, kind: Kind) -> Result<(), Problem> 
 }
 
 /// How many rows there can be at most of those that an element declares, if their lists have at
-/// least `items` numbers: what follows in the file limits them. No more memory than that is set aside.
+/// least `items` numbers: what follows in the file limits them. No more memory than that is set
+/// aside.
 pub(super) fn possible_rows(values: &impl Values, element: &Element, items: u64) -> usize {
     let least = element.properties.iter().map(|property| match property.kind {
         Kind::One(kind) => values.least_bytes(kind),

@@ -78,8 +78,8 @@ impl Columns {
     }
 }
 
-/// Reads all vertices into a mesh without triangles. Normals are as in the file. Names of properties
-/// that nothing is done with go to `left_out`.
+/// Reads all vertices into a mesh without triangles. Normals are as in the file. Names of
+/// properties that nothing is done with go to `left_out`.
 ///
 /// # Errors
 /// Rows that are cut off or no numbers, positions that are missing or not finite.

@@ -116,7 +116,7 @@ impl Overrides {
         let mut all = Vec::new();
         for (name, table) in tables.all_tables()? {
             let (name, line) = (name.to_owned(), table.line());
-            all.push(Override { name, line, changes: changes(&table)? });
+            all.push(Override { name, line, changes: read_changes(&table)? });
         }
         // What is said of all gives way to what is said of one.
         all.sort_by_key(|one| one.name != "*");
@@ -124,7 +124,7 @@ impl Overrides {
     }
 
     /// These, then those of `later`.
-    pub fn followed_by(&self, later: &Self) -> Self {
+    pub fn merge(&self, later: &Self) -> Self {
         Self { all: self.all.iter().chain(&later.all).cloned().collect() }
     }
 
@@ -154,14 +154,14 @@ impl Overrides {
     }
 
     /// The first name, with its line, that no material of `names` has.
-    pub fn unmatched(&self, names: &[String]) -> Option<(&str, usize)> {
+    pub fn find_unmatched(&self, names: &[String]) -> Option<(&str, usize)> {
         let missing = |one: &&Override| one.name != "*" && !names.contains(&one.name);
         self.all.iter().find(missing).map(|one| (one.name.as_str(), one.line))
     }
 }
 
 /// Switches first, since one drops textures and another the solid that colours may bring back.
-fn changes(table: &Table) -> Result<Vec<Change>, LoadError> {
+fn read_changes(table: &Table) -> Result<Vec<Change>, LoadError> {
     let mut changes = Vec::new();
     for (row, (key, _)) in SWITCHES.iter().enumerate() {
         changes.extend(table.switch(key)?.map(|value| Change::Switch(row, value)));

@@ -1,15 +1,17 @@
 //! TOML scenes: glTF, OBJ and PLY files placed together, with a camera, light and settings.
 //!
-//! | table | keys |
-//! |---|---|
-//! | `[[place]]` | `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion), `scale`, or a `matrix` by columns; `scene`, `variant`, `animation`, `time` (at which it then stands still under `--shutter`); `material."name"` |
-//! | `[material."name"]` | changes of materials of that name in all files, `"*"`: of all materials |
-//! | `[[camera]]` | `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name` |
-//! | `[environment]` | `file` or `color`; `scale`, `rotate` |
-//! | `[sky]` | `turbidity`, `sun-elevation` and `sun-azimuth` or `sun-direction`, `sun-diameter` (0: none), `ground-albedo`, `scale` |
-//! | `[sun]` | where it stands as in `[sky]`; `color`, `irradiance`, `diameter` |
-//! | `[[light]]` | `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and spot lights), `range`, `inner`, `outer` |
-//! | `[render]` | the flags of `dapple render` by their names; read by the command line |
+//! - `[[place]]`: `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion),
+//!   `scale`, or a `matrix` by columns; `scene`, `variant`, `animation`, `time` (at which it then
+//!   stands still under `--shutter`); `material."name"`.
+//! - `[material."name"]`: changes of materials of that name in all files; `"*"`: of all materials.
+//! - `[[camera]]`: `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name`.
+//! - `[environment]`: `file` or `color`; `scale`, `rotate`.
+//! - `[sky]`: `turbidity`, `sun-elevation` and `sun-azimuth` or `sun-direction`, `sun-diameter` (0:
+//!   none), `ground-albedo`, `scale`.
+//! - `[sun]`: where it stands as in `[sky]`; `color`, `irradiance`, `diameter`.
+//! - `[[light]]`: `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and spot
+//!   lights), `range`, `inner`, `outer`.
+//! - `[render]`: the flags of `dapple render` by their names; read by the command line.
 //!
 //! Angles are in degrees, lengths in metres, directions need not be of unit length. Paths are
 //! relative to the file and stay in its folder. A key that none of these is, is an error.
@@ -128,7 +130,7 @@ impl<'d> Declarations<'d> {
             return Err(LoadError::References { file, broken });
         }
         let names = stage.material_names();
-        if let Some((name, line)) = self.overrides.unmatched(&names) {
+        if let Some((name, line)) = self.overrides.find_unmatched(&names) {
             let message = crate::formats::choice::absent("material", name, &names);
             return Err(LoadError::line(path, line, message));
         }

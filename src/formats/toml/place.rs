@@ -12,7 +12,7 @@ use crate::formats::model::load_model;
 use crate::formats::{Broken, LoadError, LoadOptions, uri};
 use crate::geom::Mesh;
 use crate::math::{Aabb, MaterialId, MeshId, TextureId};
-use crate::scene::placement::{MAX_INSTANCES, narrowed, rigid, stays_finite};
+use crate::scene::placement::{MAX_INSTANCES, narrow, rigid, stays_finite};
 use crate::scene::{Instance, Material, Scene, Transform};
 
 /// A file, where it stands and what is changed of it.
@@ -177,7 +177,7 @@ impl<'a> Stage<'a> {
         let part = at.part(path, self.options);
         let Some((source, bounds)) = self.parts.get(&part) else { return Ok(()) };
         let names: Vec<String> = source.materials.iter().map(|m| m.name.clone()).collect();
-        if let Some((name, line)) = at.overrides.unmatched(&names) {
+        if let Some((name, line)) = at.overrides.find_unmatched(&names) {
             let wanted = crate::formats::choice::absent("material", name, &names);
             let message = format!("{wanted} ({})", at.name);
             return Err(at.table.fault_on(line, message));
@@ -192,19 +192,20 @@ impl<'a> Stage<'a> {
             scene.textures.extend(source.textures.iter().cloned());
             bases
         });
-        let overrides = common.followed_by(&at.overrides);
+        let overrides = common.merge(&at.overrides);
         let known = self.materials.iter().find(|known| known.0 == part && known.1 == overrides);
         let materials = if let Some(known) = known {
             known.2
         } else {
             let first = scene.materials.len();
-            let changed = source.materials.iter().map(|m| moved(m, textures, &overrides));
+            let changed =
+                source.materials.iter().map(|m| renumber_material(m, textures, &overrides));
             scene.materials.extend(changed);
             self.materials.push((part.clone(), overrides, first));
             first
         };
         for instance in &source.instances {
-            let to_world = at.to_world * widened(&instance.transform);
+            let to_world = at.to_world * widen(&instance.transform);
             let bounds = bounds[instance.mesh.index()];
             if !bounds.is_empty() && !stays_finite(&to_world, bounds) {
                 let message = "places its meshes beyond the range of 32-bit floats";
@@ -213,7 +214,7 @@ impl<'a> Stage<'a> {
             scene.instances.push(Instance {
                 mesh: MeshId::from_index(meshes + instance.mesh.index()),
                 material: MaterialId::from_index(materials + instance.material.index()),
-                transform: Transform::new(narrowed(&to_world)),
+                transform: Transform::new(narrow(&to_world)),
             });
         }
         place_lights_and_cameras(source, at, scene)
@@ -232,7 +233,7 @@ impl<'a> Stage<'a> {
     }
 }
 
-fn moved(material: &Material, textures: usize, overrides: &Overrides) -> Material {
+fn renumber_material(material: &Material, textures: usize, overrides: &Overrides) -> Material {
     let mut material = material.clone();
     for texture in material.textures_mut() {
         texture.texture = TextureId::from_index(textures + texture.texture.index());
@@ -241,7 +242,7 @@ fn moved(material: &Material, textures: usize, overrides: &Overrides) -> Materia
     material
 }
 
-fn widened(transform: &Transform) -> DAffine3 {
+fn widen(transform: &Transform) -> DAffine3 {
     DAffine3::from_cols_array(&transform.to_world.to_cols_array().map(f64::from))
 }
 
@@ -267,7 +268,7 @@ fn place_lights_and_cameras(
         let mut named = named.clone();
         let own = DAffine3::from_cols_array(&named.camera.to_world.to_cols_array().map(f64::from));
         let Some(to_world) = rigid(&(at.to_world * own)) else { continue };
-        named.camera.to_world = narrowed(&to_world);
+        named.camera.to_world = narrow(&to_world);
         scene.cameras.push(named);
     }
     Ok(())

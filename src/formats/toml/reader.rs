@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::formats::LoadError;
-use crate::formats::choice::near;
+use crate::names::near;
 
 /// So many numbers, or else so many others.
 type OneOf<const N: usize, const M: usize> = Result<[f64; N], [f64; M]>;
@@ -254,7 +254,8 @@ pub fn unknown_key(table: &str, key: &str, known: &[&str]) -> String {
     let mut known = known.to_vec();
     known.sort_unstable();
     known.dedup();
-    let near = near(key, &known);
+    let near: Vec<&str> =
+        near(key, known.iter().copied()).into_iter().map(|number| known[number]).collect();
     let advice = if near.is_empty() {
         format!("it may have {}", known.join(", "))
     } else {

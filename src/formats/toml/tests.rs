@@ -183,7 +183,8 @@ fn what_is_wrong_is_told_with_its_line() {
         ),
         (
             "[[place]]\nfile = 's.toml'",
-            "s.toml:2: file: is a TOML scene, which cannot be placed: place the files that it places",
+            "s.toml:2: file: is a TOML scene, which cannot be placed: \
+             place the files that it places",
         ),
         (
             "[[place]]\nfile = 'a.obj'\n[place.material.rad]\nroughness = 1",

@@ -1,8 +1,8 @@
 //! Coil springs around dampers, between two crossbeams.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt, bolt_circle, cylinder, nut, ring, spring, turned};
+use super::fittings::{bolt, bolt_circle, cylinder, nut, port, ring, spring, turned};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Plate, Revolve, RoundedBox, Tube};
 use crate::math::{DVec2, DVec3};
@@ -74,5 +74,5 @@ fn brake_line(a: &mut Assembly) {
         let path = Path::Bends { points, radius: 0.02 };
         a.put("line", Finish::Brass, at(0.0, 0.0, 0.0), Tube { path, radius: 0.005, ripples: 0 });
     }
-    a.port(DVec3::new(0.2, -0.24, 0.15), DVec3::Z, 0.016);
+    port(a, DVec3::new(0.2, -0.24, 0.15), DVec3::Z, 0.016);
 }

@@ -1,8 +1,8 @@
 //! A combustion engine: block, finned cylinders, manifolds, pulleys.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt, bolt_circle, bolt_row, cylinder, finned, nut, ring, turned};
+use super::fittings::{bolt, bolt_circle, bolt_row, cylinder, finned, nut, port, ring, turned};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Revolve, RoundedBox, Tube};
 use crate::math::DVec3;
@@ -52,8 +52,8 @@ pub fn build(a: &mut Assembly) {
     }
     exhaust(a, number);
     front(a);
-    a.port(DVec3::new(0.1, -0.12, 0.165), DVec3::Z, 0.018);
-    a.port(DVec3::new(-0.12, -0.1, -0.16), DVec3::NEG_Z, 0.022);
+    port(a, DVec3::new(0.1, -0.12, 0.165), DVec3::Z, 0.018);
+    port(a, DVec3::new(-0.12, -0.1, -0.16), DVec3::NEG_Z, 0.022);
 }
 
 fn cylinder_head(a: &mut Assembly, x: f64, radius: f64) {

@@ -1,8 +1,8 @@
 //! A heat exchanger: copper serpentines through thin fins between two headers.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt_row, cylinder};
+use super::fittings::{bolt_row, cylinder, port};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, RoundedBox, Tube};
 use crate::math::DVec3;
@@ -37,9 +37,9 @@ pub fn build(a: &mut Assembly) {
             a.put("rail", Finish::Grey, at(0.0, y, z), RoundedBox { half: rail, fillet: 0.003 });
         }
     }
-    a.port(DVec3::new(-0.27, 0.23, 0.08), DVec3::Z, 0.022);
-    a.port(DVec3::new(0.27, -0.23, 0.08), DVec3::Z, 0.022);
-    a.port(DVec3::new(0.1, 0.26, 0.0), DVec3::Y, 0.018);
+    port(a, DVec3::new(-0.27, 0.23, 0.08), DVec3::Z, 0.022);
+    port(a, DVec3::new(0.27, -0.23, 0.08), DVec3::Z, 0.022);
+    port(a, DVec3::new(0.1, 0.26, 0.0), DVec3::Y, 0.018);
 }
 
 /// A pipe to and fro, with bends outside of the tube sheets.

@@ -1,8 +1,8 @@
 //! A box of honeycombs with cartridges behind.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt_row, cylinder, ring};
+use super::fittings::{bolt_row, cylinder, port, ring};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Bore, Honeycomb, Plate, Profile, RoundedBox};
 use crate::math::{DVec2, DVec3};
@@ -41,9 +41,9 @@ pub fn build(a: &mut Assembly) {
     }
     let half = DVec3::new(0.012, 0.05, 0.012);
     a.put("handle", Finish::Rubber, at(0.2, 0.0, 0.2), RoundedBox { half, fillet: 0.01 });
-    a.port(DVec3::new(0.27, 0.1, -0.05), DVec3::X, 0.026);
-    a.port(DVec3::new(-0.1, 0.27, 0.0), DVec3::Y, 0.024);
-    a.port(DVec3::new(-0.27, -0.1, 0.05), DVec3::NEG_X, 0.02);
+    port(a, DVec3::new(0.27, 0.1, -0.05), DVec3::X, 0.026);
+    port(a, DVec3::new(-0.1, 0.27, 0.0), DVec3::Y, 0.024);
+    port(a, DVec3::new(-0.27, -0.1, 0.05), DVec3::NEG_X, 0.02);
 }
 
 /// A pleated filter between two discs.

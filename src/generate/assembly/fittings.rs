@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::Assembly;
 use super::finish::Finish;
+use super::machine::{Assembly, Port};
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Bolt, Path, Plate, Profile, Revolve, Tube};
 use crate::math::{DAffine3, DVec2, DVec3};
@@ -166,4 +166,14 @@ pub fn finned(core: f64, fin: f64, height: f64, fins: usize) -> Profile {
     }
     points.extend([(core, height), (0.0, height)]);
     turned(&points, 0.1 * step)
+}
+
+/// Adds an opening, with a flange around it.
+pub(super) fn port(assembly: &mut Assembly, point: DVec3, direction: DVec3, radius: f64) {
+    pipe_flange(assembly, point, direction, radius);
+    assembly.ports.push(Port {
+        at: assembly.frame.transform_point3(point),
+        direction: assembly.frame.transform_vector3(direction),
+        radius,
+    });
 }

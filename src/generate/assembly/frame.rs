@@ -2,7 +2,8 @@
 
 use super::finish::Finish;
 use super::fittings::{bolt, cylinder, ring};
-use super::{Assembly, BASE, CELL, Grid};
+use super::grid::{BASE, CELL, Grid};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Plate, RoundedBox};
 use crate::math::{DVec2, DVec3};

@@ -1,8 +1,8 @@
 //! Gears between two plates, the front one open to view.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt, bolt_circle, cylinder, nut, ring, spring};
+use super::fittings::{bolt, bolt_circle, cylinder, nut, port, ring, spring};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Plate, RoundedBox};
 use crate::math::DVec3;
@@ -33,8 +33,8 @@ pub fn build(a: &mut Assembly) {
     for x in [-0.22, 0.22] {
         spring(a, Finish::Red, at(x, -0.2, 0.1), [0.02, 0.004], 0.2, 9);
     }
-    a.port(DVec3::new(0.2, 0.12, -0.15), DVec3::Z, 0.014);
-    a.port(DVec3::new(-0.2, -0.2, 0.13), DVec3::Z, 0.016);
+    port(a, DVec3::new(0.2, 0.12, -0.15), DVec3::Z, 0.014);
+    port(a, DVec3::new(-0.2, -0.2, 0.13), DVec3::Z, 0.016);
 }
 
 /// Two rows of gears that mesh, one before the other, on common shafts.

@@ -12,6 +12,8 @@ mod finish;
 mod fittings;
 mod frame;
 mod gearbox;
+mod grid;
+mod machine;
 mod motor;
 mod piping;
 mod studio;
@@ -19,21 +21,13 @@ mod tank;
 mod valves;
 
 use finish::Finish;
+use grid::Grid;
+use machine::Assembly;
 
 use super::model::{Model, Part, at};
 use super::random::Random;
-use super::shape::{Ribbon, Shape};
-use crate::math::{DAffine3, DVec3};
-
-/// Size of the room that a unit takes, metres.
-const CELL: DVec3 = DVec3::new(0.56, 0.53, 0.48);
-
-/// Height of the lowest units over the floor.
-const BASE: f64 = 0.1;
-
-/// Units by their number along each axis.
-#[derive(Clone, Copy, Debug)]
-struct Grid([usize; 3]);
+use super::shape::Ribbon;
+use crate::math::DAffine3;
 
 /// The parts of a machine for a number of triangles.
 pub fn model(triangles: u64, seed: u64) -> Model {
@@ -57,78 +51,6 @@ pub fn model(triangles: u64, seed: u64) -> Model {
         shape: Box::new(Ribbon { length: 0.9 * size.x, width: 0.05 }),
     });
     assembly.model
-}
-
-impl Grid {
-    /// More units for more triangles, but fewer than in proportion: each also becomes finer.
-    fn for_triangles(triangles: u64) -> Self {
-        Self(match triangles {
-            0..16_000 => [1, 1, 1],
-            16_000..50_000 => [2, 1, 1],
-            50_000..100_000 => [2, 2, 1],
-            100_000..250_000 => [3, 2, 1],
-            250_000..500_000 => [3, 2, 2],
-            500_000..1_500_000 => [4, 2, 2],
-            1_500_000..3_000_000 => [4, 3, 2],
-            3_000_000..10_000_000 => [5, 3, 2],
-            _ => [5, 3, 3],
-        })
-    }
-
-    /// The machine's, without what stands out.
-    fn size(self) -> DVec3 {
-        DVec3::from(self.0.map(|n| n as f64)) * CELL + DVec3::Y * BASE
-    }
-
-    /// The middle of a unit's room; the machine stands on height 0, its middle over the origin.
-    fn centre(self, x: usize, y: usize, z: usize) -> DVec3 {
-        let number = DVec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5);
-        let size = self.size();
-        number * CELL + DVec3::new(-0.5 * size.x, BASE, -0.5 * size.z)
-    }
-}
-
-/// An opening that a pipe can start from.
-#[derive(Clone, Copy, Debug)]
-struct Port {
-    at: DVec3,
-    /// Along an axis.
-    direction: DVec3,
-    /// Of the pipe.
-    radius: f64,
-}
-
-/// A machine under construction.
-struct Assembly {
-    model: Model,
-    random: Random,
-    /// Where the current unit stands.
-    frame: DAffine3,
-    /// The current unit's name.
-    unit: String,
-    ports: Vec<Port>,
-}
-
-impl Assembly {
-    /// Adds a part at a place of the current unit.
-    fn put(&mut self, name: &str, finish: Finish, place: DAffine3, shape: impl Shape + 'static) {
-        self.model.parts.push(Part {
-            name: format!("{}/{name}", self.unit),
-            material: finish.index(),
-            place: self.frame * place,
-            shape: Box::new(shape),
-        });
-    }
-
-    /// Adds an opening, with a flange around it.
-    fn port(&mut self, point: DVec3, direction: DVec3, radius: f64) {
-        fittings::pipe_flange(self, point, direction, radius);
-        self.ports.push(Port {
-            at: self.frame.transform_point3(point),
-            direction: self.frame.transform_vector3(direction),
-            radius,
-        });
-    }
 }
 
 type Unit = (&'static str, fn(&mut Assembly));

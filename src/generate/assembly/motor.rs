@@ -1,8 +1,8 @@
 //! An electric motor with a ribbed housing, a fan behind a honeycomb, a coupling.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt_circle, bolt_row, cylinder, nut, ring, turned};
+use super::fittings::{bolt_circle, bolt_row, cylinder, nut, port, ring, turned};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Bore, Honeycomb, Path, Plate, Profile, Revolve, RoundedBox, Tube};
 use crate::math::{DVec2, DVec3};
@@ -50,7 +50,7 @@ pub fn build(a: &mut Assembly) {
         bolt_row(a, row[0], row[1], DVec3::Y, 2, 0.009);
     }
     terminal_box(a);
-    a.port(DVec3::new(0.06, 0.17, -0.05), DVec3::Y, 0.014);
+    port(a, DVec3::new(0.06, 0.17, -0.05), DVec3::Y, 0.014);
 }
 
 /// Copper between the housing and the rotor.

@@ -2,7 +2,8 @@
 
 use super::finish::Finish;
 use super::fittings::{pipe_flange, ring};
-use super::{Assembly, CELL, Grid, Port};
+use super::grid::{CELL, Grid};
+use super::machine::{Assembly, Port};
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Tube};
 use crate::math::DVec3;

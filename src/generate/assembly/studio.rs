@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::finish::Finish;
-use super::{Assembly, Grid};
+use super::grid::Grid;
+use super::machine::Assembly;
 use crate::camera::flight::Pose;
 use crate::generate::document::perspective;
 use crate::generate::model::{Lamp, View, at, facing};

@@ -1,8 +1,8 @@
 //! A pressure vessel with a manhole, bands, gauges and nozzles.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt_circle, cylinder, gauge, nut, ring, turned};
+use super::fittings::{bolt_circle, cylinder, gauge, nut, port, ring, turned};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Profile, Revolve, RoundedBox, Tube};
 use crate::math::DVec3;
@@ -46,9 +46,9 @@ pub fn build(a: &mut Assembly) {
     sight_glass(a);
     gauge(a, DVec3::new(-0.07, 0.1, 0.2), DVec3::Z, 0.035);
     gauge(a, DVec3::new(0.02, 0.12, 0.21), DVec3::Z, 0.025);
-    a.port(DVec3::new(0.22, 0.02, 0.0), DVec3::X, 0.024);
-    a.port(DVec3::new(0.06, -0.13, 0.21), DVec3::Z, 0.02);
-    a.port(DVec3::new(-0.14, 0.24, -0.1), DVec3::Y, 0.018);
+    port(a, DVec3::new(0.22, 0.02, 0.0), DVec3::X, 0.024);
+    port(a, DVec3::new(0.06, -0.13, 0.21), DVec3::Z, 0.02);
+    port(a, DVec3::new(-0.14, 0.24, -0.1), DVec3::Y, 0.018);
 }
 
 fn sight_glass(a: &mut Assembly) {

@@ -1,8 +1,8 @@
 //! A manifold block with valves, handwheels and a bank of small pipes.
 
-use super::Assembly;
 use super::finish::Finish;
-use super::fittings::{bolt, bolt_circle, cylinder, gauge, handwheel, nut, ring, turned};
+use super::fittings::{bolt, bolt_circle, cylinder, gauge, handwheel, nut, port, ring, turned};
+use super::machine::Assembly;
 use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Profile, Revolve, RoundedBox, Tube};
 use crate::math::DVec3;
@@ -34,9 +34,9 @@ pub fn build(a: &mut Assembly) {
     bank(a);
     gauge(a, DVec3::new(0.1, 0.12, 0.12), DVec3::Z, 0.04);
     gauge(a, DVec3::new(-0.1, 0.12, 0.12), DVec3::Z, 0.04);
-    a.port(DVec3::new(0.27, -0.12, 0.0), DVec3::X, 0.024);
-    a.port(DVec3::new(-0.27, -0.12, 0.0), DVec3::NEG_X, 0.024);
-    a.port(DVec3::new(0.0, -0.1, -0.12), DVec3::NEG_Z, 0.02);
+    port(a, DVec3::new(0.27, -0.12, 0.0), DVec3::X, 0.024);
+    port(a, DVec3::new(-0.27, -0.12, 0.0), DVec3::NEG_X, 0.024);
+    port(a, DVec3::new(0.0, -0.1, -0.12), DVec3::NEG_Z, 0.02);
 }
 
 fn valve(a: &mut Assembly, x: f64, finish: Finish) {

@@ -1,7 +1,7 @@
 //! Stove, fridge, sink, hood, and what stands on the worktop with a cable.
 
+use super::size::{ROOM, WORKTOP};
 use super::stuff::Stuff;
-use super::{ROOM, WORKTOP};
 use crate::generate::model::{at, facing};
 use crate::generate::scenery::Scenery;
 use crate::generate::shape::{Honeycomb, Profile, Revolve};

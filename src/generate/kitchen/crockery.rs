@@ -1,7 +1,7 @@
 //! Plates, cups, glasses, pans, bottles, jars, fruit and cutlery.
 
+use super::size::{ROOM, WORKTOP};
 use super::stuff::Stuff;
-use super::{ROOM, WORKTOP};
 use crate::generate::model::{at, facing};
 use crate::generate::scenery::Scenery;
 use crate::generate::shape::{Profile, Revolve, Rock};

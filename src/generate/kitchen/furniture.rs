@@ -1,7 +1,7 @@
 //! Cupboards, shelves, the table and its chairs.
 
+use super::size::{ROOM, WORKTOP};
 use super::stuff::Stuff;
-use super::{ROOM, WORKTOP};
 use crate::generate::scenery::Scenery;
 use crate::math::DVec3;
 

@@ -6,10 +6,13 @@
 mod appliances;
 mod crockery;
 mod furniture;
+mod size;
 mod stuff;
 
 use serde_json::json;
 
+pub use self::size::ROOM;
+use self::size::WORKTOP;
 use self::stuff::Stuff;
 use super::document::perspective;
 use super::model::{Lamp, Model, Part, View, at};
@@ -17,12 +20,6 @@ use super::scenery::Scenery;
 use super::shape::{Ribbon, Shell};
 use crate::camera::flight::Pose;
 use crate::math::{DVec2, DVec3, Vec3};
-
-/// The room's size, metres; it stands on height 0, its middle over the origin.
-pub const ROOM: DVec3 = DVec3::new(5.2, 2.7, 4.2);
-
-/// Depth and height of the worktop.
-const WORKTOP: [f64; 2] = [0.62, 0.9];
 
 /// The parts of a kitchen.
 pub fn model(_: u64, seed: u64) -> Model {

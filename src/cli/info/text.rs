@@ -1,0 +1,164 @@
+//! The report as text to read.
+
+use std::fmt::Write;
+
+use super::report::{
+    Report, bits, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light,
+};
+use crate::camera::Projection;
+use crate::cli::text::format_figure;
+
+/// The most lines of a list.
+const MOST_LINES: usize = 40;
+
+impl Report<'_> {
+    /// The report as text.
+    pub fn to_text(&self) -> String {
+        let (scene, survey) = (self.scene, self.survey);
+        let mut text = format!("{}\n", self.file);
+        let mut line = |name: &str, value: String| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {name:10} {value}");
+        };
+        line(
+            "triangles",
+            format!(
+                "{} unique, {} placed (meshes: {}, instances: {})",
+                survey.unique_triangles,
+                survey.placed_triangles,
+                scene.meshes.len(),
+                scene.instances.len()
+            ),
+        );
+        if !self.bounds.is_empty() {
+            let [x, y, z] = self.bounds.extent().to_array().map(|side| format_figure(side.into()));
+            line("size", format!("{x} x {y} x {z} m"));
+        }
+        line(
+            "memory",
+            format!(
+                "meshes {}, textures {}, structure about {}",
+                bytes(survey.mesh_bytes),
+                bytes(survey.texture_bytes),
+                bytes(self.structure_bytes())
+            ),
+        );
+        if survey.emitting_triangles > 0 {
+            line("emitters", format!("{} triangles", survey.emitting_triangles));
+        }
+        if let Some(environment) = &scene.environment {
+            let [r, g, b] = environment.mean().to_array().map(|x| format_figure(x.into()));
+            let kind = if environment.is_constant() { "even" } else { "an image" };
+            let sun = if environment.sun().is_some() { ", with a sun" } else { "" };
+            line("around", format!("{kind}{sun}, {r} {g} {b} in the mean"));
+        }
+        list(&mut text, "scenes", &numbered(scene.contents.scenes.iter().map(String::as_str)));
+        self.list_cameras_and_lights(&mut text);
+        self.list_materials_and_textures(&mut text);
+        list(&mut text, "variants", &numbered(scene.contents.variants.iter().map(String::as_str)));
+        let extensions = scene.contents.extensions.iter().map(|extension| {
+            let honoured = if extension.honoured { "" } else { ": not honoured" };
+            format!("{}{honoured}", extension.name)
+        });
+        list(&mut text, "extensions", &extensions.collect::<Vec<_>>());
+        let notices = scene.notices.iter();
+        let notices = notices.map(|notice| format!("{}: {}", notice.place, notice.message));
+        list(&mut text, "not honoured, or odd", &notices.collect::<Vec<_>>());
+        let faults: Vec<_> = self.faults.iter().map(|(_, message)| message.clone()).collect();
+        list(&mut text, "to look at", &faults);
+        text
+    }
+
+    fn list_cameras_and_lights(&self, text: &mut String) {
+        let cameras = self.scene.cameras.iter().enumerate().map(|(number, named)| {
+            let size = match named.camera.projection {
+                Projection::Perspective { yfov } => {
+                    format!("{} degrees high", format_figure(yfov.to_degrees().into()))
+                }
+                Projection::Orthographic { ymag, .. } => {
+                    format!("{} m high", format_figure((2.0 * ymag).into()))
+                }
+                Projection::Panorama => "all around".to_owned(),
+            };
+            let kind = kind_of_camera(&named.camera.projection);
+            format!("{}: {kind}, {size}", label(number, &named.name))
+        });
+        list(text, "cameras", &cameras.collect::<Vec<_>>());
+        let lights = self.scene.lights.iter().enumerate().map(|(number, light)| {
+            let [r, g, b] = light.intensity.to_array().map(|x| format_figure(x.into()));
+            let (kind, unit) = (kind_of_light(light), unit_of_light(light));
+            format!("{number}: {kind}, {r} {g} {b} {unit}")
+        });
+        list(text, "lights", &lights.collect::<Vec<_>>());
+    }
+
+    fn list_materials_and_textures(&self, text: &mut String) {
+        let materials = self.scene.materials.iter().enumerate().map(|(number, material)| {
+            let traits = traits(material).join(", ");
+            let colon = if traits.is_empty() { "" } else { ": " };
+            format!("{}{colon}{traits}", label(number, &material.name))
+        });
+        list(text, "materials", &materials.collect::<Vec<_>>());
+        let textures = self.scene.textures.iter().enumerate().map(|(number, texture)| {
+            let ([width, height], image) = (texture.size(), texture.image());
+            let space = name_of_space(texture.color_space());
+            let bits = bits(image.texels());
+            format!("{}: {width}x{height}, {bits} bit, {space}", label(number, texture.name()))
+        });
+        list(text, "textures", &textures.collect::<Vec<_>>());
+    }
+}
+
+/// A number with a name, if there is one.
+fn label(number: usize, name: &str) -> String {
+    if name.is_empty() { number.to_string() } else { format!("{number} {name:?}") }
+}
+
+fn numbered<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    names.enumerate().map(|(number, name)| label(number, name)).collect()
+}
+
+/// A heading and lines below it; nothing where there are none.
+fn list(text: &mut String, heading: &str, lines: &[String]) {
+    if lines.is_empty() {
+        return;
+    }
+    let _ = writeln!(text, "{heading}");
+    for line in &lines[..lines.len().min(MOST_LINES)] {
+        let _ = writeln!(text, "  {line}");
+    }
+    if lines.len() > MOST_LINES {
+        let _ = writeln!(text, "  … and {} more (--json)", lines.len() - MOST_LINES);
+    }
+}
+
+/// As people say it.
+fn bytes(count: u64) -> String {
+    match count {
+        0..1_000 => format!("{count} B"),
+        1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
+        _ => format!("{:.2} GB", count as f64 / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_are_cut() {
+        let mut text = String::new();
+        list(&mut text, "none", &[]);
+        assert_eq!(text, "");
+        list(&mut text, "many", &vec!["a".to_owned(); 50]);
+        assert_eq!(text.lines().count(), 42);
+        assert!(text.ends_with("… and 10 more (--json)\n"));
+    }
+
+    #[test]
+    fn sizes_are_rounded() {
+        let sizes = [999, 1_500, 2_340_000, 7_200_000_000].map(bytes);
+        assert_eq!(sizes, ["999 B", "1.5 kB", "2.3 MB", "7.20 GB"]);
+    }
+}

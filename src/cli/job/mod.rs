@@ -1,0 +1,209 @@
+//! From settings to all that a render needs.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `scene` | loads the scene at a time, with its environment light |
+//! | `view` | chooses the camera |
+//! | `shutter` | says at which moments the scene is posed, and for which samples |
+
+mod scene;
+mod shutter;
+mod view;
+
+use std::time::{Duration, Instant};
+
+use crate::accel::{self, Accel, BuildError};
+use crate::camera::Camera;
+use crate::cli::error::CliError;
+use crate::cli::input;
+use crate::cli::settings::RenderArgs;
+use crate::film::Window;
+use crate::integrator::Transport;
+use crate::render::Settings;
+use crate::scene::Notice;
+use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
+use crate::world::World;
+pub use shutter::Shutter;
+
+/// Width of a picture whose size no one has said.
+const DEFAULT_WIDTH: u32 = 1280;
+
+/// All that a render needs. Structure, instruction set and threads are among its settings.
+pub struct Job {
+    /// The values of all settings; the resolution has been worked out.
+    pub args: RenderArgs,
+    /// How the picture is rendered.
+    pub settings: Settings,
+    /// When its samples are taken.
+    pub shutter: Shutter,
+    /// The scene at the first moment.
+    pub first: Moment,
+    /// Whether the environment light was chosen for the user.
+    automatic_sky: bool,
+}
+
+/// The scene at one time.
+pub struct Moment {
+    /// What is to be seen.
+    pub world: World,
+    /// From where.
+    pub camera: Camera,
+    /// What the scene asks for and is not honoured, and what was decided for the user.
+    pub notices: Vec<Notice>,
+    /// Time to read and prepare the scene.
+    pub elapsed: Duration,
+}
+
+impl Job {
+    /// Loads the scene and works out what the settings leave open.
+    ///
+    /// # Errors
+    /// What is wrong with the scene, or with the settings for this scene.
+    pub fn prepare(mut args: RenderArgs) -> Result<Self, CliError> {
+        let start = Instant::now();
+        let shutter = Shutter::new(&args);
+        let (mut scene, mut notices) = scene::load(&args, shutter.time(0))?;
+        let file = args.scene_file.display().to_string();
+        let sky = automatic_sky(&scene, &file);
+        let automatic_sky = sky.is_some();
+        if let Some((sky, notice)) = sky {
+            scene.environment = Some(sky);
+            notices.push(notice);
+        }
+        notices.extend(describe_empty_scene(&scene, &file));
+        let (camera, aspect) = view::choose(&scene, &args, &mut notices)?;
+        let settings = settings(&args, aspect)?;
+        args.resolution = Some(settings.resolution);
+        let world = scene::build_world(scene, &args)?;
+        let first = Moment { world, camera, notices, elapsed: start.elapsed() };
+        Ok(Self { args, settings, shutter, first, automatic_sky })
+    }
+
+    /// The scene at a later moment; none for the first, which is there. What the first left to be
+    /// worked out stays as it was found there, except for a camera of the scene, which moves.
+    ///
+    /// # Errors
+    /// What is wrong with the scene at that time.
+    pub fn pose(&self, moment: usize) -> Result<Option<Moment>, CliError> {
+        if moment == 0 {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let (args, first) = (&self.args, &self.first);
+        let time = self.shutter.time(moment);
+        let (mut scene, mut notices) = scene::load(args, time)?;
+        if self.automatic_sky {
+            scene.environment = Some(neutral_sky());
+        }
+        let mut camera = first.camera;
+        if args.look_from.is_none() && !first.world.scene.cameras.is_empty() {
+            if scene.cameras.len() != first.world.scene.cameras.len() {
+                let (file, time) = (args.scene_file.display(), time.unwrap_or_default());
+                let message = format!("{file}: at {time} s the node of a camera has no directions");
+                return Err(CliError::Input(message));
+            }
+            let now = match &args.camera {
+                Some(wanted) => view::find_camera(&scene, args, wanted)?,
+                None => &scene.cameras[0],
+            };
+            camera.to_world = now.camera.to_world;
+        }
+        notices.retain(|notice| !first.notices.contains(notice));
+        let world = scene::build_world(scene, args)?;
+        Ok(Some(Moment { world, camera, notices, elapsed: start.elapsed() }))
+    }
+
+    /// Builds the structure that was asked for, on the threads of the current pool.
+    ///
+    /// # Errors
+    /// If it has limits that the scene exceeds, or the machine lacks the instruction set.
+    pub fn build(&self, world: &World) -> Result<Box<dyn Accel>, BuildError> {
+        accel::build(&self.args.accel, world.triangles.clone(), self.args.isa)
+    }
+
+    /// Runs `work` on as many threads as were asked for.
+    ///
+    /// # Errors
+    /// If they cannot be started.
+    pub fn on_threads<R: Send>(&self, work: impl FnOnce() -> R + Send) -> Result<R, CliError> {
+        input::run_on_threads(self.args.threads, work)
+    }
+}
+
+/// The library's settings, for a camera of such an aspect.
+fn settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
+    let resolution = args.resolution.unwrap_or_else(|| {
+        let height = (DEFAULT_WIDTH as f32 / aspect).round().clamp(1.0, 16_384.0);
+        (DEFAULT_WIDTH, height as u32)
+    });
+    let frame = Window::of_size(resolution.0 as usize, resolution.1 as usize);
+    let crop = args.crop.unwrap_or(frame);
+    if crop.x0 < 0 || crop.y0 < 0 || crop.x1 > frame.x1 || crop.y1 > frame.y1 {
+        let (width, height) = resolution;
+        return Err(CliError::Usage(format!("--crop {crop} is not inside of {width}x{height}")));
+    }
+    Ok(Settings {
+        resolution,
+        crop,
+        spp: args.spp,
+        seed: args.seed,
+        pattern: args.sampler,
+        filter: args.filter,
+        transport: Transport {
+            max_depth: args.max_depth,
+            roulette_depth: args.rr_depth.0,
+            transparent: args.transparent,
+        },
+        aovs: args.aov.clone(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::settings::resolve_words;
+
+    fn prepared(scene: &str, words: &[&str]) -> Result<Job, CliError> {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let words: Vec<String> = words.iter().map(|&word| word.to_owned()).collect();
+        Job::prepare(resolve_words(&folder.join(scene), &words)?.args)
+    }
+
+    #[test]
+    fn a_view_without_a_direction_is_a_slip() {
+        for (words, start) in [
+            (&["--look-from", "1,2,3", "--look-at", "1,2,3"][..], "--look-at is where"),
+            (&["--look-from", "1,2,3", "--look-at", "1,2,9", "--up", "0,0,-5"], "--up is along"),
+            (&["--look-from", "1,2,3", "--up", "0,0,0"], "--up is along"),
+        ] {
+            let Err(error) = prepared("furnace.gltf", words) else { panic!("{words:?}") };
+            assert_eq!(error.exit_code(), 2);
+            assert!(error.to_string().starts_with(start), "{error}");
+        }
+        let above = ["--look-from", "0,9,0", "--look-at", "0,0,0"];
+        assert!(prepared("furnace.gltf", &above).is_ok(), "straight down, whatever is up");
+    }
+
+    #[test]
+    fn what_an_orthographic_camera_loses_is_said() {
+        let prepared = |words| prepared("orthographic.gltf", words).expect("a good scene");
+        assert_eq!(prepared(&[]).first.notices, []);
+        assert!(prepared(&["--fov", "30"]).first.notices[0].message.starts_with("--fov makes"));
+    }
+
+    #[test]
+    fn without_flags_the_settings_are_those_of_the_library() {
+        let job = prepared("furnace.gltf", &[]).expect("a good scene");
+        let (width, height) = job.settings.resolution;
+        assert_eq!(format!("{:?}", job.settings), format!("{:?}", Settings::new(width, height)));
+    }
+
+    #[test]
+    fn the_resolution_is_worked_out_from_the_camera() {
+        let job = prepared("furnace.gltf", &["--camera-model", "panorama"]).expect("a good scene");
+        assert_eq!(
+            (job.args.resolution, job.settings.resolution),
+            (Some((1280, 640)), (1280, 640))
+        );
+    }
+}

@@ -1,0 +1,58 @@
+//! The scene at a time, with its environment light.
+
+use std::sync::Arc;
+
+use crate::cli::error::CliError;
+use crate::cli::settings::RenderArgs;
+use crate::cli::settings::parse::MissingTextureArg;
+use crate::formats::{self, LoadError, LoadOptions, MissingTexture};
+use crate::scene::{Notice, Scene};
+use crate::world::World;
+
+/// Loads the scene, posed at a time, with the environment light that was asked for; and what there
+/// is to say of both.
+///
+/// # Errors
+/// What is wrong with either; with `--strict` also if there is anything to say.
+pub fn load(args: &RenderArgs, time: Option<f32>) -> Result<(Scene, Vec<Notice>), CliError> {
+    let options = LoadOptions {
+        // It is seen to below, for the scene and its environment light together.
+        strict: false,
+        missing_texture: match args.missing_texture {
+            Some(MissingTextureArg::Magenta) => MissingTexture::Magenta,
+            None => MissingTexture::Error,
+        },
+        scene: args.scene.clone(),
+        variant: args.variant.clone(),
+        animation: args.animation.clone(),
+        time,
+    };
+    let mut scene = formats::load(&args.scene_file, &options)?;
+    let mut notices = std::mem::take(&mut scene.notices);
+    if let Some(source) = &args.env {
+        let (environment, remarks) = source.load(args.env_scale, args.env_rotate)?;
+        scene.environment = Some(environment);
+        notices.extend(remarks);
+    } else if let Some(sky) = args.clear_sky() {
+        if sky.sun.is_nan() || sky.sun.y < 0.0 {
+            let message = "--sun-direction must lead to where the sky is, above the horizon";
+            return Err(CliError::Usage(message.to_owned()));
+        }
+        scene.environment = Some(sky.environment(args.env_scale));
+    }
+    if args.strict && !notices.is_empty() {
+        return Err(LoadError::Strict { notices }.into());
+    }
+    Ok((scene, notices))
+}
+
+/// Makes a scene ready to be shaded.
+///
+/// # Errors
+/// If it has too many triangles.
+pub fn build_world(scene: Scene, args: &RenderArgs) -> Result<World, CliError> {
+    World::with_lights(Arc::new(scene), args.bsdf, args.lights).map_err(|error| {
+        let file = args.scene_file.display();
+        CliError::Input(format!("{file}: {error}"))
+    })
+}

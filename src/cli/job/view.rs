@@ -1,0 +1,117 @@
+//! The camera of a picture.
+
+use crate::camera::{Camera, Projection, ThinLens};
+use crate::cli::error::CliError;
+use crate::cli::settings::RenderArgs;
+use crate::cli::settings::parse::CameraModel;
+use crate::formats::{self, LoadError};
+use crate::math::{DVec3, Vec3};
+use crate::scene::defaults::{AUTOMATIC_YFOV, automatic_camera, bounds};
+use crate::scene::{NamedCamera, Notice, Scene};
+
+/// Aspect of a picture whose camera has none.
+const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
+
+/// Chooses the camera; and the aspect that it asks for. What was decided for the user is added to
+/// the notices.
+///
+/// # Errors
+/// If there is no such camera, or the view has no direction.
+pub fn choose(
+    scene: &Scene,
+    args: &RenderArgs,
+    notices: &mut Vec<Notice>,
+) -> Result<(Camera, f32), CliError> {
+    let bounds = bounds(scene);
+    let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
+    let (mut camera, aspect) = choose_place(scene, args, centre, notices)?;
+    if let Some(yfov) = args.fov.map(f32::to_radians) {
+        if matches!(camera.projection, Projection::Orthographic { .. }) {
+            let message = "--fov makes the orthographic camera a perspective one".to_owned();
+            notices.push(Notice { place: args.scene_file.display().to_string(), message });
+        }
+        camera = camera.with_yfov(yfov);
+    }
+    if args.camera_model == Some(CameraModel::Panorama) {
+        let camera = camera.with_panorama();
+        return Ok((camera, camera.aspect().unwrap_or(DEFAULT_ASPECT)));
+    }
+    if let Some(aperture_radius) = args.aperture {
+        let from = Vec3::from(camera.to_world.translation);
+        let target = args.look_at.unwrap_or(centre);
+        let ahead = camera.to_world.transform_vector3(Vec3::NEG_Z).dot(target - from);
+        let focus_distance = args.focus.unwrap_or(ahead);
+        if focus_distance <= 0.0 {
+            return Err(CliError::Usage("nothing to focus on ahead: give --focus".to_owned()));
+        }
+        camera = camera.with_lens(ThinLens { aperture_radius, focus_distance });
+    }
+    Ok((camera, aspect.unwrap_or(DEFAULT_ASPECT)))
+}
+
+/// One's own camera, or that of the scene, or else one that sees all of it; and its aspect, if it
+/// has one.
+fn choose_place(
+    scene: &Scene,
+    args: &RenderArgs,
+    centre: Vec3,
+    notices: &mut Vec<Notice>,
+) -> Result<(Camera, Option<f32>), CliError> {
+    let file = args.scene_file.display().to_string();
+    if let Some(eye) = args.look_from {
+        let target = args.look_at.unwrap_or(centre);
+        check_view(eye, target, args)?;
+        let yfov = args.fov.unwrap_or(AUTOMATIC_YFOV).to_radians();
+        return Ok((Camera::look_at(eye, target, args.up.unwrap_or(Vec3::Y), yfov), None));
+    }
+    let named = match &args.camera {
+        Some(wanted) => Some(find_camera(scene, args, wanted)?),
+        None => scene.cameras.first(),
+    };
+    if let Some(named) = named {
+        if args.camera.is_none() && scene.cameras.len() > 1 {
+            let count = scene.cameras.len();
+            let message = format!("{count} cameras: looking through the first (--camera)");
+            notices.push(Notice { place: file, message });
+        }
+        return Ok((named.camera, named.aspect.or(named.camera.aspect())));
+    }
+    let asked = args.resolution.map(|(width, height)| width as f32 / height as f32);
+    let (camera, notice) = automatic_camera(scene, asked.unwrap_or(DEFAULT_ASPECT), &file);
+    notices.push(notice);
+    Ok((camera, None))
+}
+
+/// Refuses a view that has no direction, or no upright one.
+fn check_view(eye: Vec3, target: Vec3, args: &RenderArgs) -> Result<(), CliError> {
+    // In f64: squares of what an f32 holds fit.
+    let ahead = (target.as_dvec3() - eye.as_dvec3()).normalize_or_zero();
+    if ahead == DVec3::ZERO {
+        let message = match args.look_at {
+            Some(_) => "--look-at is where --look-from is: there is no direction to look in",
+            None => "--look-from is the middle of the scene, which it looks at: give --look-at",
+        };
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let Some(up) = args.up else { return Ok(()) };
+    if up.as_dvec3().normalize_or_zero().cross(ahead).length() < 1e-6 {
+        let message = "--up is along the line of sight, or zero: give another direction";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    Ok(())
+}
+
+/// Finds a camera by its name, or else by its number.
+///
+/// # Errors
+/// If there is no such camera.
+pub fn find_camera<'s>(
+    scene: &'s Scene,
+    args: &RenderArgs,
+    wanted: &str,
+) -> Result<&'s NamedCamera, LoadError> {
+    let names = || scene.cameras.iter().map(|camera| camera.name.as_str());
+    let number = formats::find_by_name_or_number(names(), wanted)
+        .ok_or_else(|| LoadError::no_such(&args.scene_file, "camera", wanted, names()))?;
+    Ok(&scene.cameras[number])
+}

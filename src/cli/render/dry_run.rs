@@ -1,0 +1,144 @@
+//! `dapple render --dry-run`: what a render would take.
+
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use serde_json::json;
+
+use crate::cli::error::CliError;
+use crate::cli::job::Job;
+use crate::cli::text;
+use crate::files::memory;
+use crate::film::Window;
+use crate::render::{Control, Settings, film_bytes, render};
+use crate::scene::Survey;
+
+/// Paths that are followed to estimate what one takes: some tenths of a second.
+const PATHS: u64 = 1 << 15;
+
+/// Builds the structure, follows a few paths, and prints the estimate.
+pub fn run(job: &Job) -> Result<ExitCode, CliError> {
+    job.on_threads(|| {
+        let start = Instant::now();
+        let accel = job.build(&job.first.world)?;
+        let build_s = start.elapsed().as_secs_f64();
+        let settings = thin_out(&job.settings);
+        let cancel = AtomicBool::new(false);
+        let control = Control { cancel: &cancel, progress: &|_| {} };
+        let tried = render(&job.first.world, &job.first.camera, &*accel, &settings, &control);
+        let path_s = tried.elapsed.as_secs_f64() / tried.paths.max(1) as f64;
+        let paths = job.settings.crop.area() as u64 * job.settings.spp;
+
+        let survey = Survey::of(&job.first.world.scene);
+        let bytes = [
+            ("meshes", survey.mesh_bytes),
+            ("textures", survey.texture_bytes),
+            ("structure", accel.memory().total() as u64),
+            ("picture", film_bytes(&job.settings)),
+        ];
+        let estimate = Estimate {
+            job,
+            bytes: &bytes,
+            build_s,
+            render_s: path_s * paths as f64,
+            paths,
+            moments: job.shutter.moments(),
+        };
+        text::print(&if job.args.json { estimate.to_json() } else { estimate.to_text() })?;
+        Ok(ExitCode::SUCCESS)
+    })?
+}
+
+/// The same frame with few pixels and one sample each.
+fn thin_out(settings: &Settings) -> Settings {
+    let (width, height) = settings.resolution;
+    let pixels = f64::from(width) * f64::from(height);
+    let shrink = (PATHS as f64 / pixels).sqrt().min(1.0);
+    let side = |side: u32| ((f64::from(side) * shrink) as u32).max(1);
+    let resolution = (side(width), side(height));
+    let crop = Window::of_size(resolution.0 as usize, resolution.1 as usize);
+    Settings { resolution, crop, spp: 1, aovs: Vec::new(), ..settings.clone() }
+}
+
+struct Estimate<'a> {
+    job: &'a Job,
+    bytes: &'a [(&'static str, u64)],
+    build_s: f64,
+    render_s: f64,
+    paths: u64,
+    moments: usize,
+}
+
+impl Estimate<'_> {
+    fn total(&self) -> u64 {
+        self.bytes.iter().map(|(_, bytes)| bytes).sum()
+    }
+
+    fn to_text(&self) -> String {
+        let mega = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
+        let parts: Vec<String> =
+            self.bytes.iter().map(|&(name, bytes)| format!("{name} {}", mega(bytes))).collect();
+        let (width, height) = self.job.settings.resolution;
+        let each = match self.moments {
+            1 => String::new(),
+            moments => format!(" for each of {moments} moments"),
+        };
+        let threads = rayon::current_num_threads();
+        format!(
+            "{}: {width}x{height}, {} samples a pixel, {:.1} M paths\n\
+             memory  about {} of {:.0} MB ({})\n\
+             time    load {:.2} s, build {:.2} s{each}, render about {} on {threads} thread{}\n",
+            self.job.args.scene_file.display(),
+            self.job.settings.spp,
+            self.paths as f64 * 1e-6,
+            mega(self.total()),
+            memory::limit() as f64 * 1e-6,
+            parts.join(", "),
+            self.job.first.elapsed.as_secs_f64(),
+            self.build_s,
+            format_duration(self.render_s),
+            if threads == 1 { "" } else { "s" },
+        )
+    }
+
+    fn to_json(&self) -> String {
+        let bytes: serde_json::Map<String, serde_json::Value> =
+            self.bytes.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect();
+        let json = json!({
+            "scene": self.job.args.scene_file,
+            "resolution": [self.job.settings.resolution.0, self.job.settings.resolution.1],
+            "spp": self.job.settings.spp,
+            "paths": self.paths,
+            "bytes": bytes,
+            "bytes_total": self.total(),
+            "bytes_limit": memory::limit(),
+            "load_s": self.job.first.elapsed.as_secs_f64(),
+            "build_s": self.build_s,
+            "moments": self.moments,
+            "render_s": self.render_s,
+            "threads": rayon::current_num_threads(),
+        });
+        format!("{json}\n")
+    }
+}
+
+/// A duration with two digits, in the unit that people use.
+fn format_duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.1} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_said_in_their_unit() {
+        let said = [2.34, 120.0, 7200.0].map(format_duration);
+        assert_eq!(said, ["2.3 s", "2 min", "2.0 h"]);
+    }
+}

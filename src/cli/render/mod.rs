@@ -1,0 +1,19 @@
+//! `dapple render`: a scene in, a picture out.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `run` | the command, and the same without files for `dapple golden` |
+//! | `moments` | builds and renders, moment by moment |
+//! | `report` | says what a render took |
+//! | `header` | writes into the picture how it was made |
+//! | `dry_run` | estimates what a render would take |
+//! | `interrupt` | listens to Ctrl-C |
+
+mod dry_run;
+mod header;
+mod interrupt;
+mod moments;
+mod report;
+mod run;
+
+pub use run::{render_picture, run};

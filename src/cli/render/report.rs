@@ -1,0 +1,136 @@
+//! What a render says of the scene, of lost samples and of what it took.
+
+use serde_json::json;
+
+use super::moments::Outcome;
+use crate::cli::job::Job;
+use crate::cli::progress::{note, say};
+use crate::cli::shell;
+use crate::files::memory;
+use crate::geom::TriangleSource;
+use crate::render::{LostSample, Rendered};
+
+/// Says what the scene asks for that is not honoured, and what was decided for the user.
+pub fn print_scene(job: &Job) {
+    let moment = &job.first;
+    moment.notices.iter().for_each(note);
+    if job.args.verbose > 0 {
+        let (world, scene) = (&moment.world, &moment.world.scene);
+        say(&format!(
+            "{}: {} triangles, {} instances of {} meshes, {} materials, {} textures, {} lights; \
+             {:.2} s",
+            job.args.scene_file.display(),
+            world.triangles.len(),
+            scene.instances.len(),
+            scene.meshes.len(),
+            scene.materials.len(),
+            scene.textures.len(),
+            world.lights.len(),
+            moment.elapsed.as_secs_f64(),
+        ));
+    }
+}
+
+/// Names the samples that were not finite, each with the command that follows it. `words` are those
+/// of the command line, the first of them `render`.
+pub fn print_lost(rendered: &Rendered, words: &[String]) {
+    if rendered.lost_count == 0 {
+        return;
+    }
+    say(&format!("warning: {} samples were not finite and are left out:", rendered.lost_count));
+    for lost in &rendered.lost {
+        say(&format!("  {}", replay_command(lost, words)));
+    }
+}
+
+/// The flag comes before all others: nothing is one after a `--`.
+fn replay_command(lost: &LostSample, words: &[String]) -> String {
+    let place = format!("{},{},{}", lost.x, lost.y, lost.sample);
+    let (command, rest) = words.split_at(words.len().min(1));
+    let (command, rest) = (shell::join(command), shell::join(rest));
+    format!("dapple {command} --debug-sample {place} {rest}")
+}
+
+/// Says how far a render came that was ended before its time.
+pub fn print_unfinished(job: &Job, outcome: &Outcome) {
+    let Outcome { rendered, moments, stopped, .. } = outcome;
+    let (fewest, most) = rendered.samples;
+    let why = if stopped.is_some() { "stopped" } else { "interrupted" };
+    let of = match job.shutter.moments() {
+        1 => String::new(),
+        all => format!(", in {moments} of {all} moments"),
+    };
+    say(&format!("{why}: saved with {fewest} to {most} of {} samples{of}", job.args.spp));
+    if rendered.without_samples > 0 {
+        let (without, all) = (rendered.without_samples, job.settings.crop.area());
+        say(&format!("{without} of {all} pixels have no sample: they are black"));
+    }
+}
+
+/// The last line: what it took.
+pub fn summary(job: &Job, outcome: &Outcome) -> String {
+    let Outcome { rendered, loaded, built, .. } = outcome;
+    let (width, height) = job.settings.resolution;
+    let seconds = rendered.elapsed.as_secs_f64();
+    let rays = rendered.rays.total() as f64;
+    let outputs: Vec<String> = [&job.args.output, &job.args.png]
+        .into_iter()
+        .flatten()
+        .map(|path| path.display().to_string())
+        .collect();
+    let samples = match rendered.samples {
+        (fewest, most) if fewest == most => fewest.to_string(),
+        (fewest, most) => format!("{fewest} to {most}"),
+    };
+    let memory = memory::peak()
+        .map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
+    format!(
+        "{}: {width}x{height}, {samples} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
+         {:.2} µs a path; load {:.2} s, build {:.2} s{memory}",
+        outputs.join(", "),
+        rays / 1e6,
+        seconds,
+        rays / seconds.max(1e-9) / 1e6,
+        seconds * 1e6 / rendered.paths.max(1) as f64,
+        loaded.as_secs_f64(),
+        built.as_secs_f64(),
+    )
+}
+
+/// The same as a JSON object.
+pub fn summary_json(job: &Job, outcome: &Outcome) -> String {
+    let Outcome { rendered, loaded, built, moments, .. } = outcome;
+    json!({
+        "scene": job.args.scene_file,
+        "resolution": [job.settings.resolution.0, job.settings.resolution.1],
+        "spp": rendered.samples.0,
+        "accel": job.args.accel.to_string(),
+        "paths": rendered.paths,
+        "rays": rendered.rays.total(),
+        "shadow_rays": rendered.rays.shadow,
+        "render_s": rendered.elapsed.as_secs_f64(),
+        "moments": moments,
+        "load_s": loaded.as_secs_f64(),
+        "build_s": built.as_secs_f64(),
+        "mrays_s": rendered.rays.total() as f64 / rendered.elapsed.as_secs_f64().max(1e-9) / 1e6,
+        "lost_samples": rendered.lost_count,
+        "peak_bytes": memory::peak(),
+        "interrupted": rendered.cancelled,
+        "pixels_without_samples": rendered.without_samples,
+    })
+    .to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_that_follows_a_lost_sample_is_fit_for_a_shell() {
+        let lost = LostSample { x: 3, y: 4, sample: 5 };
+        let words = ["render", "-o", "it's.exr", "--", "my scene.gltf"].map(str::to_owned);
+        let command = replay_command(&lost, &words);
+        let expected = r"render --debug-sample 3,4,5 -o 'it'\''s.exr' -- 'my scene.gltf'";
+        assert_eq!(command, format!("dapple {expected}"));
+    }
+}

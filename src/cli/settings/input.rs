@@ -1,0 +1,88 @@
+//! Settings: what is read.
+
+use super::parse::{MissingTextureArg, choice, choices, finite, name, switch};
+use super::setting::{Form, Group, Reader, Role, Setting, assign};
+use super::to_toml::ToToml;
+
+const SCENE: Setting = Setting::new(Group::Input, Role::Scene);
+
+/// The entries, in the order of the help.
+pub static INPUT: [Setting; 7] = [
+    Setting {
+        name: "from",
+        role: Role::Run,
+        value: "FILE.exr",
+        example: "old.exr",
+        help: "Repeats the run that made a picture, except for what is given here",
+        read: Reader::Path(|args| &mut args.from),
+        ..SCENE
+    },
+    Setting {
+        name: "scene",
+        value: "NAME|N",
+        otherwise: "the file's default",
+        example: "0",
+        help: "Which of a glTF file's scenes, by name or number from 0",
+        advanced: true,
+        read: Reader::Text(|word| assign(name(word), |args| &mut args.scene)),
+        write: |args| args.scene.to_toml(),
+        ..SCENE
+    },
+    Setting {
+        name: "variant",
+        value: "NAME|N",
+        example: "midnight",
+        help: "A variant of a glTF file's materials, by name or number from 0",
+        advanced: true,
+        read: Reader::Text(|word| assign(name(word), |args| &mut args.variant)),
+        write: |args| args.variant.to_toml(),
+        ..SCENE
+    },
+    Setting {
+        name: "animation",
+        value: "NAME|N",
+        otherwise: "the first",
+        example: "walk",
+        help: "Which of a glTF file's animations --time poses, by name or number from 0",
+        advanced: true,
+        requires: &["time"],
+        read: Reader::Text(|word| assign(name(word), |args| &mut args.animation)),
+        write: |args| args.animation.to_toml(),
+        ..SCENE
+    },
+    Setting {
+        name: "time",
+        form: Form::Number,
+        value: "SECONDS",
+        otherwise: "they are at rest",
+        example: "1.25",
+        help: "The time at which animations are posed, in seconds",
+        advanced: true,
+        read: Reader::Text(|word| assign(finite(word), |args| &mut args.time)),
+        write: |args| args.time.to_toml(),
+        ..SCENE
+    },
+    Setting {
+        name: "strict",
+        role: Role::Process,
+        form: Form::Switch,
+        example: "true",
+        help: "Refuses a scene that asks for anything that is not honoured",
+        read: Reader::Text(|word| assign(switch(word), |args| &mut args.strict)),
+        write: |args| args.strict.to_toml(),
+        ..SCENE
+    },
+    Setting {
+        name: "missing-texture",
+        value: "COLOUR",
+        choices: Some(choices::<MissingTextureArg>),
+        otherwise: "an error",
+        example: "magenta",
+        help: "Goes on without textures that cannot be read",
+        read: Reader::Text(|word| {
+            assign(choice::<MissingTextureArg>(word), |args| &mut args.missing_texture)
+        }),
+        write: |args| args.missing_texture.to_toml(),
+        ..SCENE
+    },
+];

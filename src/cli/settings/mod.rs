@@ -1,0 +1,40 @@
+//! The settings of `dapple render`: one table, from which everything about them follows.
+//!
+//! To add a setting, write an entry in the file of its group, give [`RenderArgs`] a field for its
+//! value, and read the field where it acts. The flag, its help and its checks, the key in TOML,
+//! `--print-config`, the line in a picture's header and `--from` follow from the entry.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `setting` | what an entry says |
+//! | `output`, `image`, `light`, `camera`, `input`, `speed`, `messages` | the entries |
+//! | `args` | the values of all settings, typed |
+//! | `parse`, `to_toml` | values from words, and values as TOML |
+//! | `table` | the entries together: defaults, rules, TOML |
+//! | `command` | the entries as flags, and what was typed |
+//! | `resolve`, `origin` | what was typed over what a file says: a scene, or `--from` a picture |
+//! | `markdown` | the entries as documentation |
+
+mod args;
+mod camera;
+mod command;
+mod image;
+mod input;
+mod light;
+mod markdown;
+mod messages;
+mod origin;
+mod output;
+pub mod parse;
+mod resolve;
+mod setting;
+mod speed;
+mod table;
+#[cfg(test)]
+mod tests;
+mod to_toml;
+
+pub use args::RenderArgs;
+pub use command::Typed;
+pub use resolve::{Request, resolve, resolve_words};
+pub use table::Table;

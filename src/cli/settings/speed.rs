@@ -1,0 +1,45 @@
+//! Settings: what a render uses of the machine.
+
+use super::parse::{from_str, threads};
+use super::setting::{Form, Group, Reader, Role, Setting, assign};
+use super::to_toml::ToToml;
+use crate::accel::AccelSpec;
+use crate::simd::Isa;
+
+const SETTING: Setting = Setting::new(Group::Speed, Role::Process);
+
+/// The entries, in the order of the help.
+pub static SPEED: [Setting; 3] = [
+    Setting {
+        name: "threads",
+        form: Form::Number,
+        value: "N",
+        default: Some("0"),
+        example: "2",
+        help: "Threads; 0: one per core",
+        read: Reader::Text(|word| assign(threads(word), |args| &mut args.threads)),
+        write: |args| args.threads.to_toml(),
+        ..SETTING
+    },
+    Setting {
+        name: "accel",
+        value: "ID[:option=value,…]",
+        default: Some("auto"),
+        example: "bvh2:build=sweep",
+        help: "The ray-shooting structure; `dapple accels` lists them",
+        read: Reader::Text(|word| assign(from_str::<AccelSpec>(word), |args| &mut args.accel)),
+        write: |args| args.accel.to_toml(),
+        ..SETTING
+    },
+    Setting {
+        name: "isa",
+        value: "SET",
+        default: Some("auto"),
+        example: "portable",
+        help: "The instruction set",
+        advanced: true,
+        read: Reader::Text(|word| assign(from_str::<Isa>(word), |args| &mut args.isa)),
+        write: |args| args.isa.to_toml(),
+        ..SETTING
+    },
+];

@@ -1,0 +1,81 @@
+//! The light that reaches a vertex: met by the path itself, or by a shadow ray. Each way is weighed
+//! by the density with which the other would have found the same light.
+
+use super::crossing::classify_crossing;
+use super::mis::power_heuristic;
+use super::nested_dielectrics::interior_beyond;
+use super::state::{Path, PathSample, ShadowRay};
+use crate::light::LightSampleContext;
+use crate::material::Bsdf;
+use crate::math::{Ray, Vec3};
+use crate::world::{Surface, World};
+
+/// Adds the light of the environment to a path whose ray leaves the scene.
+pub fn add_environment(world: &World, path: &Path, ray: &Ray, sample: &mut PathSample) {
+    if world.scene.environment.is_some() {
+        let (radiance, pdf) = world.environment(ray.direction());
+        let weight = power_heuristic(path.pdf, pdf);
+        let reaching = world.transmittance(path.interior.medium(), f32::INFINITY);
+        sample.radiance += path.throughput * reaching * radiance * weight;
+    }
+}
+
+/// Adds the light that a surface emits towards the path, which has met it at `distance`.
+#[inline(always)]
+pub fn add_emission(
+    world: &World,
+    path: &Path,
+    surface: &Surface,
+    (ray, distance): (&Ray, f32),
+    sample: &mut PathSample,
+) {
+    if let Some(radiance) = world.emitted_radiance(surface) {
+        let light_pdf = || world.emitter_pdf(surface, &path.context, ray.direction(), distance);
+        let weight =
+            if path.pdf == f32::INFINITY { 1.0 } else { power_heuristic(path.pdf, light_pdf()) };
+        sample.radiance += path.throughput * radiance * weight;
+    }
+}
+
+/// Samples a light, and what of it would reach the camera by way of this vertex.
+#[inline(always)]
+pub fn sample_direct(
+    world: &World,
+    path: &mut Path,
+    surface: &Surface,
+    bsdf: &Bsdf,
+    wo: Vec3,
+) -> Option<ShadowRay> {
+    let u = path.sampler.next_2d();
+    let u_light = path.sampler.next_1d();
+    let light = world.sample_light(surface, &path.context, u_light, u)?;
+    let wi = surface.frame.to_local(light.direction);
+    let crossing = classify_crossing(surface, light.direction, wo, wi)?;
+    let (scattered, pdf) = bsdf.eval(wo, wi);
+    if scattered == Vec3::ZERO {
+        return None;
+    }
+    let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, pdf) };
+    let mut radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
+    let interior = interior_beyond(world, path.interior, surface, crossing);
+    if !interior.is_air() {
+        radiance *= world.transmittance(interior.medium(), length(&light.ray));
+    }
+    (radiance != Vec3::ZERO).then_some(ShadowRay { ray: light.ray, radiance })
+}
+
+/// Where and from which side a surface takes light: from both where it transmits.
+#[inline(always)]
+pub fn light_sample_context(surface: &Surface, bsdf: &Bsdf) -> LightSampleContext {
+    let normal = match (bsdf.transmits(), surface.front) {
+        (true, _) => Vec3::ZERO,
+        (false, true) => surface.normal,
+        (false, false) => -surface.normal,
+    };
+    LightSampleContext { position: surface.position, normal }
+}
+
+/// Metres from a ray's origin to its end.
+fn length(ray: &Ray) -> f32 {
+    if ray.t_max() < f32::INFINITY { ray.direction().length() * ray.t_max() } else { f32::INFINITY }
+}

@@ -1,0 +1,100 @@
+//! The state of a path, and what goes in and out at its vertices.
+
+use super::interior::Interior;
+use crate::light::LightSampleContext;
+use crate::material::Wavelength;
+use crate::math::{Ray, Vec3};
+use crate::sampling::Sampler;
+
+/// A path under way; its current ray is kept beside it, in a slice for the tracer.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// See [`Path::throughput`].
+    pub(super) throughput: Vec3,
+    /// Square of the product of relative indices of refraction that it has passed.
+    pub(super) eta_squared: f32,
+    /// Where the current ray began, as lights were sampled there.
+    pub(super) context: LightSampleContext,
+    /// Density over solid angle with which the current ray's direction was sampled; infinite where
+    /// no light could have been sampled in that direction.
+    pub(super) pdf: f32,
+    /// The solids that it travels in.
+    pub(super) interior: Interior,
+    /// The wavelength of the light that it follows, once it has met a surface that disperses.
+    pub(super) wavelength: Option<Wavelength>,
+    /// The random numbers of its sample.
+    pub(super) sampler: Sampler,
+    /// Where its result goes.
+    pub slot: u32,
+    /// A hash of pixel, sample and seed.
+    pub key: u64,
+}
+
+/// What a path has brought back.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PathSample {
+    /// Radiance at the camera.
+    pub radiance: Vec3,
+    /// What the camera ray hit first.
+    pub first: Option<FirstHit>,
+}
+
+/// What the camera sees, apart from its light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstHit {
+    /// The share of light that the surface scatters.
+    pub albedo: Vec3,
+    /// Unit shading normal, world space, towards the camera's side.
+    pub normal: Vec3,
+    /// World space.
+    pub position: Vec3,
+    /// Metres from the camera ray's origin.
+    pub distance: f32,
+}
+
+/// A segment which, if it is free, lets light through to the path.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRay {
+    /// The segment.
+    pub ray: Ray,
+    /// What is added to the path's radiance if nothing is in the way.
+    pub radiance: Vec3,
+}
+
+/// What follows from a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// The ray to a light.
+    pub shadow: Option<ShadowRay>,
+    /// The ray to go on with; `None`: the path ends.
+    pub next: Option<Ray>,
+}
+
+impl Step {
+    /// The path ends, and asks for no light.
+    pub(super) const END: Self = Self { shadow: None, next: None };
+}
+
+impl Path {
+    /// A path that starts at the camera. `sampler` is that of its sample, whose first four
+    /// dimensions are the camera's.
+    pub fn new(sampler: Sampler, key: u64, slot: u32) -> Self {
+        Self {
+            throughput: Vec3::ONE,
+            eta_squared: 1.0,
+            context: LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO },
+            pdf: f32::INFINITY,
+            interior: Interior::AIR,
+            wavelength: None,
+            sampler,
+            slot,
+            key,
+        }
+    }
+
+    /// The share of the light at the current ray's end that reaches the camera, over the
+    /// probability of having come here.
+    pub fn throughput(&self) -> Vec3 {
+        self.throughput
+    }
+}

@@ -1,0 +1,178 @@
+//! The boundary of glass: what it reflects and what it lets through.
+
+use super::energy::GlassAlbedo;
+use super::form::BsdfForm;
+use super::fresnel;
+use super::metallic_roughness::coat_f0;
+use super::params::{SurfaceParams, saturate};
+use super::sample::mean;
+use super::thin_film::ThinFilm;
+use crate::math::Vec3;
+
+/// Up to this roughness a boundary is taken as smooth.
+const SMOOTH: f32 = 0.02;
+
+/// Stands for the infinite index that KHR_materials_ior writes as 0.
+const INFINITE_IOR: f32 = 1e4;
+
+/// The boundary of a dielectric.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boundary {
+    /// Colour of the light that passes.
+    pub tint: Vec3,
+    /// Index of the inside over that of the outside.
+    pub ior: f32,
+    /// GGX's alpha, where it is rough.
+    pub alpha: f32,
+    pub form: BsdfForm,
+    /// Which of the four models it follows.
+    pub kind: Kind,
+    /// Whether reflectances are those of the index.
+    plain: bool,
+    /// One face's reflectance at normal incidence and, of all colours, at grazing angles.
+    f0: Vec3,
+    f90: f32,
+}
+
+/// A solid or a thin sheet, smooth or rough.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A solid that mirrors and refracts.
+    Smooth,
+    /// A solid with microfacets.
+    Rough,
+    /// A sheet that mirrors and lets light pass straight.
+    ThinSmooth,
+    /// A sheet with microfacets.
+    ThinRough,
+}
+
+/// How a boundary divides light into reflected and transmitted light, for one direction of view.
+pub struct Split {
+    /// By colour.
+    pub reflectance: Vec3,
+    /// The probability with which the reflection is sampled.
+    pub reflection_probability: f32,
+}
+
+impl Split {
+    #[inline]
+    fn new(reflectance: f32, tint: Vec3) -> Self {
+        Self::colored(Vec3::splat(reflectance), reflectance, tint)
+    }
+
+    #[inline]
+    fn colored(colors: Vec3, reflectance: f32, tint: Vec3) -> Self {
+        let transmitted = (1.0 - reflectance) * tint.max_element().max(0.0);
+        // Black glass seen where it does not reflect: sample the nothing that is transmitted.
+        let all = reflectance + transmitted;
+        let reflection_probability = if all > 0.0 { reflectance / all } else { 0.0 };
+        Self { reflectance: colors, reflection_probability }
+    }
+
+    /// Tinted share of the light that passes.
+    #[inline]
+    pub fn transmittance(&self, tint: Vec3) -> Vec3 {
+        tint * (Vec3::ONE - self.reflectance)
+    }
+}
+
+impl Boundary {
+    /// The clear part of what `params` describe.
+    pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
+        let usable = params.ior.is_finite() && params.ior > 1e-3;
+        let ior = if usable { params.ior.min(INFINITE_IOR) } else { INFINITE_IOR };
+        let roughness = saturate(params.roughness);
+        // Rough or not, what does not bend light lets it pass straight.
+        let rough = roughness > SMOOTH && (ior - 1.0).abs() > 1e-3;
+        let kind = match (params.thin, rough) {
+            (false, false) => Kind::Smooth,
+            (false, true) => Kind::Rough,
+            (true, true) if form == BsdfForm::Conserving => Kind::ThinRough,
+            (true, _) => Kind::ThinSmooth,
+        };
+        Self {
+            tint: params.base_color,
+            ior,
+            alpha: roughness * roughness,
+            form,
+            kind,
+            plain: params.specular >= 1.0 && params.specular_color == Vec3::ONE,
+            f0: coat_f0(&SurfaceParams { ior, ..*params }),
+            f90: saturate(params.specular),
+        }
+    }
+
+    /// Index on the far side over that on the side of `wo`.
+    #[inline]
+    pub fn eta(&self, wo: Vec3) -> f32 {
+        if wo.z < 0.0 { 1.0 / self.ior } else { self.ior }
+    }
+
+    /// Divides light that meets the boundary of a solid, or a facet of it, at that cosine. Returns
+    /// the cosine of the refracted ray too.
+    #[inline]
+    pub fn split(&self, cos: f32, eta: f32, film: Option<&ThinFilm>) -> (Split, f32) {
+        let (exact, cos_t) = fresnel::dielectric(cos, eta);
+        if exact >= 1.0 || (self.plain && film.is_none()) {
+            return (Split::new(exact, self.tint), cos_t);
+        }
+        // What is reflected within is what is reflected back along the same way.
+        let outside = if eta == self.ior { cos } else { cos_t };
+        let colors = self.face(film, outside, exact);
+        (Split::colored(colors, mean(colors), self.tint), cos_t)
+    }
+
+    /// Divides light that meets a thin sheet.
+    #[inline]
+    pub fn split_thin(&self, cos: f32, film: Option<&ThinFilm>) -> Split {
+        let (exact, _) = fresnel::dielectric(cos, self.ior);
+        if self.plain && film.is_none() {
+            return Split::new(fresnel::thin_sheet(exact), self.tint);
+        }
+        let colors = self.face(film, cos, exact).map(fresnel::thin_sheet);
+        Split::colored(colors, mean(colors), self.tint)
+    }
+
+    /// The reflectance of one face of light that meets it from outside at `cos`, given that of its
+    /// index.
+    fn face(&self, film: Option<&ThinFilm>, cos: f32, exact: f32) -> Vec3 {
+        let bare = if self.plain {
+            Vec3::splat(exact)
+        } else {
+            self.f0 + (Vec3::splat(self.f90) - self.f0) * self.grazing(cos, exact)
+        };
+        film.map_or(bare, |film| film.reflectance(cos, self.f0, bare))
+    }
+
+    /// How far the reflectance is on the way from normal incidence to grazing angles, 0 to 1.
+    fn grazing(&self, cos: f32, exact: f32) -> f32 {
+        if self.ior >= INFINITE_IOR {
+            return fresnel::schlick_weight(cos);
+        }
+        let least = self.f0_of_index();
+        saturate((exact - least) / (1.0 - least))
+    }
+
+    /// The reflectance of the index at normal incidence.
+    fn f0_of_index(&self) -> f32 {
+        let root = (self.ior - 1.0) / (self.ior + 1.0);
+        root * root
+    }
+
+    /// The factor that compensates for the light that one bounce on a rough boundary loses.
+    pub fn compensation(&self, albedo: GlassAlbedo) -> Vec3 {
+        if self.plain {
+            return Vec3::splat(1.0 / albedo.exact);
+        }
+        let least = self.f0_of_index();
+        let slope = if self.ior >= INFINITE_IOR {
+            Vec3::ZERO
+        } else {
+            (Vec3::splat(self.f90) - self.f0) / (1.0 - least)
+        };
+        let constant = self.f0 - slope * least;
+        let of = |constant, slope| 1.0 / albedo.of(constant, slope).clamp(0.1, 1.0);
+        Vec3::new(of(constant.x, slope.x), of(constant.y, slope.y), of(constant.z, slope.z))
+    }
+}

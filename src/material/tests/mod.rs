@@ -1,0 +1,6 @@
+//! What must hold for BSDFs, by sampling them.
+
+mod delta;
+mod every_bsdf;
+mod family;
+mod layers;

@@ -1,0 +1,70 @@
+//! AOVs: from the sums of pixels to the layers of a picture.
+
+use super::settings::{Aov, Settings};
+use super::tile::{Means, PixelSums, Tile};
+use crate::film::{Picture, Window};
+
+/// Bytes that a picture of such settings takes while it is rendered, without scene and structure.
+pub fn film_bytes(settings: &Settings) -> u64 {
+    let channels = channels(settings).len() as u64;
+    let pixel = PixelSums::bytes(settings.spp) + channels * size_of::<f32>() as u64;
+    pixel.saturating_mul(settings.crop.area() as u64)
+}
+
+/// The name of a channel, and the value of a pixel in it.
+type Channel = (String, Box<dyn Fn(&Means) -> f32>);
+
+/// All channels that the settings ask for.
+fn channels(settings: &Settings) -> Vec<Channel> {
+    let mut channels: Vec<Channel> = Vec::new();
+    let mut vector = |layer: &str, suffixes: &str, of: fn(&Means) -> [f64; 3]| {
+        for (axis, suffix) in suffixes.chars().enumerate() {
+            let name = if layer.is_empty() { String::new() } else { format!("{layer}.") };
+            let value = move |means: &Means| of(means)[axis] as f32;
+            channels.push((format!("{name}{suffix}"), Box::new(value)));
+        }
+    };
+    vector("", "RGB", |means| means.radiance);
+    for aov in &settings.aovs {
+        match aov {
+            Aov::Albedo => vector(aov.name(), "RGB", |means| means.albedo),
+            Aov::Normal => vector(aov.name(), "XYZ", |means| means.normal),
+            Aov::Position => vector(aov.name(), "XYZ", |means| means.position),
+            Aov::Variance => vector(aov.name(), "RGB", |means| means.variance),
+            Aov::Depth | Aov::Samples | Aov::Cost => {}
+        }
+    }
+    for aov in &settings.aovs {
+        let (suffix, of): (_, fn(&Means) -> f32) = match aov {
+            Aov::Depth => ("Z", |means| means.distance as f32),
+            Aov::Samples => ("Y", |means| means.count as f32),
+            Aov::Cost => ("Y", |means| means.cost as f32),
+            _ => continue,
+        };
+        channels.push((format!("{}.{suffix}", aov.name()), Box::new(of)));
+    }
+    let transparent = settings.transport.transparent;
+    let alpha = move |means: &Means| if transparent { means.alpha as f32 } else { 1.0 };
+    channels.push(("A".to_owned(), Box::new(alpha)));
+    channels
+}
+
+/// Assembles the picture of what has been sampled.
+pub(super) fn assemble_picture(tiles: &[Tile], settings: &Settings) -> Picture {
+    let frame = Window::of_size(settings.resolution.0 as usize, settings.resolution.1 as usize);
+    let crop = settings.crop;
+    let channels = channels(settings);
+    let mut planes = vec![vec![0.0; crop.area()]; channels.len()];
+    for (x, y, sums) in tiles.iter().flat_map(Tile::iter) {
+        let (row, column) = ((y - crop.y0 as u32) as usize, (x - crop.x0 as u32) as usize);
+        let (at, means) = (row * crop.width() + column, sums.means());
+        for (plane, (_, value)) in planes.iter_mut().zip(&channels) {
+            plane[at] = value(&means);
+        }
+    }
+    let mut picture = Picture::new(frame, crop);
+    for ((name, _), plane) in channels.into_iter().zip(planes) {
+        picture.set_channel(name, plane);
+    }
+    picture
+}
