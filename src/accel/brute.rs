@@ -1,8 +1,9 @@
 //! Brute force: every ray against every triangle. The oracle of all others.
 //!
-//! No tree and no filter of edges: the only thing that stands before the exact test is the slab test
-//! of each triangle's own box, which is part of the exact test anyway. It is done for eight boxes at
-//! once, with the same operations in the same order as the scalar one, so it says the same.
+//! No tree and no filter of edges: the only thing that stands before the exact test is the slab
+//! test of each triangle's own box, which is part of the exact test anyway. It is done for eight
+//! boxes at once, with the same operations in the same order as the scalar one, so it says the
+//! same.
 //!
 //! Slices are cut over all threads; within a thread a group of rays meets a group of boxes that
 //! fits the cache before the next group comes.

@@ -2,17 +2,18 @@
 //!
 //! # Why every structure answers alike
 //! 1. *One exact test.* Whether a triangle is hit, and `t`, `u`, `v`, is said by
-//!    [`crate::geom::intersect_triangle()`] alone, a scalar function of the ray and the triangle. Blocks of
-//!    triangles only filter, and never stop what the exact test would take ([`crate::geom::block`]).
+//!    [`crate::geom::intersect_triangle()`] alone, a scalar function of the ray and the triangle.
+//!    Blocks of triangles only filter, and never stop what the exact test would take
+//!    ([`crate::geom::block`]).
 //! 2. *One winner.* Of the hits with `t_min < t <= t_max` that pass the batch's filter, the
 //!    smallest `(t, id)` wins ([`Closest`]). That is a minimum over a set: order cannot matter, as
 //!    long as every candidate that could win is offered.
-//! 3. *A hit lies in its own box.* The exact test takes a hit only if the slab test of the triangle's
-//!    own box passes and clamps `t` into that interval. The slab test is monotone in the box
-//!    ([`crate::geom::slab`]): every box around it is entered at or before `t` and left at or
-//!    after it, in floating point. Culling a box only if `enter > t_max` or `enter > exit`, strictly,
-//!    never loses the winner, nor one that ties with it. Builders of bounding volumes therefore
-//!    start from [`crate::geom::own_box`] and only ever take unions.
+//! 3. *A hit lies in its own box.* The exact test takes a hit only if the slab test of the
+//!    triangle's own box passes and clamps `t` into that interval. The slab test is monotone in the
+//!    box ([`crate::geom::slab`]): every box around it is entered at or before `t` and left at or
+//!    after it, in floating point. Culling a box only if `enter > t_max` or `enter > exit`,
+//!    strictly, never loses the winner, nor one that ties with it. Builders of bounding volumes
+//!    therefore start from [`crate::geom::own_box`] and only ever take unions.
 //! 4. *In a kd-tree* the cells partition space, so a box is not enough: there the builder adds a
 //!    slack to every triangle's box; its module tells why that is enough.
 //!

@@ -1,4 +1,5 @@
-//! The exact test over eight rays at once: [`super::intersect_triangle()`] with the lanes given to rays.
+//! The exact test over eight rays at once: [`super::intersect_triangle()`] with the lanes given to
+//! rays.
 //!
 //! The same additions and multiplications in the same order, lane by lane, so the same bits; a test
 //! holds it. Rays of a bundle must share the axis along which they run fastest.
@@ -44,14 +45,14 @@ impl RayBundle {
             let from = 4 * half;
             let [x, y, z] = heading.axes.map(|axis| axis % 3);
             let origin = [
-                doubled(simd, &self.origin[x], from),
-                doubled(simd, &self.origin[y], from),
-                doubled(simd, &self.origin[z], from),
+                load_doubled(simd, &self.origin[x], from),
+                load_doubled(simd, &self.origin[y], from),
+                load_doubled(simd, &self.origin[z], from),
             ];
             let shear = [
-                quarter(simd, &self.shear[0], from),
-                quarter(simd, &self.shear[1], from),
-                quarter(simd, &self.shear[2], from),
+                load_quarter(simd, &self.shear[0], from),
+                load_quarter(simd, &self.shear[1], from),
+                load_quarter(simd, &self.shear[2], from),
             ];
             let a = project(simd, [triangle.a[x], triangle.a[y], triangle.a[z]], origin, shear);
             let b = project(simd, [triangle.b[x], triangle.b[y], triangle.b[z]], origin, shear);
@@ -70,9 +71,9 @@ impl RayBundle {
             let on_it = distance.abs().simd_le(magnitude * DISTANCE_BOUND * depth);
             misses |= ((outside | edge_on | on_it).to_bitmask() as u32) << from;
             let inv_det = f64x4::splat(simd, 1.0) / det;
-            put(&mut t, from, distance * inv_det);
-            put(&mut u, from, w1 * inv_det);
-            put(&mut v, from, w2 * inv_det);
+            store_quarter(&mut t, from, distance * inv_det);
+            store_quarter(&mut u, from, w1 * inv_det);
+            store_quarter(&mut v, from, w2 * inv_det);
         }
         let distance = f32x8::load_array(simd, t);
         let (enter, exit) = self.interval(simd, &own_box(triangle), heading.negative);
@@ -88,20 +89,20 @@ impl RayBundle {
     }
 }
 
-/// Four of eight numbers.
+/// Loads four of eight numbers.
 #[inline(always)]
-fn quarter<S: Simd>(simd: S, row: &[f64; LANES], from: usize) -> f64x4<S> {
-    f64x4::load_array(simd, [row[from], row[from + 1], row[from + 2], row[from + 3]])
+fn load_quarter<S: Simd>(simd: S, values: &[f64; LANES], from: usize) -> f64x4<S> {
+    f64x4::load_array(simd, [values[from], values[from + 1], values[from + 2], values[from + 3]])
 }
 
-/// Four of eight numbers, in double precision.
+/// Loads four of eight numbers, in double precision.
 #[inline(always)]
-fn doubled<S: Simd>(simd: S, row: &[f32; LANES], from: usize) -> f64x4<S> {
-    let four = [row[from], row[from + 1], row[from + 2], row[from + 3]];
+fn load_doubled<S: Simd>(simd: S, values: &[f32; LANES], from: usize) -> f64x4<S> {
+    let four = [values[from], values[from + 1], values[from + 2], values[from + 3]];
     f64x4::load_array(simd, four.map(f64::from))
 }
 
-/// A vertex with each ray as third axis.
+/// Projects a vertex: each ray is its third axis.
 #[inline(always)]
 fn project<S: Simd>(
     simd: S,
@@ -117,10 +118,10 @@ fn project<S: Simd>(
 
 /// Writes four of eight numbers, rounded.
 #[inline(always)]
-fn put<S: Simd>(row: &mut [f32; LANES], from: usize, values: f64x4<S>) {
-    let values = values.to_array();
+fn store_quarter<S: Simd>(values: &mut [f32; LANES], from: usize, quarter: f64x4<S>) {
+    let quarter = quarter.to_array();
     for lane in 0..4 {
-        row[from + lane] = values[lane] as f32;
+        values[from + lane] = quarter[lane] as f32;
     }
 }
 

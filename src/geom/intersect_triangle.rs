@@ -1,7 +1,8 @@
 //! The one triangle test that decides.
 //!
-//! Every structure, whatever it filters by, asks [`intersect_triangle`] in the end, and nothing else says what
-//! `t`, `u` and `v` are. So the order of visits, the width and the instruction set can't matter.
+//! Every structure, whatever it filters by, asks [`intersect_triangle`] in the end, and nothing
+//! else says what `t`, `u` and `v` are. So the order of visits, the width and the instruction set
+//! can't matter.
 //!
 //! # What it decides
 //! The watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", JCGT
@@ -16,8 +17,8 @@
 //! point at `t` is within 2^-20 of the triangle's size from the triangle itself, however grazing
 //! the ray; a kd-tree with clipped triangles needs that. And the hit must lie in the triangle's own
 //! box as the slab test sees it (see [`super::slab`]): `t` is clamped into that interval. This
-//! makes all boxes around it agree. A ray in a plane of the axes whose hit is more than 2^36 directions away
-//! may have to miss for that: [`SlabRay::is_beyond`].
+//! makes all boxes around it agree. A ray in a plane of the axes whose hit is more than 2^36
+//! directions away may have to miss for that: [`SlabRay::is_beyond`].
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64x4, mask64x4};
 

@@ -14,7 +14,7 @@ mod tangents;
 
 pub use block::{BlockRef, TriangleBlock};
 pub use bundle::{FilterTriangle, RayBundle};
-pub use clip::clipped_bounds;
+pub use clip::clip_bounds;
 pub use heading::Heading;
 pub use intersect_bundle::BundleHits;
 pub use intersect_triangle::{ShearRay, intersect_triangle};

@@ -4,7 +4,7 @@
 //! three axes in one pass, and in parallel near the root; sums of counts and unions of boxes do not
 //! depend on the order, so the tree does not depend on the threads.
 
-use super::objects::{ObjectSplit, boxes};
+use super::objects::{ObjectSplit, find_bounds};
 use super::prims::Prim;
 use super::sah::Costs;
 use super::{BinaryNode, BinaryTree};
@@ -33,15 +33,15 @@ struct Builder {
 impl Builder {
     /// Appends the subtree of `prims`, which start at place `first` of the whole.
     fn build(&self, prims: &mut [Prim], first: usize, depth: usize, nodes: &mut Vec<BinaryNode>) {
-        let (bounds, keys) = boxes(prims);
+        let (bounds, keys) = find_bounds(prims);
         let split = (!self.costs.must_be_leaf(prims.len()))
-            .then(|| ObjectSplit::best(prims, keys, depth, &self.costs))
+            .then(|| ObjectSplit::find_best(prims, keys, depth, &self.costs))
             .filter(|s| !self.costs.prefers_leaf(prims.len(), &bounds, s.split().area));
         let Some(split) = split else {
             let (first, count) = (first as u32, prims.len() as u32);
             return nodes.push(BinaryNode { bounds, first, count });
         };
-        let middle = split.part(prims, &self.costs);
+        let middle = split.apply(prims, &self.costs);
         let parent = nodes.len();
         nodes.push(BinaryNode { bounds, first: 0, count: 0 });
         let parallel = prims.len() > self.task;

@@ -41,10 +41,10 @@ pub fn build_tree(
     costs: sah::Costs,
     phases: &mut Phases,
 ) -> BinaryTree {
-    let mut prims = prims::prims(source);
+    let mut prims = prims::make_prims(source);
     let cutter = match builder {
         // None for scenes that can't be cut: they are built from whole triangles.
-        "esc" | "sbvh" => Cutter::new(source, objects::boxes(&prims).0),
+        "esc" | "sbvh" => Cutter::new(source, objects::find_bounds(&prims).0),
         _ => None,
     };
     phases.end("boxes");

@@ -16,7 +16,7 @@ const FEW_BINS: usize = 16;
 const FEW_LEAVES: usize = 8;
 
 /// The box of all boxes, and that of all keys.
-pub fn boxes(prims: &[Prim]) -> (Aabb, Aabb) {
+pub fn find_bounds(prims: &[Prim]) -> (Aabb, Aabb) {
     let of = |prims: &[Prim]| {
         prims.iter().fold((Aabb::EMPTY, Aabb::EMPTY), |(bounds, keys), prim| {
             (bounds.union(prim.bounds), keys.include(prim.key()))
@@ -41,14 +41,14 @@ pub enum ObjectSplit {
 
 impl ObjectSplit {
     /// The best for primitives whose keys have the box `keys`; their order may change.
-    pub fn best(prims: &mut [Prim], keys: Aabb, depth: usize, costs: &Costs) -> Self {
+    pub fn find_best(prims: &mut [Prim], keys: Aabb, depth: usize, costs: &Costs) -> Self {
         let count = prims.len();
         if depth < DEPTH_OF_MIDDLE_SPLITS {
             if costs.fill == Fill::Full && count <= FEW_LEAVES * costs.width {
-                return Self::AfterFirst(best_place(prims, costs));
+                return Self::AfterFirst(find_best_place(prims, costs));
             }
             let grid = Grid::new(keys, if count < FEW_PRIMS { FEW_BINS } else { BINS });
-            let split = grid.best_split(prims);
+            let split = grid.find_best_split(prims);
             if split.cost.is_finite() {
                 return Self::AfterBin(grid, split);
             }
@@ -66,7 +66,7 @@ impl ObjectSplit {
     }
 
     /// What the boxes of both sides have in common; the primitives' order may change.
-    pub fn overlap(&self, prims: &mut [Prim]) -> Aabb {
+    pub fn find_overlap(&self, prims: &mut [Prim]) -> Aabb {
         let (mut below, mut above) = (Aabb::EMPTY, Aabb::EMPTY);
         match *self {
             Self::AfterBin(ref grid, Split { axis, at, .. }) => {
@@ -78,14 +78,14 @@ impl ObjectSplit {
             }
             Self::AfterFirst(Split { axis, at, .. }) => {
                 select(prims, axis, at);
-                (below, above) = (boxes(&prims[..at]).0, boxes(&prims[at..]).0);
+                (below, above) = (find_bounds(&prims[..at]).0, find_bounds(&prims[at..]).0);
             }
         }
         below.intersection(above)
     }
 
     /// Parts the primitives; returns where the second part begins.
-    pub fn part(&self, prims: &mut [Prim], costs: &Costs) -> usize {
+    pub fn apply(&self, prims: &mut [Prim], costs: &Costs) -> usize {
         match *self {
             Self::AfterFirst(Split { axis, at, .. }) => {
                 select(prims, axis, at);
@@ -132,7 +132,7 @@ fn select(prims: &mut [Prim], axis: usize, at: usize) {
 }
 
 /// Tries every place that the cost allows along all axes; sorts the primitives.
-fn best_place(prims: &mut [Prim], costs: &Costs) -> Split {
+fn find_best_place(prims: &mut [Prim], costs: &Costs) -> Split {
     let count = prims.len();
     let mut above = vec![0.0; count];
     let mut best = Split::NONE;

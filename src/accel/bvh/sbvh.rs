@@ -10,7 +10,7 @@
 //! ([`Fill::Full`]), planes are tried in large nodes only, since each may leave one more leaf that
 //! is not.
 
-use super::objects::{ObjectSplit, boxes};
+use super::objects::{ObjectSplit, find_bounds};
 use super::parts::Cutter;
 use super::prims::Prim;
 use super::sah::{Costs, DEPTH_OF_MIDDLE_SPLITS, Fill};
@@ -66,7 +66,7 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// Appends the subtree of `prims`, with at most `budget` references more than they are.
     fn build(&self, mut prims: Vec<Prim>, budget: usize, depth: usize, out: &mut Subtree) {
-        let (bounds, keys) = boxes(&prims);
+        let (bounds, keys) = find_bounds(&prims);
         let count = prims.len();
         let Some(parts) = self.split(&mut prims, bounds, keys, budget, depth) else {
             let (first, count) = (out.order.len() as u32, count as u32);
@@ -110,12 +110,12 @@ impl Builder<'_> {
         if self.costs.must_be_leaf(count) {
             return None;
         }
-        let objects = ObjectSplit::best(prims, keys, depth, &self.costs);
+        let objects = ObjectSplit::find_best(prims, keys, depth, &self.costs);
         let may_cut = depth < DEPTH_OF_MIDDLE_SPLITS
             && budget > 0
             && (self.costs.fill == Fill::Any || count >= LEAVES_TO_CUT * self.costs.width)
-            && objects.overlap(prims).half_area() > self.overlap;
-        let space = may_cut.then(|| SpatialSplit::best(prims, &bounds, self.cutter)).flatten();
+            && objects.find_overlap(prims).half_area() > self.overlap;
+        let space = may_cut.then(|| SpatialSplit::find_best(prims, &bounds, self.cutter)).flatten();
         let space = space.filter(|space| {
             let sum = space.sides[0].count + space.sides[1].count;
             space.cost() < objects.split().cost && sum <= count + budget
@@ -124,13 +124,13 @@ impl Builder<'_> {
         if self.costs.prefers_leaf(count, &bounds, area) {
             return None;
         }
-        if let Some(parts) = space.and_then(|space| space.part(prims, self.cutter)) {
+        if let Some(parts) = space.and_then(|space| space.apply(prims, self.cutter)) {
             // Boxes are rounded: a few more may cross the plane than were counted.
             if parts[0].len() + parts[1].len() <= count + budget {
                 return Some(parts);
             }
         }
-        let middle = objects.part(prims, &self.costs);
+        let middle = objects.apply(prims, &self.costs);
         let (left, right) = prims.split_at(middle);
         Some([left.to_vec(), right.to_vec()])
     }

@@ -83,7 +83,7 @@ impl Planes {
     }
 
     /// The plane behind a bin.
-    fn behind(&self, axis: usize, bin: usize) -> f32 {
+    fn plane_behind(&self, axis: usize, bin: usize) -> f32 {
         self.low[axis] + self.width[axis] * (bin + 1) as f32
     }
 
@@ -100,8 +100,8 @@ impl Planes {
                     bins[first].bounds = bins[first].bounds.union(prim.bounds);
                     continue;
                 }
-                let triangle = triangle.get_or_insert_with(|| cutter.whole(prim).triangle);
-                let pieces = self.pieces(axis, triangle, first, last);
+                let triangle = triangle.get_or_insert_with(|| cutter.fetch_whole(prim).triangle);
+                let pieces = self.find_pieces(axis, triangle, first, last);
                 for (bin, piece) in bins[first..=last].iter_mut().zip(&pieces[first..]) {
                     let piece = piece.intersection(prim.bounds);
                     if !piece.is_empty() {
@@ -114,7 +114,13 @@ impl Planes {
     }
 
     /// The boxes of the pieces of a triangle between planes, for some bins of an axis.
-    fn pieces(&self, axis: usize, triangle: &Triangle, first: usize, last: usize) -> [Aabb; BINS] {
+    fn find_pieces(
+        &self,
+        axis: usize,
+        triangle: &Triangle,
+        first: usize,
+        last: usize,
+    ) -> [Aabb; BINS] {
         let Triangle { a, b, c } = *triangle;
         let mut pieces = [Aabb::EMPTY; BINS];
         for (p, q) in [(a, b), (b, c), (c, a)] {
@@ -123,7 +129,7 @@ impl Planes {
             pieces[begin] = pieces[begin].include(p);
             pieces[end] = pieces[end].include(q);
             for at in begin.max(first.saturating_sub(1))..end.min(last + 1) {
-                let along = (self.behind(axis, at) - p[axis]) / (q[axis] - p[axis]);
+                let along = (self.plane_behind(axis, at) - p[axis]) / (q[axis] - p[axis]);
                 let crossing = p + (q - p) * along;
                 pieces[at] = pieces[at].include(crossing);
                 pieces[at + 1] = pieces[at + 1].include(crossing);
@@ -132,7 +138,7 @@ impl Planes {
         pieces
     }
 
-    fn best_of_axis(&self, axis: usize, bins: &[Bin; BINS]) -> Option<SpatialSplit> {
+    fn find_best_on_axis(&self, axis: usize, bins: &[Bin; BINS]) -> Option<SpatialSplit> {
         let mut above = [Side::EMPTY; BINS];
         for at in (1..BINS).rev() {
             let count = above[at].count + bins[at].end;
@@ -143,7 +149,7 @@ impl Planes {
         for at in 0..BINS - 1 {
             below = Side { count: below.count + bins[at].begin, ..below.with(&bins[at].bounds) };
             if below.count > 0 && above[at].count > 0 {
-                let plane = self.behind(axis, at);
+                let plane = self.plane_behind(axis, at);
                 let split = SpatialSplit { axis, plane, sides: [below, above[at]] };
                 best = Some(best.map_or(split, |best| best.min(split)));
             }
@@ -163,7 +169,7 @@ fn merge(mut a: Bins, b: &Bins) -> Bins {
 
 impl SpatialSplit {
     /// The best one through the box of some primitives.
-    pub fn best(prims: &[Prim], bounds: &Aabb, cutter: &Cutter<'_>) -> Option<Self> {
+    pub fn find_best(prims: &[Prim], bounds: &Aabb, cutter: &Cutter<'_>) -> Option<Self> {
         let planes = Planes::new(bounds);
         let bins = if prims.len() < PARALLEL_BINNING / 4 {
             planes.fill(prims, cutter)
@@ -175,7 +181,7 @@ impl SpatialSplit {
         };
         (0..3)
             .filter(|&axis| planes.scale[axis] > 0.0)
-            .filter_map(|axis| planes.best_of_axis(axis, &bins[axis]))
+            .filter_map(|axis| planes.find_best_on_axis(axis, &bins[axis]))
             .reduce(Self::min)
     }
 
@@ -186,7 +192,7 @@ impl SpatialSplit {
 
     /// The sum over both sides of half area times count.
     pub fn cost(&self) -> f64 {
-        cost_of(&self.sides)
+        sum_costs(&self.sides)
     }
 
     /// Sum of both sides' half areas.
@@ -195,7 +201,7 @@ impl SpatialSplit {
     }
 
     /// What is below and what is above; `None` if that gets nowhere: nothing on a side.
-    pub fn part(&self, prims: &[Prim], cutter: &Cutter<'_>) -> Option<[Vec<Prim>; 2]> {
+    pub fn apply(&self, prims: &[Prim], cutter: &Cutter<'_>) -> Option<[Vec<Prim>; 2]> {
         let mut parts = self.sides.map(|side| Vec::with_capacity(side.count));
         let mut sides = self.sides;
         for prim in prims {
@@ -225,8 +231,8 @@ impl SpatialSplit {
                 [below.with(&prim.bounds), above.without_one()],
                 [below.without_one(), above.with(&prim.bounds)],
             ];
-            let on = usize::from(cost_of(&whole[1]) < cost_of(&whole[0]));
-            if cost_of(&whole[on]) < cost_of(sides) {
+            let on = usize::from(sum_costs(&whole[1]) < sum_costs(&whole[0]));
+            if sum_costs(&whole[on]) < sum_costs(sides) {
                 *sides = whole[on];
                 return parts[on].push(*prim);
             }
@@ -238,6 +244,6 @@ impl SpatialSplit {
 }
 
 /// The sum over both sides of half area times count.
-fn cost_of(sides: &[Side; 2]) -> f64 {
+fn sum_costs(sides: &[Side; 2]) -> f64 {
     expected_tests([0, 1].map(|side| (sides[side].bounds.half_area(), sides[side].count as f64)))
 }

@@ -70,7 +70,7 @@ impl Builder<'_> {
         let split = if self.costs.must_be_leaf(count) {
             Split::NONE
         } else if depth < DEPTH_OF_MIDDLE_SPLITS {
-            self.best_split(&lists)
+            self.find_best_split(&lists)
         } else {
             let at = self.costs.nearest_place(count, count / 2);
             Split { axis: bounds.longest_axis(), at, ..Split::NONE }
@@ -79,7 +79,7 @@ impl Builder<'_> {
             // All three lists hold the same triangles; the first one is the tree's order.
             return nodes.push(BinaryNode { bounds, first: first as u32, count: count as u32 });
         }
-        self.part(&mut lists, split.axis, split.at);
+        self.partition(&mut lists, split.axis, split.at);
 
         let parent = nodes.len();
         nodes.push(BinaryNode { bounds, first: 0, count: 0 });
@@ -101,7 +101,7 @@ impl Builder<'_> {
     }
 
     /// Tries every place in every list where the cost allows a split.
-    fn best_split(&self, lists: &Lists<'_>) -> Split {
+    fn find_best_split(&self, lists: &Lists<'_>) -> Split {
         let count = lists.len();
         let mut above = vec![0.0_f64; count];
         let mut best = Split::NONE;
@@ -126,7 +126,7 @@ impl Builder<'_> {
     }
 
     /// Parts all lists so that the first `at` of list `axis` come first in each.
-    fn part(&self, lists: &mut Lists<'_>, axis: usize, at: usize) {
+    fn partition(&self, lists: &mut Lists<'_>, axis: usize, at: usize) {
         let key = |i: u32| self.prims[i as usize].key()[axis];
         let pivot = lists.axes[axis][at];
         // Keys and, where they are equal, indices: exactly the order that the list is in.

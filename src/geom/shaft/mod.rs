@@ -14,8 +14,8 @@
 //! `enter` and `exit`.
 //!
 //! *The point at `t` is near the box.* A distance to a plane is off by less than 2^-20 of itself
-//! (two roundings of the inverse, 4 ulps of slack, two more roundings). So along each axis the point
-//! is within 2^-20 of the distance from origin to plane of the box, which is at most the sum
+//! (two roundings of the inverse, 4 ulps of slack, two more roundings). So along each axis the
+//! point is within 2^-20 of the distance from origin to plane of the box, which is at most the sum
 //! `b + o` of the largest coordinates of box and origins along that axis. Where a component of the
 //! direction is below 2^-126 the slab test takes that instead; then the point may be off by `t`
 //! times 2^-125, and `t` is at most 2^21 times the sum along the direction's largest component,
@@ -28,8 +28,8 @@
 //! most `b + o` along each axis. An error at a segment's end counts by `t` over its length, since
 //! `n · x` is linear along it.
 //!
-//! *The slack* is 2^-18 of `Σ |n| (b + o) + |c|`, with 2^-80 of the largest coordinate added to each
-//! of `b` and `o`, plus 2^-120 for products that underflow: more than all of these together.
+//! *The slack* is 2^-18 of `Σ |n| (b + o) + |c|`, with 2^-80 of the largest coordinate added to
+//! each of `b` and `o`, plus 2^-120 for products that underflow: more than all of these together.
 //! Directions whose largest component is not within 2^-20 to 2^20, and origins beyond 2^100, are
 //! held by no shaft, and boxes that reach beyond 2^100 are never missed: so nothing overflows.
 

@@ -91,7 +91,7 @@ impl Shaft {
     /// The region that a camera sees in a tile: rays from a box of origins in directions between
     /// four corners, given in order around the tile. `None` if these make no pyramid.
     pub fn pyramid(origins: Aabb, corners: [Vec3; 4]) -> Option<Self> {
-        let (planes, axis) = pyramid_planes(origins, corners)?;
+        let (planes, axis) = make_pyramid_planes(origins, corners)?;
         Self::new(&planes, origins, axis)
     }
 
@@ -104,7 +104,7 @@ impl Shaft {
     /// The region of segments that begin and end in a pyramid, up to a distance from its apex along
     /// its middle: what a spot light reaches. `None` if the corners make no pyramid.
     pub fn spot(apex: Vec3, corners: [Vec3; 4], range: f32) -> Option<Self> {
-        let (planes, axis) = pyramid_planes(Aabb::of_points([apex]), corners)?;
+        let (planes, axis) = make_pyramid_planes(Aabb::of_points([apex]), corners)?;
         // Where an edge of the pyramid meets the plane that ends it.
         let end = |corner: Vec3| apex + corner * (range / corner.dot(axis));
         let all = Aabb::of_points(corners.map(end)).include(apex);
@@ -190,7 +190,7 @@ impl Shaft {
     /// Whether no ray that it holds enters a box, as the slab test sees it.
     #[inline(always)]
     pub fn misses<S: Simd>(&self, simd: S, bounds: &Aabb) -> bool {
-        let Some(coordinates) = coordinates(bounds) else { return false };
+        let Some(coordinates) = find_reach(bounds) else { return false };
         let mut least = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             least = least
@@ -226,7 +226,7 @@ impl Shaft {
     /// Whether all of a box lies in the region.
     #[inline(always)]
     pub fn encloses<S: Simd>(&self, simd: S, bounds: &Aabb) -> bool {
-        let Some(coordinates) = coordinates(bounds) else { return false };
+        let Some(coordinates) = find_reach(bounds) else { return false };
         let mut most = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
             most = most
@@ -240,10 +240,10 @@ impl Shaft {
 
 /// The planes around rays from a box of origins in directions between four corners, and the middle
 /// direction.
-fn pyramid_planes(origins: Aabb, corners: [Vec3; 4]) -> Option<([(Vec3, f32); 5], Vec3)> {
+fn make_pyramid_planes(origins: Aabb, corners: [Vec3; 4]) -> Option<([(Vec3, f32); 5], Vec3)> {
     let corners = corners.map(Vec3::normalize_or_zero);
     let axis = corners.iter().sum::<Vec3>().normalize_or_zero();
-    let mut planes = [(-axis, farthest(&origins, -axis)); 5];
+    let mut planes = [(-axis, find_farthest(&origins, -axis)); 5];
     for side in 0..4 {
         let normal = corners[side].cross(corners[(side + 1) % 4]).try_normalize()?;
         let out = normal * -normal.dot(axis).signum() - axis * SLACK;
@@ -251,14 +251,14 @@ fn pyramid_planes(origins: Aabb, corners: [Vec3; 4]) -> Option<([(Vec3, f32); 5]
             return None;
         }
         // Those that face each other one after the other.
-        planes[[1, 3, 2, 4][side]] = (out, farthest(&origins, out));
+        planes[[1, 3, 2, 4][side]] = (out, find_farthest(&origins, out));
     }
     Some((planes, axis))
 }
 
 /// The largest coordinates of a box; `None` if they are too large to be computed with.
 #[inline(always)]
-fn coordinates(bounds: &Aabb) -> Option<Vec3> {
+fn find_reach(bounds: &Aabb) -> Option<Vec3> {
     let coordinates = bounds.min.abs().max(bounds.max.abs());
     let largest = coordinates.max_element();
     (largest <= LARGE).then(|| coordinates + Vec3::splat(largest * ACROSS))
@@ -267,7 +267,7 @@ fn coordinates(bounds: &Aabb) -> Option<Vec3> {
 /// The largest `normal · x` of a box, rounded up by so much that points of it are below also as
 /// [`Shaft::holds_bundle`] computes them.
 #[inline(always)]
-pub fn farthest(bounds: &Aabb, normal: Vec3) -> f32 {
+pub fn find_farthest(bounds: &Aabb, normal: Vec3) -> f32 {
     let corner = Vec3::select(normal.cmpgt(Vec3::ZERO), bounds.max, bounds.min);
     let size = normal.abs().dot(corner.abs());
     corner.dot(normal) + size * (8.0 * f32::EPSILON)

@@ -37,15 +37,15 @@ impl Planes {
 
     /// About how many bounds are below a coordinate.
     #[inline]
-    pub fn near(&self, x: f32) -> usize {
+    pub fn count_near(&self, x: f32) -> usize {
         // Saturates at both ends.
         (((x - self.low) * self.per_unit) as usize).min(BINS - 1)
     }
 
     /// How many bounds are at or below a coordinate.
     #[inline]
-    pub fn at_or_below(&self, x: f32) -> usize {
-        let mut count = self.near(x);
+    pub fn count_at_or_below(&self, x: f32) -> usize {
+        let mut count = self.count_near(x);
         while count < BINS - 1 && self.planes[count] <= x {
             count += 1;
         }
@@ -57,8 +57,8 @@ impl Planes {
 
     /// How many bounds are below a coordinate.
     #[inline]
-    pub fn below(&self, x: f32) -> usize {
-        let mut count = self.near(x);
+    pub fn count_below(&self, x: f32) -> usize {
+        let mut count = self.count_near(x);
         while count < BINS - 1 && self.planes[count] < x {
             count += 1;
         }
@@ -101,7 +101,7 @@ impl<'a> Candidates<'a> {
     #[inline]
     pub fn offer(&mut self, axis: usize, split: f32, below: usize, above: usize) {
         if let Some(plane) = self.costs.weigh(axis, split, below, above) {
-            self.best = Plane::better(self.best, plane);
+            self.best = Plane::choose_cheaper(self.best, plane);
         }
     }
 }

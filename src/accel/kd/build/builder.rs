@@ -54,18 +54,18 @@ impl KdTree {
 
 /// Builds nodes by bins of centroids, pruned.
 pub fn build_binned(input: &TreeInput<'_>) -> Pruned {
-    prune(lists::build(input, binned::best), input)
+    prune(lists::build(input, binned::find_best), input)
 }
 
 /// Builds nodes by bins with exact counts, pruned.
 pub fn build_minmax(input: &TreeInput<'_>) -> Pruned {
-    prune(lists::build(input, minmax::best), input)
+    prune(lists::build(input, minmax::find_best), input)
 }
 
 /// Choices that are best one by one do not add up to the best tree: along rows of equal things the
 /// sweep cuts slivers off, which a choice of fewer planes does not offer (a field of bunnies costs
-/// 5.3 by the sweep and 4.6 by bins). So the coarse tree is built beside the exact one, in less than
-/// half of its time, and the cheaper is kept.
+/// 5.3 by the sweep and 4.6 by bins). So the coarse tree is built beside the exact one, in less
+/// than half of its time, and the cheaper is kept.
 fn build_cheaper_of_sweep_and_minmax(input: &TreeInput<'_>) -> Pruned {
     let (exact, coarse) = rayon::join(|| build_sweep(input), || build_minmax(input));
     exact.or_cheaper(coarse)

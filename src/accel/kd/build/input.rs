@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::limits::Limits;
 use crate::accel::Options;
-use crate::accel::kd::slack::{Slack, bounds_of};
+use crate::accel::kd::slack::{Slack, find_bounds};
 use crate::geom::TriangleSource;
 use crate::math::{Aabb, TriangleId};
 
@@ -23,7 +23,7 @@ pub struct TreeInput<'a> {
 impl<'a> TreeInput<'a> {
     /// Reads the options.
     pub fn new(source: &'a dyn TriangleSource, options: &Options) -> Self {
-        let own = bounds_of(source);
+        let own = find_bounds(source);
         let mut limits = Limits::new(options, source.len());
         let slack = Slack::new(&own).unwrap_or_else(|| {
             limits.depth = 0;

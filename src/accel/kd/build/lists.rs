@@ -1,29 +1,29 @@
 //! The recursion over lists of boxes, for planes that are found by looking at all of them.
 //!
-//! Triangles on both sides of a plane are clipped to each, as [`super::sweep`] does. Whether a split
-//! pays is judged by the lists that it makes, not by what its finder thought they would be.
+//! Triangles on both sides of a plane are clipped to each, as [`super::sweep`] does. Whether a
+//! split pays is judged by the lists that it makes, not by what its finder thought they would be.
 
 use super::arena::Arena;
 use super::input::{Reference, TreeInput};
 use super::limits::{FORK_COUNT, FORK_LEVELS};
 use super::sah::{Costs, Plane};
-use crate::accel::kd::tree::halves;
-use crate::geom::clipped_bounds;
+use crate::accel::kd::tree::split_cell;
+use crate::geom::clip_bounds;
 use crate::math::Aabb;
 
 /// Finds the best plane for a list of boxes in a cell.
-pub type Best = fn(&[Reference], &Aabb, &Costs) -> Option<Plane>;
+pub type FindBest = fn(&[Reference], &Aabb, &Costs) -> Option<Plane>;
 
 /// Builds the tree.
-pub fn build(input: &TreeInput<'_>, best: Best) -> Arena {
+pub fn build(input: &TreeInput<'_>, find_best: FindBest) -> Arena {
     let mut arena = Arena::default();
-    Builder { input, best }.divide(input.references(), &input.bounds, 0, 0, &mut arena);
+    Builder { input, find_best }.divide(input.references(), &input.bounds, 0, 0, &mut arena);
     arena
 }
 
 struct Builder<'a> {
     input: &'a TreeInput<'a>,
-    best: Best,
+    find_best: FindBest,
 }
 
 impl Builder<'_> {
@@ -39,11 +39,11 @@ impl Builder<'_> {
         let plane = if count <= limits.leaf || depth >= limits.depth {
             None
         } else {
-            (self.best)(&references, cell, &limits.costs)
+            (self.find_best)(&references, cell, &limits.costs)
         };
         let parts = plane.and_then(|plane| {
-            let cells = halves(cell, plane.axis, plane.split);
-            let parts = [0, 1].map(|side| self.part(&references, &plane, side, &cells[side]));
+            let cells = split_cell(cell, plane.axis, plane.split);
+            let parts = [0, 1].map(|side| self.take_side(&references, &plane, side, &cells[side]));
             let [below, above] = [parts[0].len(), parts[1].len()];
             let judged = limits.costs.in_cell(cell);
             let judged = judged.weigh(plane.axis, plane.split, below, above);
@@ -52,12 +52,12 @@ impl Builder<'_> {
             (!stops && (below < count || above < count)).then_some((plane, cells, parts))
         });
         let Some((plane, cells, [below, above])) = parts else {
-            arena.leaf(references.iter().map(|reference| reference.id));
+            arena.add_leaf(references.iter().map(|reference| reference.id));
             return;
         };
         drop(references);
         let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
-        arena.inner(
+        arena.add_inner(
             plane.axis,
             plane.split,
             fork,
@@ -68,7 +68,7 @@ impl Builder<'_> {
 
     /// Those that reach below the plane (0) or above it (1), where they cross it clipped to that
     /// side's cell.
-    fn part(
+    fn take_side(
         &self,
         references: &[Reference],
         plane: &Plane,
@@ -85,7 +85,7 @@ impl Builder<'_> {
             if !(below && above) {
                 return Some(*reference);
             }
-            let bounds = clipped_bounds(&self.input.source.triangle(reference.id), &grown)?;
+            let bounds = clip_bounds(&self.input.source.triangle(reference.id), &grown)?;
             Some(Reference { bounds: self.input.slack.grow(&bounds), ..*reference })
         };
         references.iter().filter_map(on_side).collect()

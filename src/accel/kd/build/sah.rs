@@ -27,7 +27,7 @@ pub struct Plane {
 
 impl Plane {
     /// The cheaper; the first of equals, so that the order of candidates decides ties.
-    pub fn better(best: Option<Self>, other: Self) -> Option<Self> {
+    pub fn choose_cheaper(best: Option<Self>, other: Self) -> Option<Self> {
         match best {
             Some(best) if best.cost <= other.cost => Some(best),
             _ => Some(other),

@@ -1,9 +1,9 @@
 //! The exact sweep: every plane where a triangle's box begins or ends is a candidate.
 //!
-//! - I. Wald, V. Havran, "On building fast kd-trees for ray tracing, and on doing that in
-//!   O(N log N)", 2006. The events of all three axes are sorted once, in one list; a split takes the
-//!   list apart in its order. Triangles on both sides are clipped to each ("perfect splits"); their
-//!   new events, few, are sorted and merged.
+//! - I. Wald, V. Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log
+//!   N)", 2006. The events of all three axes are sorted once, in one list; a split takes the list
+//!   apart in its order. Triangles on both sides are clipped to each ("perfect splits"); their new
+//!   events, few, are sorted and merged.
 //!
 //! Planar triangles, which Wald and Havran put on the cheaper side, do not occur: the slack gives
 //! all boxes thickness. A triangle is below a plane if it begins before it, and above if it ends
@@ -17,8 +17,8 @@ use super::arena::Arena;
 use super::input::{Reference, TreeInput};
 use super::limits::{FORK_COUNT, FORK_LEVELS, Limits};
 use super::sah::Plane;
-use crate::accel::kd::tree::halves;
-use crate::geom::clipped_bounds;
+use crate::accel::kd::tree::split_cell;
+use crate::geom::clip_bounds;
 use crate::math::Aabb;
 
 /// Where a box begins or ends.
@@ -82,7 +82,7 @@ pub fn build(input: &TreeInput<'_>) -> Arena {
 struct Builder<'a>(&'a TreeInput<'a>);
 
 /// The plane of the lowest cost.
-fn best(part: &Part, cell: &Aabb, limits: &Limits) -> Option<Plane> {
+fn find_best(part: &Part, cell: &Aabb, limits: &Limits) -> Option<Plane> {
     let mut below = [0; 3];
     let mut above = [part.references.len(); 3];
     let costs = limits.costs.in_cell(cell);
@@ -99,7 +99,7 @@ fn best(part: &Part, cell: &Aabb, limits: &Limits) -> Option<Plane> {
         let axis = axis as usize;
         above[axis] -= ends;
         if let Some(plane) = costs.weigh(axis, at, below[axis], above[axis]) {
-            best = Plane::better(best, plane);
+            best = Plane::choose_cheaper(best, plane);
         }
         below[axis] += count - ends;
         rest = &rest[count..];
@@ -113,18 +113,18 @@ impl Builder<'_> {
         let best = if count <= limits.leaf || depth >= limits.depth {
             None
         } else {
-            best(&part, cell, limits)
+            find_best(&part, cell, limits)
         };
         let plane = best.filter(|plane| !limits.stops(count, Some(plane), &mut failed));
         let Some(plane) = plane else {
-            arena.leaf(part.references.iter().map(|reference| reference.id));
+            arena.add_leaf(part.references.iter().map(|reference| reference.id));
             return;
         };
-        let cells = halves(cell, plane.axis, plane.split);
+        let cells = split_cell(cell, plane.axis, plane.split);
         let [below, above] = self.split(&part, &plane, &cells);
         drop(part);
         let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
-        arena.inner(
+        arena.add_inner(
             plane.axis,
             plane.split,
             fork,
@@ -154,7 +154,7 @@ impl Builder<'_> {
                 let mut reference = *reference;
                 if straddles {
                     let triangle = self.0.source.triangle(reference.id);
-                    let Some(bounds) = clipped_bounds(&triangle, grown) else { continue };
+                    let Some(bounds) = clip_bounds(&triangle, grown) else { continue };
                     reference.bounds = self.0.slack.grow(&bounds);
                     side.new_events.extend(Event::of(place, &reference.bounds));
                 }
@@ -240,9 +240,9 @@ mod tests {
                 let above = references.iter().filter(|r| r.bounds.max[axis] > event.at).count();
                 limits.costs.in_cell(&cell).weigh(axis, event.at, below, above)
             });
-            let expected = all.fold(None, Plane::better);
+            let expected = all.fold(None, Plane::choose_cheaper);
             assert_eq!(
-                best(&Part { references, events: events.clone() }, &cell, &limits),
+                find_best(&Part { references, events: events.clone() }, &cell, &limits),
                 expected
             );
         }

@@ -77,9 +77,9 @@ fn of_two_trees_the_cheaper_is_kept() {
     let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
     let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.0, empty_bonus: 0.0 };
     let pruned = |arena: &Arena| Pruned::new(arena.clone(), &cube, &costs);
-    let (cheap, same) = (halves(&[0, 1, 2], &[3, 4, 5]), halves(&[3, 4, 5], &[0, 1, 2]));
+    let (cheap, same) = (make_halves(&[0, 1, 2], &[3, 4, 5]), make_halves(&[3, 4, 5], &[0, 1, 2]));
     let mut dear = Arena::default();
-    dear.leaf((0..6).map(TriangleId));
+    dear.add_leaf((0..6).map(TriangleId));
     let kept = |a: &Arena, b: &Arena| pruned(a).or_cheaper(pruned(b)).arena.ids;
     assert_eq!(kept(&cheap, &dear), cheap.ids);
     assert_eq!(kept(&dear, &cheap), cheap.ids);
@@ -88,10 +88,11 @@ fn of_two_trees_the_cheaper_is_kept() {
 }
 
 /// A cube in two, each half with those triangles.
-fn halves(below: &[u32], above: &[u32]) -> Arena {
+fn make_halves(below: &[u32], above: &[u32]) -> Arena {
     let mut arena = Arena::default();
-    let leaf = |ids: &[u32], arena: &mut Arena| arena.leaf(ids.iter().map(|&id| TriangleId(id)));
-    arena.inner(0, 0.5, false, |arena| leaf(below, arena), |arena| leaf(above, arena));
+    let leaf =
+        |ids: &[u32], arena: &mut Arena| arena.add_leaf(ids.iter().map(|&id| TriangleId(id)));
+    arena.add_inner(0, 0.5, false, |arena| leaf(below, arena), |arena| leaf(above, arena));
     arena
 }
 
@@ -100,9 +101,9 @@ fn a_split_that_does_not_pay_is_taken_back() {
     let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
     let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.0, empty_bonus: 0.0 };
     // 1 + (3 + 3) 2/3 = 5 against 6 for six triangles, or 4 where two of them are on both sides.
-    let pays = halves(&[0, 1, 2], &[3, 4, 5]);
+    let pays = make_halves(&[0, 1, 2], &[3, 4, 5]);
     assert_eq!(Pruned::new(pays.clone(), &cube, &costs).arena.nodes, pays.nodes);
-    let kept = Pruned::new(halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs).arena;
+    let kept = Pruned::new(make_halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs).arena;
     let [Node::Leaf(leaf)] = kept.nodes[..] else { panic!("{kept:?}") };
     assert_eq!(kept.list(leaf), [0, 1, 2, 3].map(TriangleId));
     assert_eq!(kept.ends, [4]);
