@@ -232,7 +232,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geom::{ShearRay, SlabRay, intersect_triangle};
+    use crate::geom::intersect_triangle::intersect;
 
     fn coordinate() -> impl Strategy<Value = f32> {
         prop_oneof![
@@ -249,7 +249,9 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig {
+            cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default()
+        })]
         #[test]
         fn what_the_exact_test_takes_is_never_stopped(
             a in point(), b in point(), c in point(), origin in point(),
@@ -267,9 +269,11 @@ mod tests {
             let ray = Ray::new(origin * scale, (target - origin) * scale, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
             let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
-            if let Some([t, ..]) = intersect_triangle(crate::simd::baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
+            if let Some([t, ..]) = intersect(&ray, &triangle) {
                 let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
-                let found = dispatch!(Level::new(), simd => block.parts().find_candidates::<_, f32x4<_>>(simd, &ray, t));
+                let found = dispatch!(Level::new(), simd => {
+                    block.parts().find_candidates::<_, f32x4<_>>(simd, &ray, t)
+                });
                 prop_assert_eq!(found, 0b1111);
             }
         }

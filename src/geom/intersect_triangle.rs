@@ -118,19 +118,25 @@ pub fn intersect_triangle<S: Simd>(
     Some([smaller(larger(t, enter), exit), u, v])
 }
 
+/// The same for a ray that is not prepared.
+#[cfg(test)]
+pub fn intersect(ray: &Ray, triangle: &super::Triangle) -> Option<[f32; 3]> {
+    let (slab, shear) = (SlabRay::new(ray), ShearRay::new(ray));
+    intersect_triangle(crate::simd::baseline(), &slab, &shear, triangle)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geom::Triangle;
     use crate::math::Vec3;
-    use crate::simd::baseline;
 
     const WALL: Triangle =
         Triangle { a: Vec3::ZERO, b: Vec3::new(4.0, 0.0, 0.0), c: Vec3::new(0.0, 4.0, 0.0) };
 
     fn ask(origin: [f32; 3], direction: [f32; 3], triangle: &Triangle) -> Option<[f32; 3]> {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, f32::INFINITY);
-        intersect_triangle(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), triangle)
+        intersect(&ray, triangle)
     }
 
     #[test]

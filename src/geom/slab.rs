@@ -214,7 +214,8 @@ mod tests {
             let bounds = Aabb::of_points([a, b]);
             let target = bounds.min + bounds.extent() * Vec3::from(w);
             let direction = target - o;
-            let rounding = (target.abs() + o.abs() + direction.abs()) * (2.0 * f32::EPSILON) + slack(bounds.max);
+            let size = target.abs() + o.abs() + direction.abs();
+            let rounding = size * (2.0 * f32::EPSILON) + slack(bounds.max);
             let grown = Aabb { min: bounds.min - rounding, max: bounds.max + rounding };
             let ray = Ray::new(o, direction, 0.0, INF);
             prop_assume!(ray != Ray::MISS);

@@ -152,7 +152,8 @@ impl Whole {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{ShearRay, SlabRay, TriangleList, intersect_triangle, own_box};
+    use crate::geom::intersect_triangle::intersect;
+    use crate::geom::{SlabRay, TriangleList, own_box};
     use crate::math::{TriangleId, Vec3};
     use proptest::prelude::*;
 
@@ -194,8 +195,8 @@ mod tests {
             let origin = from * away * scale;
             let ray = Ray::new(origin, target - origin, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
-            let (slab, shear) = (SlabRay::new(&ray), ShearRay::new(&ray));
-            if let Some([t, ..]) = intersect_triangle(crate::simd::baseline(), &slab, &shear, &triangle) {
+            let slab = SlabRay::new(&ray);
+            if let Some([t, ..]) = intersect(&ray, &triangle) {
                 let holds = |bounds: &Aabb| {
                     let (enter, exit) = slab.interval(bounds);
                     enter <= t && t <= exit

@@ -248,22 +248,30 @@ rows! {
         "Popov et al. 2007; review, 5.3";
     /// Packets of rays that go any way; no early end.
     OMNIDIRECTIONAL: "kd-omnidirectional", &WITH_SIZE,
-        |tree, options, level| build_packets(tree, Algorithm::Mixed { by_origin: false }, options, level),
+        |tree, options, level| {
+            build_packets(tree, Algorithm::Mixed { by_origin: false }, options, level)
+        },
         "kd-tree, packets of rays that go any way, near and far by each ray's direction",
         "Reshetov 2006; review, 4.7";
     /// The same for rays that fan out from one point.
     OMNIDIRECTIONAL_ORIGIN: "kd-omnidirectional-origin", &WITH_SIZE,
-        |tree, options, level| build_packets(tree, Algorithm::Mixed { by_origin: true }, options, level),
+        |tree, options, level| {
+            build_packets(tree, Algorithm::Mixed { by_origin: true }, options, level)
+        },
         "kd-tree, packets of rays that go any way, near and far by each ray's origin",
         "Tsakok et al. 2008; review, 4.7";
     /// Four corners go through the tree for all rays of a packet that starts at one point.
     LCTS: "kd-lcts", &WITH_SIZE,
-        |tree, options, level| build_packets(tree, Algorithm::Sequence { culls: false }, options, level),
+        |tree, options, level| {
+            build_packets(tree, Algorithm::Sequence { culls: false }, options, level)
+        },
         "kd-tree, packets behind their four corners, along the longest common traversal sequence",
         "Havran and Bittner 2000; review, 4.1";
     /// The same, and triangles that the corners show to be missed are not tested.
     RELEVANT_TRIANGLES: "kd-relevant-triangles", &WITH_SIZE,
-        |tree, options, level| build_packets(tree, Algorithm::Sequence { culls: true }, options, level),
+        |tree, options, level| {
+            build_packets(tree, Algorithm::Sequence { culls: true }, options, level)
+        },
         "kd-tree, packets behind their four corners, which cull triangles as well",
         "Dmitriev et al. 2004; review, 4.3";
     /// Packets start at the deepest node that holds all leaves that matter.
@@ -276,7 +284,8 @@ rows! {
             let recursive = options.choice("pc") == "recursive";
             build_packets(tree, Algorithm::Compressed { recursive }, options, level)
         },
-        "kd-tree, packets over a tree of those nodes alone that a slice's shaft meets both sides of",
+        "kd-tree, packets over a tree of those nodes alone that a slice's shaft meets both \
+         sides of",
         "Barczak, An Improved Multi-Level Raytracing Algorithm, 3.4 and 5.1";
     /// Three levels at a step, by vector instructions: not in the review. Two to three times as
     /// fast as the plain stack, for two to three times its memory, since leaves store their

@@ -39,7 +39,9 @@ fn enters(ray: &Ray, bounds: &Aabb) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default()
+    })]
     #[test]
     fn what_a_ray_enters_is_never_missed(
         rays in bundle(), width in 1_usize..9, which in 0_usize..40, t in 0.0_f32..40.0,

@@ -91,7 +91,8 @@ const LEAVES: OptionSpec = OptionSpec {
 /// The option that says how a node's children are ordered.
 const ORDER: OptionSpec = OptionSpec {
     name: "order",
-    summary: "children by distance, or by octants as in the paper; in flight, for nearest hits only",
+    summary: "children by distance, or by octants as in the paper; in flight, for nearest hits \
+              only",
     values: Values::Choice(&["distance", "octant"]),
     default: Value::Choice("distance"),
 };

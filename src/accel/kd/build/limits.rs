@@ -7,7 +7,8 @@ use crate::accel::{OptionSpec, Options, Value, Values};
 pub const OPTIONS: [OptionSpec; 5] = [
     OptionSpec {
         name: "build",
-        summary: "how planes are found; sah: by the exact sweep, or as minmax if that tree is cheaper",
+        summary: "how planes are found; sah: by the exact sweep, or as minmax if that tree is \
+                  cheaper",
         values: Values::Choice(&["sah", "minmax", "binned"]),
         default: Value::Choice("sah"),
     },

@@ -94,6 +94,7 @@ pub fn is_surely_before(a: &Distances, b: &Distances) -> bool {
 mod tests {
     use super::*;
     use crate::geom::Heading;
+    use crate::geom::intersect_triangle::intersect;
     use crate::math::{Aabb, Ray};
     use crate::simd::baseline;
 
@@ -120,11 +121,7 @@ mod tests {
                 |k: u32| ((i * 9 + k).wrapping_mul(0x9e37_79b9) >> 8) as f32 / 16777216.0 - 0.5;
             let corner = |k: u32| target + Vec3::new(random(k), random(k + 1), random(k + 2)) * 0.5;
             let triangle = Triangle { a: corner(0), b: corner(3), c: corner(6) };
-            let hits = rays.iter().any(|ray| {
-                let (slab, shear) =
-                    (crate::geom::SlabRay::new(ray), crate::geom::ShearRay::new(ray));
-                crate::geom::intersect_triangle(baseline(), &slab, &shear, &triangle).is_some()
-            });
+            let hits = rays.iter().any(|ray| intersect(ray, &triangle).is_some());
             assert!(!(hits && cone.misses(&triangle)), "{triangle:?}");
             missed += usize::from(cone.misses(&triangle));
             hit += usize::from(hits);
