@@ -1,8 +1,8 @@
-//! Blocks of triangles that one vector instruction stream tests at once.
+//! Blocks of triangles that one stream of vector instructions tests at once.
 //!
-//! [`BlockRef::candidates`] only filters: it may let a miss pass but never stops a triangle that
-//! [`super::intersect_triangle()`] would take. Width, instruction set and rounding can't change a
-//! hit.
+//! [`BlockRef::find_candidates`] only filters: it may pass a triangle that is missed, but it never
+//! rejects one that [`super::intersect_triangle()`] would accept. So width, instruction set and
+//! rounding cannot change a hit.
 //!
 //! # The bound
 //! The test is Möller and Trumbore's with the edge functions as dot products of `r = c × d`, `c`
