@@ -45,7 +45,7 @@ fn table_builds(scenes: &[Scene], settings: &MbvhBenchSettings) -> Table {
          memory over that of bvh2 in the same mode. \
          C_T is {} for all. P: {MACHINE}.",
         settings.build,
-        crate::accel::bvh::sah::TRAVERSAL
+        crate::accel::bvh::sah::TRAVERSAL_COST
     );
     let heading = [
         "", "T_B", "T_C", "layout", "N_L", "N_E", "L", "D", "MB", "/bvh2", "P T_B", "P T_C",
