@@ -1,4 +1,4 @@
-//! Slices of rays, and their answers.
+//! Slices of rays, and their hits.
 
 use crate::geom::Shaft;
 use crate::math::{Ray, TriangleId};

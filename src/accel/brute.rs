@@ -1,11 +1,11 @@
-//! Brute force: every ray against every triangle. The oracle of all others.
+//! Brute force: every ray against every triangle. The oracle of all other structures.
 //!
-//! No tree and no filter of edges: the only thing that stands before the exact test is the slab test
-//! of each triangle's own box, which is part of the exact test anyway. It is done for eight boxes at
-//! once, with the same operations in the same order as the scalar one, so it says the same.
+//! It has no tree and no filter of edges. All that precedes the exact test is the slab test of each
+//! triangle's own box, which the exact test makes anyway: here for eight boxes at once, by the same
+//! operations in the same order.
 //!
-//! Slices are cut over all threads; within a thread a group of rays meets a group of boxes that
-//! fits the cache before the next group comes.
+//! A slice is shared out among all threads. Within a thread, a group of rays meets a group of boxes
+//! that fits the cache before the next group comes.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

@@ -1,8 +1,9 @@
 //! What a traversal carries along: for one ray, and for a slice of rays.
 //!
-//! Both are taken apart by the optimiser where all that takes them is `#[inline(always)]`: then each
-//! part is in a register, as if it stood in the signature by itself. What is not inlined is handed
-//! a context of its own ([`RayContext::reborrow`]), so that the caller's need not lie in memory.
+//! Both are taken apart by the optimiser where all that takes them is `#[inline(always)]`: then
+//! each part is in a register, as if it stood in the signature by itself. What is not inlined is
+//! handed a context of its own ([`RayContext::reborrow`]), so that the caller's need not lie in
+//! memory.
 
 use std::ops::ControlFlow;
 
@@ -57,7 +58,7 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
         if C::COUNTS {
             self.counters.add(Event::TriangleLane, block.len() as u64);
         }
-        let mut lanes = block.candidates::<S, V>(self.simd, &self.ray.ray, self.query.t_max());
+        let mut lanes = block.find_candidates::<S, V>(self.simd, &self.ray.ray, self.query.t_max());
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;

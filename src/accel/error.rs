@@ -1,4 +1,4 @@
-//! What can be wrong with a request for a structure.
+//! Errors in a request for a structure.
 
 /// Why a structure could not be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

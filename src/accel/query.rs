@@ -1,4 +1,4 @@
-//! What is asked of a ray, and how a candidate is judged.
+//! Closest hit or any hit: what is asked of a ray, and which hits count.
 
 use std::ops::ControlFlow;
 

@@ -1,4 +1,4 @@
-//! What a structure says of its size and its making.
+//! What a structure reports of its size and how it was built.
 
 use std::time::Instant;
 

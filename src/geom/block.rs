@@ -1,20 +1,21 @@
-//! Blocks of triangles that one vector instruction stream tests at once.
+//! Blocks of triangles that one stream of vector instructions tests at once.
 //!
-//! [`BlockRef::candidates`] only filters: it may let a miss pass but never stops a triangle
-//! that [`super::intersect_triangle()`] would take. Width, instruction set and rounding can't change a hit.
+//! [`BlockRef::find_candidates`] only filters: it may pass a triangle that is missed, but it never
+//! rejects one that [`super::intersect_triangle()`] would accept. So width, instruction set and
+//! rounding cannot change a hit.
 //!
 //! # The bound
 //! The test is Möller and Trumbore's with the edge functions as dot products of `r = c × d`, `c`
-//! the first vertex from the origin. Let `ε` be 2^-24, `|x|` the sum of a vector's magnitudes.
-//! Each component of `c` is off by `ε|c|`, edges by `ε|e|`; a component of a cross product of
-//! x and y by less than `4ε|x||y|` (two products, one difference, and the operands' own errors),
-//! and a dot product adds as much again for each of its three terms. So an edge function
-//! `r · e` is off by less than `16ε |c||d||e|`, the determinant and the distance `n · c`, with
-//! `n = e × e'`, by less than `16ε |d||e||e'|` and `16ε |c||e||e'|`. We allow twice that. A product
-//! that underflows is off by up to 2^-149 and may be multiplied by another operand: so each product
-//! of norms is raised by the smallest normal number before it meets the third norm, and after.
-//! Where a bound is above 2^100 something may have overflowed, and the lane passes unseen. Where the
-//! instruction set fuses multiplication and addition, a rounding is spared: the bound stands.
+//! the first vertex from the origin. Let `ε` be 2^-24, `|x|` the sum of a vector's magnitudes. Each
+//! component of `c` is off by `ε|c|`, edges by `ε|e|`; a component of a cross product of x and y by
+//! less than `4ε|x||y|` (two products, one difference, and the operands' own errors), and a dot
+//! product adds as much again for each of its three terms. So an edge function `r · e` is off by
+//! less than `16ε |c||d||e|`, the determinant and the distance `n · c`, with `n = e × e'`, by less
+//! than `16ε |d||e||e'|` and `16ε |c||e||e'|`. We allow twice that. A product that underflows is
+//! off by up to 2^-149 and may be multiplied by another operand: so each product of norms is raised
+//! by the smallest normal number before it meets the third norm, and after. Where a bound is above
+//! 2^100 something may have overflowed, and the lane passes unseen. Where the instruction set fuses
+//! multiplication and addition, a rounding is spared: the bound stands.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
 
@@ -108,7 +109,7 @@ impl<const W: usize> BlockRef<'_, W> {
 
     /// Bit `i` is set if triangle `i` may be hit at or before `t_max`; repeats may be set too.
     #[inline(always)]
-    pub fn candidates<S, V>(&self, simd: S, ray: &Ray, t_max: f32) -> u32
+    pub fn find_candidates<S, V>(&self, simd: S, ray: &Ray, t_max: f32) -> u32
     where
         S: Simd,
         V: SimdFloat<S, Element = f32, Array = [f32; W]>,
@@ -120,7 +121,7 @@ impl<const W: usize> BlockRef<'_, W> {
         let edges = Edges::new([corner(0), corner(1), corner(2)]);
         let d_norm = V::splat(simd, ray.direction().abs().element_sum());
         let (o, d) = (splat(ray.origin()), splat(ray.direction()));
-        let passes = edges.candidates([o, d], d_norm, V::splat(simd, t_max));
+        let passes = edges.find_candidates([o, d], d_norm, V::splat(simd, t_max));
         let all = (1_u64 << W) - 1;
         (passes & all) as u32
     }
@@ -152,7 +153,7 @@ impl<V> Edges<V> {
     /// Bit `i` is set if lane `i` of rays, by origin, direction and the sum of the latter's
     /// magnitudes, may hit the triangle of its lane at or before `t_max`.
     #[inline(always)]
-    pub fn candidates<S: Simd>(&self, [o, d]: [[V; 3]; 2], d_norm: V, t_max: V) -> u64
+    pub fn find_candidates<S: Simd>(&self, [o, d]: [[V; 3]; 2], d_norm: V, t_max: V) -> u64
     where
         V: SimdFloat<S, Element = f32>,
     {
@@ -231,7 +232,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geom::{ShearRay, SlabRay, intersect_triangle};
+    use crate::geom::intersect_triangle::intersect;
 
     fn coordinate() -> impl Strategy<Value = f32> {
         prop_oneof![
@@ -248,7 +249,9 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig {
+            cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default()
+        })]
         #[test]
         fn what_the_exact_test_takes_is_never_stopped(
             a in point(), b in point(), c in point(), origin in point(),
@@ -266,9 +269,11 @@ mod tests {
             let ray = Ray::new(origin * scale, (target - origin) * scale, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
             let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
-            if let Some([t, ..]) = intersect_triangle(crate::simd::baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), &triangle) {
+            if let Some([t, ..]) = intersect(&ray, &triangle) {
                 let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
-                let found = dispatch!(Level::new(), simd => block.parts().candidates::<_, f32x4<_>>(simd, &ray, t));
+                let found = dispatch!(Level::new(), simd => {
+                    block.parts().find_candidates::<_, f32x4<_>>(simd, &ray, t)
+                });
                 prop_assert_eq!(found, 0b1111);
             }
         }

@@ -1,7 +1,7 @@
 //! Bundles: eight rays at once against one box or one triangle.
 //!
-//! The box test is the slab test's arithmetic, lane by lane ([`super::slab`]), so it says the same
-//! of each ray; the triangle test is the filter of [`super::block`] with the lanes given to rays.
+//! The box test is the slab test's arithmetic, lane by lane ([`super::slab`]), so it says the same of
+//! each ray. The triangle test is the filter of [`super::block`], with one ray a lane.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 
@@ -14,20 +14,20 @@ use crate::math::{Aabb, Ray, Vec3};
 /// Rays of a bundle.
 const LANES: usize = 8;
 
-type Row = [f32; LANES];
+type PerRay = [f32; LANES];
 
 /// Up to eight rays as structure of arrays, which all go the same way along each axis.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct RayBundle {
-    pub(super) origin: [Row; 3],
-    inv_near: [Row; 3],
-    inv_far: [Row; 3],
-    t_min: Row,
-    t_max: Row,
-    direction: [Row; 3],
+    pub(super) origin: [PerRay; 3],
+    inv_near: [PerRay; 3],
+    inv_far: [PerRay; 3],
+    t_min: PerRay,
+    t_max: PerRay,
+    direction: [PerRay; 3],
     /// Sums of the magnitudes of the directions' parts.
-    norm: Row,
+    norm: PerRay,
     /// Of each ray what [`super::ShearRay`] is by.
     pub(super) shear: [[f64; LANES]; 3],
 }
@@ -119,7 +119,8 @@ impl RayBundle {
         [f32x8::load_array_ref(simd, &self.t_min), f32x8::load_array_ref(simd, &self.t_max)]
     }
 
-    /// A bit for each ray that enters a box; `negative` is the side of each axis that they enter by.
+    /// A bit for each ray that enters a box; `negative` is the side of each axis that they enter
+    /// by.
     #[inline(always)]
     pub fn enter<S: Simd>(&self, simd: S, bounds: &Aabb, negative: [usize; 3]) -> u32 {
         let (enter, exit) = self.interval(simd, bounds, negative);
@@ -130,8 +131,8 @@ impl RayBundle {
     /// [`SlabRay::is_beyond`] of each ray.
     #[inline(always)]
     pub(super) fn are_beyond<S: Simd>(&self, simd: S, t: f32x8<S>, exit: f32x8<S>) -> mask32x8<S> {
-        let row = |axis: usize| f32x8::load_array_ref(simd, &self.inv_near[axis]).abs();
-        let largest = row(0).max(row(1)).max(row(2));
+        let load = |axis: usize| f32x8::load_array_ref(simd, &self.inv_near[axis]).abs();
+        let largest = load(0).max(load(1)).max(load(2));
         t.simd_gt(exit) & exit.simd_ge(FARTHEST_ALONG) & largest.simd_ge(INVERSE_ALONG)
     }
 
@@ -159,9 +160,9 @@ impl RayBundle {
 
     /// A bit for each ray that may hit a triangle.
     #[inline(always)]
-    pub fn candidates<S: Simd>(&self, simd: S, triangle: &FilterTriangle<S>) -> u32 {
+    pub fn find_candidates<S: Simd>(&self, simd: S, triangle: &FilterTriangle<S>) -> u32 {
         let norm = f32x8::load_array_ref(simd, &self.norm);
-        triangle.0.candidates(self.rays(simd), norm, self.spans(simd)[1]) as u32
+        triangle.0.find_candidates(self.rays(simd), norm, self.spans(simd)[1]) as u32
     }
 }
 

@@ -10,7 +10,7 @@ const CORNERS: usize = 9;
 ///
 /// Sutherland and Hodgman's clipping in double precision: off by some 2^-50 of the coordinates,
 /// and by half an ulp where the result is rounded.
-pub fn clipped_bounds(triangle: &Triangle, cell: &Aabb) -> Option<Aabb> {
+pub fn clip_bounds(triangle: &Triangle, cell: &Aabb) -> Option<Aabb> {
     let bounds = triangle.bounds();
     if cell.contains(bounds) {
         return Some(bounds);
@@ -64,7 +64,7 @@ mod tests {
         Triangle { a: Vec3::ZERO, b: Vec3::new(4.0, 0.0, 0.0), c: Vec3::new(0.0, 4.0, 0.0) };
 
     fn clip(min: [f32; 3], max: [f32; 3]) -> Option<Aabb> {
-        clipped_bounds(&HALF, &Aabb { min: min.into(), max: max.into() })
+        clip_bounds(&HALF, &Aabb { min: min.into(), max: max.into() })
     }
 
     #[test]

@@ -1,23 +1,25 @@
-//! The one triangle test that decides.
+//! The exact ray-triangle test.
 //!
-//! Every structure, whatever it filters by, asks [`intersect_triangle`] in the end, and nothing else says what
-//! `t`, `u` and `v` are. So the order of visits, the width and the instruction set can't matter.
+//! Every structure, whatever it filters by, asks this test in the end: [`intersect_triangle`] for
+//! one ray, or its twin for eight ([`super::RayBundle::intersect_triangle`]), which computes the same
+//! bits. Nothing else says whether a triangle is hit and what `t`, `u` and `v` are, so the order of
+//! visits, the width of vectors and the instruction set cannot change a hit.
 //!
-//! # What it decides
-//! The watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", JCGT
-//! 2013) in f64 on the f32 vertices. Vertices are translated to the ray's origin and sheared so
-//! that the ray becomes an axis: each vertex by itself, so that triangles that share it agree. The
-//! sign of an edge's function is that of a difference of two products; rounding is monotone, so it
-//! may round to zero but never to the wrong sign, and zero counts as inside on both sides of an
-//! edge. A ray through the interior of a mesh therefore finds a triangle, at edges and vertices
-//! too. In f64 no fallback for zeros is needed to tell how far.
+//! # The test
+//! It is the watertight test of S. Woop, C. Benthin and I. Wald ("Watertight Ray/Triangle
+//! Intersection", JCGT 2013), in f64 on f32 vertices. Vertices are translated to the ray's origin and
+//! sheared so that the ray becomes an axis; each vertex is transformed by itself, so triangles that
+//! share it agree. The sign of an edge function is that of a difference of two products. Rounding is
+//! monotone: the difference may round to zero, but never to the wrong sign, and zero counts as inside
+//! on both sides of an edge. So a ray through the interior of a mesh finds a triangle, at edges and
+//! vertices too. In f64 no fallback for zeros is needed.
 //!
-//! Where we differ: a triangle that is edge-on to within 2^-30, or flat, is missed, so that the
-//! point at `t` is within 2^-20 of the triangle's size from the triangle itself, however grazing
-//! the ray; a kd-tree with clipped triangles needs that. And the hit must lie in the triangle's own
-//! box as the slab test sees it (see [`super::slab`]): `t` is clamped into that interval. This
-//! makes all boxes around it agree. A ray in a plane of the axes whose hit is more than 2^36 directions away
-//! may have to miss for that: [`SlabRay::is_beyond`].
+//! It differs from the paper in two points. A triangle that is edge-on to within 2^-30, or flat, is
+//! missed: then the point at `t` is within 2^-20 of the triangle's size from the triangle itself,
+//! however grazing the ray, which a kd-tree with clipped triangles needs. And the hit must lie in the
+//! triangle's own box as the slab test sees it ([`super::slab`]): `t` is clamped into that interval, so
+//! that all boxes around the own box agree. For that, a ray in a plane of the axes whose hit is more
+//! than 2^36 directions away may have to miss: [`SlabRay::is_beyond`].
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64x4, mask64x4};
 
@@ -117,19 +119,25 @@ pub fn intersect_triangle<S: Simd>(
     Some([smaller(larger(t, enter), exit), u, v])
 }
 
+/// The same for a ray that is not prepared.
+#[cfg(test)]
+pub fn intersect(ray: &Ray, triangle: &super::Triangle) -> Option<[f32; 3]> {
+    let (slab, shear) = (SlabRay::new(ray), ShearRay::new(ray));
+    intersect_triangle(crate::simd::baseline(), &slab, &shear, triangle)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geom::Triangle;
     use crate::math::Vec3;
-    use crate::simd::baseline;
 
     const WALL: Triangle =
         Triangle { a: Vec3::ZERO, b: Vec3::new(4.0, 0.0, 0.0), c: Vec3::new(0.0, 4.0, 0.0) };
 
     fn ask(origin: [f32; 3], direction: [f32; 3], triangle: &Triangle) -> Option<[f32; 3]> {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, f32::INFINITY);
-        intersect_triangle(baseline(), &SlabRay::new(&ray), &ShearRay::new(&ray), triangle)
+        intersect(&ray, triangle)
     }
 
     #[test]

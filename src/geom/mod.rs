@@ -1,4 +1,15 @@
-//! Meshes and triangles.
+//! Meshes and triangles, and the tests of rays against triangles and boxes.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | [`intersect_triangle`] | the exact ray-triangle test, for one ray |
+//! | `intersect_bundle` | the same for a bundle of eight rays |
+//! | [`block`] | the filter: many triangles against one ray |
+//! | [`bundle`] | bundles of eight rays: the slab test and the filter |
+//! | [`slab`] | the slab test, and why culling by it is exact |
+//! | [`shaft`] | regions that hold rays, to cull boxes for all of them at once |
+//! | `clip` | the part of a triangle in a box, for builders |
+//! | `mesh`, `tangents`, `source` | meshes, their tangents, triangles in world space |
 
 pub mod block;
 pub mod bundle;
@@ -14,7 +25,7 @@ mod tangents;
 
 pub use block::{BlockRef, TriangleBlock};
 pub use bundle::{FilterTriangle, RayBundle};
-pub use clip::clipped_bounds;
+pub use clip::clip_bounds;
 pub use heading::Heading;
 pub use intersect_bundle::BundleHits;
 pub use intersect_triangle::{ShearRay, intersect_triangle};

@@ -3,12 +3,13 @@
 //! # Why it is conservative
 //! The distance to a plane is computed as `(plane - origin) * inverse`: four roundings, of the
 //! inverse, of that times its slack, of the difference and of the product, each by half an ulp at
-//! most, so that it is off by some 2 ulps relatively, wherever the origin. Near planes are multiplied with the inverse lowered by 4 ulps, far planes with it raised by 4: for
-//! planes ahead of the origin, `enter` is then below and `exit` above the true value, and planes
-//! behind it do not matter since hits lie at `t > 0`. Where the ray runs along an axis' planes the
-//! inverse is a huge finite number, 2^126, and the ray is inside by comparison alone; the slack of
-//! [`own_box`] keeps a ray inside that runs exactly in a face, for 2^36 directions at least. Beyond
-//! that the number is not huge enough, and [`SlabRay::is_beyond`] tells.
+//! most, so that it is off by some 2 ulps relatively, wherever the origin. Near planes are
+//! multiplied with the inverse lowered by 4 ulps, far planes with it raised by 4: for planes ahead
+//! of the origin, `enter` is then below and `exit` above the true value, and planes behind it do
+//! not matter since hits lie at `t > 0`. Where the ray runs along an axis' planes the inverse is a
+//! huge finite number, 2^126, and the ray is inside by comparison alone; the slack of [`own_box`]
+//! keeps a ray inside that runs exactly in a face, for 2^36 directions at least. Beyond that the
+//! number is not huge enough, and [`SlabRay::is_beyond`] tells.
 //!
 //! # Why it is monotone
 //! Subtraction and multiplication round monotonically, minimum and maximum are exact. So a box
@@ -46,9 +47,9 @@ impl SlabRay {
         let direction = ray.direction();
         let inverse = Vec3::new(recip(direction.x), recip(direction.y), recip(direction.z));
         Self {
-            origin: four(ray.origin()),
-            inv_near: four(inverse * (1.0 - Self::SLACK)),
-            inv_far: four(inverse * (1.0 + Self::SLACK)),
+            origin: pad(ray.origin()),
+            inv_near: pad(inverse * (1.0 - Self::SLACK)),
+            inv_far: pad(inverse * (1.0 + Self::SLACK)),
             negative: [
                 usize::from(direction.x.is_sign_negative()),
                 usize::from(direction.y.is_sign_negative()),
@@ -76,11 +77,12 @@ impl SlabRay {
         )
     }
 
-    /// Whether a triangle's own box ends, at `exit`, only because a component of zero had to be taken
-    /// for another: hits at `t` behind that do not count.
+    /// Whether a triangle's own box ends, at `exit`, only because a component of zero had to be
+    /// taken for another: hits at `t` behind that do not count.
     ///
-    /// Elsewhere a hit lies in its own box but for rounding, and is moved into it. To move it across
-    /// space would take it away from its triangle, where no structure but brute force looks for it.
+    /// Elsewhere a hit lies in its own box but for rounding, and is moved into it. To move it
+    /// across space would take it away from its triangle, where no structure but brute force looks
+    /// for it.
     #[inline(always)]
     pub fn is_beyond(&self, t: f32, exit: f32) -> bool {
         let [x, y, z] = [0, 1, 2].map(|axis| self.inv_near[axis].abs());
@@ -97,9 +99,9 @@ impl SlabRay {
         let slack = |p: f32x4<S>| (p.abs() * RELATIVE_SLACK).max(ABSOLUTE_SLACK);
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
         let (lo, hi) = (lo - slack(lo), hi + slack(hi));
-        let row = |row: &[f32; 4]| f32x4::load_array(simd, *row);
+        let load = |values: &[f32; 4]| f32x4::load_array(simd, *values);
         let (origin, inv_near, inv_far) =
-            (row(&self.origin), row(&self.inv_near), row(&self.inv_far));
+            (load(&self.origin), load(&self.inv_near), load(&self.inv_far));
         let down = inv_near.simd_lt(0.0);
         let near = (down.select(hi, lo) - origin) * inv_near;
         let far = (down.select(lo, hi) - origin) * inv_far;
@@ -108,7 +110,7 @@ impl SlabRay {
 }
 
 #[inline(always)]
-fn four(v: Vec3) -> [f32; 4] {
+fn pad(v: Vec3) -> [f32; 4] {
     [v.x, v.y, v.z, 0.0]
 }
 
@@ -118,9 +120,9 @@ fn recip(x: f32) -> f32 {
     1.0 / x.abs().max(SlabRay::SMALLEST).copysign(x)
 }
 
-/// The box that a triangle's hits lie in by definition (see [`super::intersect_triangle()`]), and that every
-/// structure must build with: that of its vertices, grown by 2^-22 of the coordinates, at least by
-/// 2^-90, so that no box is flat.
+/// The box that a triangle's hits lie in by definition (see [`super::intersect_triangle()`]), and
+/// that every structure must build with: that of its vertices, grown by 2^-22 of the coordinates,
+/// at least by 2^-90, so that no box is flat.
 #[inline(always)]
 pub fn own_box(triangle: &Triangle) -> Aabb {
     let bounds = triangle.bounds();
@@ -212,7 +214,8 @@ mod tests {
             let bounds = Aabb::of_points([a, b]);
             let target = bounds.min + bounds.extent() * Vec3::from(w);
             let direction = target - o;
-            let rounding = (target.abs() + o.abs() + direction.abs()) * (2.0 * f32::EPSILON) + slack(bounds.max);
+            let size = target.abs() + o.abs() + direction.abs();
+            let rounding = size * (2.0 * f32::EPSILON) + slack(bounds.max);
             let grown = Aabb { min: bounds.min - rounding, max: bounds.max + rounding };
             let ray = Ray::new(o, direction, 0.0, INF);
             prop_assume!(ray != Ray::MISS);

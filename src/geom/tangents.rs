@@ -32,7 +32,7 @@ pub fn add_tangents(mesh: &mut Mesh, uvs: &[Vec2]) {
     if corners + mesh.positions.len() as u64 >= u64::from(u32::MAX) {
         return;
     }
-    let tangents = corner_tangents(mesh, uvs);
+    let tangents = make_corner_tangents(mesh, uvs);
     let mut first: Vec<Option<Vec4>> = vec![None; mesh.positions.len()];
     let mut others: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     let (mut sources, mut repeated) = (Vec::new(), Vec::new());
@@ -69,10 +69,10 @@ struct Flat {
 }
 
 /// Tangents of all corners, in order.
-fn corner_tangents(mesh: &Mesh, uvs: &[Vec2]) -> Vec<Vec4> {
+fn make_corner_tangents(mesh: &Mesh, uvs: &[Vec2]) -> Vec<Vec4> {
     let welded = weld(mesh, uvs);
-    let mut flats: Vec<Flat> = mesh.indices.iter().map(|&t| flat(mesh, uvs, t)).collect();
-    let edges = joined_edges(mesh, &welded, &flats);
+    let mut flats: Vec<Flat> = mesh.indices.iter().map(|&t| flatten(mesh, uvs, t)).collect();
+    let edges = join_edges(mesh, &welded, &flats);
     orient_joining(&mut flats, &edges);
     let mut groups = Groups::new(flats.len() * 3);
     for &[a, b] in &edges {
@@ -89,7 +89,7 @@ fn corner_tangents(mesh: &Mesh, uvs: &[Vec2]) -> Vec<Vec4> {
         }
         for corner in 0..3 {
             let group = groups.of((3 * number + corner) as u32);
-            sums[group as usize] += contribution(mesh, indices, corner, flat.along_u);
+            sums[group as usize] += weigh_corner(mesh, indices, corner, flat.along_u);
         }
     }
     let mut tangents = Vec::with_capacity(sums.len());
@@ -137,7 +137,7 @@ fn weld(mesh: &Mesh, uvs: &[Vec2]) -> Vec<u32> {
         .collect()
 }
 
-fn flat(mesh: &Mesh, uvs: &[Vec2], indices: [u32; 3]) -> Flat {
+fn flatten(mesh: &Mesh, uvs: &[Vec2], indices: [u32; 3]) -> Flat {
     let [a, b, c] = indices.map(|vertex| mesh.positions[vertex as usize]);
     let [s, t, u] = indices.map(|vertex| uvs[vertex as usize]);
     let (to_b, to_c) = (t - s, u - s);
@@ -159,7 +159,7 @@ fn flat(mesh: &Mesh, uvs: &[Vec2], indices: [u32; 3]) -> Flat {
 
 /// Pairs of corners at which one edge begins, from its two sides. Where more than two triangles
 /// share an edge they are paired in their order.
-fn joined_edges(mesh: &Mesh, welded: &[u32], flats: &[Flat]) -> Vec<[Corner; 2]> {
+fn join_edges(mesh: &Mesh, welded: &[u32], flats: &[Flat]) -> Vec<[Corner; 2]> {
     let mut edges = Vec::with_capacity(flats.len() * 3);
     for corner in 0..flats.len() as u32 * 3 {
         if flats[triangle(corner)].degenerate {
@@ -195,7 +195,7 @@ fn orient_joining(flats: &mut [Flat], edges: &[[Corner; 2]]) {
 }
 
 /// What a triangle adds to the tangent at one of its corners.
-fn contribution(mesh: &Mesh, indices: [u32; 3], corner: usize, along_u: Vec3) -> Vec3 {
+fn weigh_corner(mesh: &Mesh, indices: [u32; 3], corner: usize, along_u: Vec3) -> Vec3 {
     let at = |k: usize| mesh.positions[indices[(corner + k) % 3] as usize];
     let normal = mesh.normals[indices[corner] as usize];
     let in_plane = |v: Vec3| (v - normal * normal.dot(v)).normalize_or_zero();

@@ -134,7 +134,7 @@ mod x86 {
                 links.store_slice(to_links);
             }
             8 => {
-                let keys = hits_first(avx2, u32x8::from_slice(avx2, keys).into(), hits);
+                let keys = move_hits_first(avx2, u32x8::from_slice(avx2, keys).into(), hits);
                 let sorted = if SORTED { sort8(avx2, keys, hits) } else { keys };
                 let links = pick8(avx2, u32x8::from_slice(avx2, links).into(), sorted);
                 let (sorted, links): (u32x8<_>, u32x8<_>) =
@@ -157,9 +157,9 @@ mod x86 {
         to_links: &mut [u32],
     ) {
         let keys = u32x8::from_slice(avx2, keys).into();
-        let listed: u32x8<_> = listed(avx2, keys, list).simd_into(avx2);
+        let listed: u32x8<_> = pick_listed(avx2, keys, list).simd_into(avx2);
         let hits = !listed.simd_eq(u32x8::splat(avx2, 0)).to_bitmask() as u32;
-        let keys = hits_first(avx2, listed.into(), hits);
+        let keys = move_hits_first(avx2, listed.into(), hits);
         let links = pick8(avx2, u32x8::from_slice(avx2, links).into(), keys);
         let (keys, links): (u32x8<_>, u32x8<_>) = (keys.simd_into(avx2), links.simd_into(avx2));
         keys.store_slice(to_keys);
@@ -169,7 +169,7 @@ mod x86 {
     fearless_simd::kernel!(
         /// Lanes in the order of a list.
         #[inline(always)]
-        fn listed(avx2: Avx2, keys: __m256i, list: u32) -> __m256i {
+        fn pick_listed(avx2: Avx2, keys: __m256i, list: u32) -> __m256i {
             let shifts = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
             let lanes = _mm256_srlv_epi32(_mm256_set1_epi32(list as i32), shifts);
             // Of each the lowest three bits count.
@@ -211,7 +211,7 @@ mod x86 {
     fearless_simd::kernel!(
         /// Moves the hits to the front.
         #[inline(always)]
-        fn hits_first(avx2: Avx2, keys: __m256i, hits: u32) -> __m256i {
+        fn move_hits_first(avx2: Avx2, keys: __m256i, hits: u32) -> __m256i {
             let order = HITS_FIRST[hits as usize & 255] as i64;
             let order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(order));
             _mm256_permutevar8x32_epi32(keys, order)

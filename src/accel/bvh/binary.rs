@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use fearless_simd::{Level, Simd, SimdBase, f32x4};
 
 use super::build::{BUILD, REFINE, build_tree_by};
-use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, ids_of, triangles_of};
+use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, fetch_triangles, pad_ids};
 use super::link::Link;
 use super::{BinaryTree, Parts, sah};
 use crate::accel::{
@@ -31,7 +31,8 @@ pub const VARIANT: Variant = Variant {
 /// Triangles of a leaf.
 pub(super) const WIDTH: usize = 4;
 /// Cost of a step relative to that of a leaf.
-const COST: sah::Cost = sah::Cost { traversal: sah::TRAVERSAL, width: WIDTH, fill: sah::Fill::Any };
+const COSTS: sah::Costs =
+    sah::Costs { traversal_cost: sah::TRAVERSAL_COST, width: WIDTH, fill: sah::Fill::Any };
 /// A node puts at most one child aside.
 const STACK: usize = sah::MAX_DEPTH + 1;
 
@@ -72,7 +73,7 @@ pub struct Scratch {
 impl Bvh2 {
     pub(super) fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let mut phases = Phases::start();
-        let tree = build_tree_by(input, COST, &mut phases);
+        let tree = build_tree_by(input, COSTS, &mut phases);
         let report = tree.report();
         if report.max_depth > sah::MAX_DEPTH {
             let (depth, limit) = (report.max_depth, sah::MAX_DEPTH);
@@ -116,9 +117,9 @@ fn lay_out(
         if node.is_leaf() {
             let ids = tree.triangles(node);
             if inline {
-                leaves.blocks.push(triangles_of(ids, source));
+                leaves.blocks.push(fetch_triangles(ids, source));
             } else {
-                leaves.ids.push(ids_of(ids));
+                leaves.ids.push(pad_ids(ids));
             }
             continue;
         }
@@ -172,7 +173,7 @@ impl Node {
 impl Bvh2 {
     /// A leaf's triangles.
     #[inline(always)]
-    pub(super) fn block<'a, C: Counters>(
+    pub(super) fn visit_leaf<'a, C: Counters>(
         &'a self,
         leaf: usize,
         fetched: &'a mut Fetched<WIDTH>,
@@ -197,7 +198,7 @@ impl Bvh2 {
         let mut pending = 0;
         loop {
             if link.is_leaf() {
-                let block = self.block(link.place(), fetched, context.counters);
+                let block = self.visit_leaf(link.place(), fetched, context.counters);
                 context.test_block::<f32x4<S>, WIDTH>(block)?;
             } else {
                 context.counters.count(Event::InnerNode);
@@ -248,7 +249,7 @@ impl Bvh2 {
         fetched: &mut Fetched<WIDTH>,
     ) {
         for leaf in 0..self.report.leaves {
-            let block = self.block(leaf, fetched, context.counters);
+            let block = self.visit_leaf(leaf, fetched, context.counters);
             if context.test_each(block).is_break() {
                 return;
             }
@@ -260,7 +261,7 @@ impl Structure for Bvh2 {
     type Scratch = Scratch;
 
     fn scratch(&self) -> Scratch {
-        let fetched = self.fetch.as_ref().map(|fetch| fetch.table(self.report.leaves));
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.report.leaves));
         let stack = Box::new([(Link(0), 0.0); STACK]);
         Scratch { stack, fetched: fetched.unwrap_or_else(Fetched::none) }
     }

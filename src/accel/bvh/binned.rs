@@ -4,44 +4,44 @@
 //! three axes in one pass, and in parallel near the root; sums of counts and unions of boxes do not
 //! depend on the order, so the tree does not depend on the threads.
 
-use super::objects::{ObjectSplit, boxes};
+use super::objects::{ObjectSplit, find_bounds};
 use super::prims::Prim;
-use super::sah::Cost;
+use super::sah::Costs;
 use super::{BinaryNode, BinaryTree};
 
 /// Subtrees with fewer are built by one thread.
 const PARALLEL_SUBTREES: usize = 1 << 13;
 
 /// Builds a tree; `prims` are sorted by leaves as a side effect.
-pub fn build(prims: &mut [Prim], cost: Cost) -> BinaryTree {
+pub fn build(prims: &mut [Prim], costs: Costs) -> BinaryTree {
     if prims.is_empty() {
         return BinaryTree::default();
     }
     // Subtrees below a fraction of the whole are one task; gluing tasks together copies nodes.
     let task = (prims.len() / 64).max(PARALLEL_SUBTREES);
-    let builder = Builder { cost, task };
+    let builder = Builder { costs, task };
     let mut nodes = Vec::new();
     builder.build(prims, 0, 0, &mut nodes);
     BinaryTree { nodes, order: prims.iter().map(|prim| prim.id).collect(), parts: None }
 }
 
 struct Builder {
-    cost: Cost,
+    costs: Costs,
     task: usize,
 }
 
 impl Builder {
     /// Appends the subtree of `prims`, which start at place `first` of the whole.
     fn build(&self, prims: &mut [Prim], first: usize, depth: usize, nodes: &mut Vec<BinaryNode>) {
-        let (bounds, keys) = boxes(prims);
-        let split = (!self.cost.must_be_leaf(prims.len()))
-            .then(|| ObjectSplit::best(prims, keys, depth, &self.cost))
-            .filter(|s| !self.cost.prefers_leaf(prims.len(), &bounds, s.split().area));
+        let (bounds, keys) = find_bounds(prims);
+        let split = (!self.costs.must_be_leaf(prims.len()))
+            .then(|| ObjectSplit::find_best(prims, keys, depth, &self.costs))
+            .filter(|s| !self.costs.prefers_leaf(prims.len(), &bounds, s.split().area));
         let Some(split) = split else {
             let (first, count) = (first as u32, prims.len() as u32);
             return nodes.push(BinaryNode { bounds, first, count });
         };
-        let middle = split.part(prims, &self.cost);
+        let middle = split.apply(prims, &self.costs);
         let parent = nodes.len();
         nodes.push(BinaryNode { bounds, first: 0, count: 0 });
         let parallel = prims.len() > self.task;

@@ -68,7 +68,7 @@ impl Grid {
     }
 
     /// The best split after one of the bins of any axis.
-    pub fn best_split(&self, prims: &[Prim]) -> Split {
+    pub fn find_best_split(&self, prims: &[Prim]) -> Split {
         let bins = if prims.len() < PARALLEL_BINNING {
             self.fill(prims)
         } else {
@@ -77,9 +77,9 @@ impl Grid {
                 .map(|part| self.fill(part))
                 .reduce(|| NO_BINS, |a, b| merge(a, &b))
         };
-        (0..3)
-            .filter(|&axis| self.scale[axis] > 0.0)
-            .fold(Split::NONE, |best, axis| best.min(best_of_axis(axis, &bins[axis][..self.bins])))
+        (0..3).filter(|&axis| self.scale[axis] > 0.0).fold(Split::NONE, |best, axis| {
+            best.min(find_best_on_axis(axis, &bins[axis][..self.bins]))
+        })
     }
 }
 
@@ -92,7 +92,7 @@ fn merge(mut a: Bins, b: &Bins) -> Bins {
 }
 
 /// The best split after one of the bins of an axis.
-fn best_of_axis(axis: usize, bins: &[Bin]) -> Split {
+fn find_best_on_axis(axis: usize, bins: &[Bin]) -> Split {
     let mut above = [(0.0, 0); Grid::MOST];
     let (mut bounds, mut count) = (Aabb::EMPTY, 0);
     for at in (1..bins.len()).rev() {

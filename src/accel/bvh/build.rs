@@ -22,8 +22,8 @@ pub const REFINE: OptionSpec = OptionSpec {
 };
 
 /// Builds a binary tree by the options [`BUILD`] and [`REFINE`]; see `build_tree`.
-pub fn build_tree_by(input: &BuildInput<'_>, cost: sah::Cost, phases: &mut Phases) -> BinaryTree {
-    let tree = build_tree(&*input.source, input.options.choice("build"), cost, phases);
+pub fn build_tree_by(input: &BuildInput<'_>, costs: sah::Costs, phases: &mut Phases) -> BinaryTree {
+    let tree = build_tree(&*input.source, input.options.choice("build"), costs, phases);
     if input.options.choice("refine") == "off" {
         return tree;
     }
@@ -38,25 +38,25 @@ pub fn build_tree_by(input: &BuildInput<'_>, cost: sah::Cost, phases: &mut Phase
 pub fn build_tree(
     source: &dyn TriangleSource,
     builder: &str,
-    cost: sah::Cost,
+    costs: sah::Costs,
     phases: &mut Phases,
 ) -> BinaryTree {
-    let mut prims = prims::prims(source);
+    let mut prims = prims::make_prims(source);
     let cutter = match builder {
         // None for scenes that can't be cut: they are built from whole triangles.
-        "esc" | "sbvh" => Cutter::new(source, objects::boxes(&prims).0),
+        "esc" | "sbvh" => Cutter::new(source, objects::find_bounds(&prims).0),
         _ => None,
     };
     phases.end("boxes");
     let tree = match (builder, &cutter) {
-        ("sweep", _) => sweep::build(&prims, cost),
-        ("sbvh", Some(cutter)) => sbvh::build(std::mem::take(&mut prims), cutter, cost),
+        ("sweep", _) => sweep::build(&prims, costs),
+        ("sbvh", Some(cutter)) => sbvh::build(std::mem::take(&mut prims), cutter, costs),
         ("esc", Some(cutter)) => {
             prims = early::split(prims, cutter);
             phases.end("early splits");
-            BinaryTree { parts: Some(cutter.parts()), ..binned::build(&mut prims, cost) }
+            BinaryTree { parts: Some(cutter.parts()), ..binned::build(&mut prims, costs) }
         }
-        _ => binned::build(&mut prims, cost),
+        _ => binned::build(&mut prims, costs),
     };
     // The builder gives its memory back; that takes time too.
     drop((prims, cutter));

@@ -20,7 +20,7 @@ pub const TRIANGLES: OptionSpec = OptionSpec {
     default: Value::Choice("inline"),
 };
 
-/// How large the cache is. A thread has one line at least; memory reports leave it out, since it
+/// How large the cache is. A thread has one entry at least; memory reports leave it out, since it
 /// belongs to threads and not to the structure.
 pub const CACHE: OptionSpec = OptionSpec {
     name: "cache",
@@ -49,18 +49,18 @@ impl Fetch {
     }
 
     /// A thread's table, for so many leaves.
-    pub fn table<const W: usize>(&self, leaves: usize) -> Fetched<W> {
+    pub fn make_table<const W: usize>(&self, leaves: usize) -> Fetched<W> {
         let share = self.cache / rayon::current_num_threads().max(1) as u64;
-        let lines = share / size_of::<(u32, TriangleBlock<W>)>() as u64;
-        let lines = lines.clamp(1, leaves.max(1) as u64) as usize;
-        Fetched { lines: vec![(NO_LEAF, TriangleBlock::EMPTY); lines] }
+        let entries = share / size_of::<(u32, TriangleBlock<W>)>() as u64;
+        let entries = entries.clamp(1, leaves.max(1) as u64) as usize;
+        Fetched { entries: vec![(NO_LEAF, TriangleBlock::EMPTY); entries] }
     }
 }
 
-/// A thread's fetched leaves: direct-mapped, one line at least.
+/// A thread's fetched leaves: direct-mapped, one entry at least.
 pub struct Fetched<const W: usize> {
-    /// Leaf and triangles of each line.
-    lines: Vec<(u32, TriangleBlock<W>)>,
+    /// Leaf and triangles of each entry.
+    entries: Vec<(u32, TriangleBlock<W>)>,
 }
 
 /// No leaf has this number.
@@ -69,7 +69,7 @@ const NO_LEAF: u32 = u32::MAX;
 impl<const W: usize> Fetched<W> {
     /// For a structure that stores its triangles.
     pub fn none() -> Self {
-        Self { lines: Vec::new() }
+        Self { entries: Vec::new() }
     }
 
     /// The triangles of a leaf, whose ids are given.
@@ -81,28 +81,28 @@ impl<const W: usize> Fetched<W> {
         ids: &[TriangleId; W],
         counters: &mut C,
     ) -> BlockRef<'_, W> {
-        let place = leaf % self.lines.len();
-        let line = &mut self.lines[place];
-        // Nothing is kept where nothing was to be: the one line is for its use alone.
-        if line.0 == leaf as u32 && fetch.cache > 0 {
+        let place = leaf % self.entries.len();
+        let entry = &mut self.entries[place];
+        // Nothing is kept where nothing was to be: the one entry is for its use alone.
+        if entry.0 == leaf as u32 && fetch.cache > 0 {
             counters.count(Event::CacheHit);
         } else {
             counters.count(Event::CacheMiss);
-            *line = (leaf as u32, fetch_block(&*fetch.source, ids));
+            *entry = (leaf as u32, fetch_block(&*fetch.source, ids));
         }
-        line.1.parts()
+        entry.1.parts()
     }
 }
 
 /// The ids of a leaf that does not store its triangles; [`TriangleId::NONE`] in places not used.
-pub fn ids_of<const W: usize>(ids: &[TriangleId]) -> [TriangleId; W] {
+pub fn pad_ids<const W: usize>(ids: &[TriangleId]) -> [TriangleId; W] {
     let mut padded = [TriangleId::NONE; W];
     padded[..ids.len()].copy_from_slice(ids);
     padded
 }
 
 /// The triangles of a leaf, of which there is at least one.
-pub fn triangles_of<const W: usize>(
+pub fn fetch_triangles<const W: usize>(
     ids: &[TriangleId],
     source: &dyn TriangleSource,
 ) -> TriangleBlock<W> {
@@ -116,5 +116,5 @@ fn fetch_block<const W: usize>(
     ids: &[TriangleId; W],
 ) -> TriangleBlock<W> {
     let count = ids.iter().take_while(|&&id| id != TriangleId::NONE).count();
-    triangles_of(&ids[..count], source)
+    fetch_triangles(&ids[..count], source)
 }

@@ -1,9 +1,9 @@
 //! Bounding volume hierarchies.
 //!
 //! Builders ([`binned`], [`sweep`], [`early`], [`sbvh`]) make a plain [`BinaryTree`], which
-//! structures lay out as they traverse it; one makes [`wide`] trees at once. All boxes are unions of
-//! [`crate::geom::own_box`]es, which is what makes culling exact (see [`crate::accel`]), or of boxes
-//! of parts of triangles, which [`parts`] makes as good. A finished tree may be refined
+//! structures lay out as they traverse it; one makes [`wide`] trees at once. All boxes are unions
+//! of [`crate::geom::own_box`]es, which is what makes culling exact (see [`crate::accel`]), or of
+//! boxes of parts of triangles, which [`parts`] makes as good. A finished tree may be refined
 //! ([`refine`]).
 
 pub mod binary;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::bins::{Grid, PARALLEL_BINNING};
 use super::prims::Prim;
-use super::sah::{Cost, DEPTH_OF_MIDDLE_SPLITS, Fill, Split};
+use super::sah::{Costs, DEPTH_OF_MIDDLE_SPLITS, Fill, Split};
 use crate::math::Aabb;
 
 const BINS: usize = Grid::MOST;
@@ -16,7 +16,7 @@ const FEW_BINS: usize = 16;
 const FEW_LEAVES: usize = 8;
 
 /// The box of all boxes, and that of all keys.
-pub fn boxes(prims: &[Prim]) -> (Aabb, Aabb) {
+pub fn find_bounds(prims: &[Prim]) -> (Aabb, Aabb) {
     let of = |prims: &[Prim]| {
         prims.iter().fold((Aabb::EMPTY, Aabb::EMPTY), |(bounds, keys), prim| {
             (bounds.union(prim.bounds), keys.include(prim.key()))
@@ -41,20 +41,20 @@ pub enum ObjectSplit {
 
 impl ObjectSplit {
     /// The best for primitives whose keys have the box `keys`; their order may change.
-    pub fn best(prims: &mut [Prim], keys: Aabb, depth: usize, cost: &Cost) -> Self {
+    pub fn find_best(prims: &mut [Prim], keys: Aabb, depth: usize, costs: &Costs) -> Self {
         let count = prims.len();
         if depth < DEPTH_OF_MIDDLE_SPLITS {
-            if cost.fill == Fill::Full && count <= FEW_LEAVES * cost.width {
-                return Self::AfterFirst(best_place(prims, cost));
+            if costs.fill == Fill::Full && count <= FEW_LEAVES * costs.width {
+                return Self::AfterFirst(find_best_place(prims, costs));
             }
             let grid = Grid::new(keys, if count < FEW_PRIMS { FEW_BINS } else { BINS });
-            let split = grid.best_split(prims);
+            let split = grid.find_best_split(prims);
             if split.cost.is_finite() {
                 return Self::AfterBin(grid, split);
             }
         }
         // All centroids in one bin, or too deep: halves, in the order of the longest axis.
-        let at = cost.nearest_place(count, count / 2);
+        let at = costs.nearest_place(count, count / 2);
         Self::AfterFirst(Split { axis: keys.longest_axis(), at, ..Split::NONE })
     }
 
@@ -66,7 +66,7 @@ impl ObjectSplit {
     }
 
     /// What the boxes of both sides have in common; the primitives' order may change.
-    pub fn overlap(&self, prims: &mut [Prim]) -> Aabb {
+    pub fn find_overlap(&self, prims: &mut [Prim]) -> Aabb {
         let (mut below, mut above) = (Aabb::EMPTY, Aabb::EMPTY);
         match *self {
             Self::AfterBin(ref grid, Split { axis, at, .. }) => {
@@ -78,14 +78,14 @@ impl ObjectSplit {
             }
             Self::AfterFirst(Split { axis, at, .. }) => {
                 select(prims, axis, at);
-                (below, above) = (boxes(&prims[..at]).0, boxes(&prims[at..]).0);
+                (below, above) = (find_bounds(&prims[..at]).0, find_bounds(&prims[at..]).0);
             }
         }
         below.intersection(above)
     }
 
     /// Parts the primitives; returns where the second part begins.
-    pub fn part(&self, prims: &mut [Prim], cost: &Cost) -> usize {
+    pub fn apply(&self, prims: &mut [Prim], costs: &Costs) -> usize {
         match *self {
             Self::AfterFirst(Split { axis, at, .. }) => {
                 select(prims, axis, at);
@@ -93,7 +93,7 @@ impl ObjectSplit {
             }
             Self::AfterBin(ref grid, Split { axis, at, .. }) => {
                 let middle = partition(prims, |prim| grid.bin_along(axis, prim) <= at);
-                let place = cost.nearest_place(prims.len(), middle);
+                let place = costs.nearest_place(prims.len(), middle);
                 move_boundary(prims, grid, axis, at, middle, place);
                 place
             }
@@ -132,7 +132,7 @@ fn select(prims: &mut [Prim], axis: usize, at: usize) {
 }
 
 /// Tries every place that the cost allows along all axes; sorts the primitives.
-fn best_place(prims: &mut [Prim], cost: &Cost) -> Split {
+fn find_best_place(prims: &mut [Prim], costs: &Costs) -> Split {
     let count = prims.len();
     let mut above = vec![0.0; count];
     let mut best = Split::NONE;
@@ -146,7 +146,7 @@ fn best_place(prims: &mut [Prim], cost: &Cost) -> Split {
         let mut bounds = Aabb::EMPTY;
         for at in 1..count {
             bounds = bounds.union(prims[at - 1].bounds);
-            if cost.allows(count, at) {
+            if costs.allows(count, at) {
                 let (left, right) = ((bounds.half_area(), at), (above[at], count - at));
                 best = best.min(Split::new(axis, at, left, right));
             }
@@ -156,7 +156,7 @@ fn best_place(prims: &mut [Prim], cost: &Cost) -> Split {
     if best.cost.is_finite() {
         best
     } else {
-        Split { at: cost.nearest_place(count, count / 2), ..best }
+        Split { at: costs.nearest_place(count, count / 2), ..best }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Parts of triangles: boxes that hold some of a triangle only, and why nothing is missed by them.
 //!
 //! Early splits ([`super::early`]) and spatial splits ([`super::spatial`]) put a triangle into
-//! several leaves, each with the box of a part of it. That a hit lies in its triangle's own box, the
-//! argument of [`crate::accel`], does not help: it must lie in the box of one of the parts, as the
-//! slab test sees it. So parts are grown by a margin, never beyond the triangle's own box.
+//! several leaves, each with the box of a part of it. That a hit lies in its triangle's own box,
+//! the argument of [`crate::accel`], does not help: it must lie in the box of one of the parts, as
+//! the slab test sees it. So parts are grown by a margin, never beyond the triangle's own box.
 //!
 //! # Why a hit lies in the box of a part
 //! Let u be 2^-24, `size` the longest edge of the triangle's box, and the z axis that of the
@@ -14,12 +14,13 @@
 //! negative puts the foot outside the projected triangle by a rounding error of distances from that
 //! very edge. So there is a point P of the triangle that projects to the foot, up to errors that
 //! are relative to distances from it along each axis, by some 2^-51. Let t' be the distance of P.
-//! The exact test's distance is that of the point with the exact test's weights: a triangle is missed
-//! that is edge-on to within 2^-30, so that the weights are off by at most 3 * 2^-52 * 2^30 in sum,
-//! and P's own by a third of that. Along z both distances differ by at most 2^-20 `size`, and along
-//! x and y, where the ray goes no faster, by no more. (A clamp into the own box moves `t` towards
-//! t', for P is in there.) So up to the rounding of `t` and errors of 2^-51 of the distance along
-//! each axis, the point at `t` is within 2^-20 `size` = 16u `size` of P, wherever the ray starts.
+//! The exact test's distance is that of the point with the exact test's weights: a triangle is
+//! missed that is edge-on to within 2^-30, so that the weights are off by at most 3 * 2^-52 * 2^30
+//! in sum, and P's own by a third of that. Along z both distances differ by at most 2^-20 `size`,
+//! and along x and y, where the ray goes no faster, by no more. (A clamp into the own box moves `t`
+//! towards t', for P is in there.) So up to the rounding of `t` and errors of 2^-51 of the distance
+//! along each axis, the point at `t` is within 2^-20 `size` = 16u `size` of P, wherever the ray
+//! starts.
 //!
 //! *The slab test forgives relative errors.* It lowers the distance of near planes and raises that
 //! of far ones by 2^-22 net of its own rounding ([`crate::geom::slab`]): more than the rounding of
@@ -30,9 +31,9 @@
 //! second term is for the rounding of the boxes themselves: of the clipping in double precision, of
 //! its result to single, of the sum with the margin. Nothing adds up from split to split: a part is
 //! clipped from the whole triangle each time, to its box cut a margin beyond the plane. If P is on
-//! this side of the plane, it is a margin within the cut box, and within all cut before; so it is in
-//! what is left, and a margin within the new box, or the own box ends before. There the own box's
-//! plane bounds the part, and the clamp keeps `t` before it to the bit.
+//! this side of the plane, it is a margin within the cut box, and within all cut before; so it is
+//! in what is left, and a margin within the new box, or the own box ends before. There the own
+//! box's plane bounds the part, and the clamp keeps `t` before it to the bit.
 //!
 //! *Which rays* this covers ([`Parts::covers`]). With directions of at most 2^48, `t` is so
 //! large that 2^-149, the step of denormal numbers, is less than 2^-100 of space. The slab test
@@ -42,7 +43,7 @@
 //! coordinates above 2^100, whose distances might overflow, are never cut.
 
 use super::prims::Prim;
-use crate::geom::{Triangle, TriangleSource, clipped_bounds};
+use crate::geom::{Triangle, TriangleSource, clip_bounds};
 use crate::math::{Aabb, Ray};
 
 /// Which rays a tree with parts of triangles in its leaves is good for. All others must be offered
@@ -108,7 +109,7 @@ impl<'a> Cutter<'a> {
 
     /// The triangle of a primitive, to be cut.
     #[inline]
-    pub fn whole(&self, prim: &Prim) -> Whole {
+    pub fn fetch_whole(&self, prim: &Prim) -> Whole {
         let triangle = self.source.triangle(prim.id);
         let size = triangle.bounds().extent().max_element();
         Whole { triangle, margin: size * Self::OF_SIZE + self.floor }
@@ -116,7 +117,7 @@ impl<'a> Cutter<'a> {
 
     /// The parts of a primitive below and above a plane, if there are any.
     pub fn cut(&self, prim: &Prim, axis: usize, plane: f32) -> [Option<Prim>; 2] {
-        let halves = self.whole(prim).cut(&prim.bounds, axis, plane);
+        let halves = self.fetch_whole(prim).cut(&prim.bounds, axis, plane);
         halves.map(|half| half.map(|bounds| Prim { bounds, id: prim.id }))
     }
 }
@@ -141,7 +142,7 @@ impl Whole {
             if cell.is_empty() {
                 return None;
             }
-            let tight = clipped_bounds(&self.triangle, &cell)?;
+            let tight = clip_bounds(&self.triangle, &cell)?;
             let grown = Aabb { min: tight.min - self.margin, max: tight.max + self.margin };
             Some(grown.intersection(cell))
         })
@@ -151,7 +152,8 @@ impl Whole {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{ShearRay, SlabRay, TriangleList, intersect_triangle, own_box};
+    use crate::geom::intersect_triangle::intersect;
+    use crate::geom::{SlabRay, TriangleList, own_box};
     use crate::math::{TriangleId, Vec3};
     use proptest::prelude::*;
 
@@ -193,8 +195,8 @@ mod tests {
             let origin = from * away * scale;
             let ray = Ray::new(origin, target - origin, 0.0, f32::INFINITY);
             prop_assume!(ray != Ray::MISS);
-            let (slab, shear) = (SlabRay::new(&ray), ShearRay::new(&ray));
-            if let Some([t, ..]) = intersect_triangle(crate::simd::baseline(), &slab, &shear, &triangle) {
+            let slab = SlabRay::new(&ray);
+            if let Some([t, ..]) = intersect(&ray, &triangle) {
                 let holds = |bounds: &Aabb| {
                     let (enter, exit) = slab.interval(bounds);
                     enter <= t && t <= exit

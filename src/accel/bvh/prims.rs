@@ -32,7 +32,7 @@ impl Prim {
 }
 
 /// All triangles in the order of their ids.
-pub fn prims(source: &dyn TriangleSource) -> Vec<Prim> {
+pub fn make_prims(source: &dyn TriangleSource) -> Vec<Prim> {
     (0..source.len())
         .into_par_iter()
         .with_min_len(1024)

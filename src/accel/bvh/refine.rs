@@ -2,9 +2,9 @@
 //!
 //! D. Meister and J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization",
 //! 2018. In each round the best new places of the largest nodes are sought by branch and bound, all
-//! at once; then the moves are made one by one, the best first, but for those that touch what was
-//! touched in the round before them. Leaves move as they are: full ones stay full. Searches only
-//! read and moves are in a total order, so that the threads do not show.
+//!    at once; then the moves are made one by one, the best first, but for those that touch what
+//!    was touched in the round before them. Leaves move as they are: full ones stay full. Searches
+//!    only read and moves are in a total order, so that the threads do not show.
 
 use rayon::prelude::*;
 
@@ -49,7 +49,7 @@ pub fn refine(tree: BinaryTree) -> BinaryTree {
     }
     let mut pairs = Pairs::new(&tree);
     for _ in 0..ROUNDS {
-        pairs.round();
+        pairs.run_round();
     }
     let refined = pairs.into_tree(&tree);
     let (before, after) = (tree.report(), refined.report());
@@ -97,12 +97,14 @@ impl Pairs {
     }
 
     /// Seeks new places for the largest nodes and moves them there.
-    fn round(&mut self) {
+    fn run_round(&mut self) {
         let mut largest: Vec<_> = (1..self.nodes.len()).map(|i| (self.area(i), i)).collect();
         let count = (largest.len() / SHARE).max(1);
         largest.select_nth_unstable_by(count - 1, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut moves: Vec<_> =
-            largest[..count].par_iter().filter_map(|&(_, node)| self.best_move(node)).collect();
+        let mut moves: Vec<_> = largest[..count]
+            .par_iter()
+            .filter_map(|&(_, node)| self.find_best_move(node))
+            .collect();
         moves.par_sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.from.cmp(&b.from)));
         let mut touched = vec![false; self.nodes.len()];
         for Move { from, to, .. } in moves {
@@ -118,7 +120,7 @@ impl Pairs {
 
     /// The best new place of a node. Taken out, its parent's box is gone and those above shrink to
     /// what is left in them (`pivot`); put beside another, boxes from there on grow by it.
-    fn best_move(&self, node: usize) -> Option<Move> {
+    fn find_best_move(&self, node: usize) -> Option<Move> {
         let (bounds, area) = (self.nodes[node].bounds, self.area(node));
         let mut best = Move { from: node, to: 0, gain: 0.0 };
         let parent = self.parent(node);

@@ -1,19 +1,17 @@
-//! The surface area heuristic.
-//!
-//! J. Goldsmith and J. Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987;
-//! J. D. MacDonald and K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", 1990.
+//! The surface area heuristic of hierarchies.
 
+use crate::accel::sah::expected_tests;
 use crate::math::Aabb;
 
 /// C_T of all hierarchies: a step through an inner node in units of the test of one block of
 /// triangles. The same for all, so that what differs between them is the traversal.
-pub const TRAVERSAL: f64 = 0.4;
+pub const TRAVERSAL_COST: f64 = 0.4;
 
 /// What things cost, in units of the test of one block of triangles.
 #[derive(Clone, Copy, Debug)]
-pub struct Cost {
+pub struct Costs {
     /// A step through an inner node.
-    pub traversal: f64,
+    pub traversal_cost: f64,
     /// Triangles that are tested at once, and the most that a leaf may hold.
     pub width: usize,
     /// How many a leaf must hold.
@@ -38,14 +36,14 @@ pub const DEPTH_OF_MIDDLE_SPLITS: usize = 64;
 /// No tree of at most 2^32 triangles is deeper, see [`DEPTH_OF_MIDDLE_SPLITS`].
 pub const MAX_DEPTH: usize = DEPTH_OF_MIDDLE_SPLITS + 32;
 
-impl Cost {
+impl Costs {
     /// Whether `count` triangles in `bounds` are better left in one leaf than split into sides
     /// whose half areas sum to `split_area`.
     ///
     /// Either side costs one block, full or not, and the split a step more.
     pub fn prefers_leaf(&self, count: usize, bounds: &Aabb, split_area: f64) -> bool {
         self.must_be_leaf(count)
-            || count <= self.width && (1.0 - self.traversal) * bounds.half_area() <= split_area
+            || count <= self.width && (1.0 - self.traversal_cost) * bounds.half_area() <= split_area
     }
 
     /// Whether `count` triangles are a leaf whatever a split would cost.
@@ -97,7 +95,7 @@ impl Split {
     #[inline(always)]
     pub fn new(axis: usize, at: usize, left: (f64, usize), right: (f64, usize)) -> Self {
         Self {
-            cost: left.0 * left.1 as f64 + right.0 * right.1 as f64,
+            cost: expected_tests([left, right].map(|(area, count)| (area, count as f64))),
             area: left.0 + right.0,
             axis,
             at,
@@ -118,7 +116,7 @@ mod tests {
     #[test]
     fn the_nearest_place_is_the_nearest_of_those_allowed() {
         for width in [1, 4, 8, 16] {
-            let cost = Cost { traversal: 0.4, width, fill: Fill::Full };
+            let cost = Costs { traversal_cost: 0.4, width, fill: Fill::Full };
             for count in width + 1..5 * width {
                 for at in 1..count {
                     let place = cost.nearest_place(count, at);

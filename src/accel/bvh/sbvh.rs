@@ -10,10 +10,10 @@
 //! ([`Fill::Full`]), planes are tried in large nodes only, since each may leave one more leaf that
 //! is not.
 
-use super::objects::{ObjectSplit, boxes};
+use super::objects::{ObjectSplit, find_bounds};
 use super::parts::Cutter;
 use super::prims::Prim;
-use super::sah::{Cost, DEPTH_OF_MIDDLE_SPLITS, Fill};
+use super::sah::{Costs, DEPTH_OF_MIDDLE_SPLITS, Fill};
 use super::spatial::SpatialSplit;
 use super::{BinaryNode, BinaryTree};
 use crate::math::{Aabb, TriangleId};
@@ -28,12 +28,12 @@ const LEAVES_TO_CUT: usize = 16;
 const PARALLEL_SUBTREES: usize = 1 << 11;
 
 /// Builds a tree.
-pub fn build(prims: Vec<Prim>, cutter: &Cutter<'_>, cost: Cost) -> BinaryTree {
+pub fn build(prims: Vec<Prim>, cutter: &Cutter<'_>, costs: Costs) -> BinaryTree {
     if prims.is_empty() {
         return BinaryTree::default();
     }
     let budget = (prims.len() as f64 * MORE) as usize;
-    let builder = Builder { cutter, cost, overlap: cutter.bounds().half_area() * OVERLAP };
+    let builder = Builder { cutter, costs, overlap: cutter.bounds().half_area() * OVERLAP };
     let mut subtree = Subtree::default();
     builder.build(prims, budget, 0, &mut subtree);
     BinaryTree { nodes: subtree.nodes, order: subtree.order, parts: Some(cutter.parts()) }
@@ -59,14 +59,14 @@ impl Subtree {
 
 struct Builder<'a> {
     cutter: &'a Cutter<'a>,
-    cost: Cost,
+    costs: Costs,
     overlap: f64,
 }
 
 impl Builder<'_> {
     /// Appends the subtree of `prims`, with at most `budget` references more than they are.
     fn build(&self, mut prims: Vec<Prim>, budget: usize, depth: usize, out: &mut Subtree) {
-        let (bounds, keys) = boxes(&prims);
+        let (bounds, keys) = find_bounds(&prims);
         let count = prims.len();
         let Some(parts) = self.split(&mut prims, bounds, keys, budget, depth) else {
             let (first, count) = (out.order.len() as u32, count as u32);
@@ -107,30 +107,30 @@ impl Builder<'_> {
         depth: usize,
     ) -> Option<[Vec<Prim>; 2]> {
         let count = prims.len();
-        if self.cost.must_be_leaf(count) {
+        if self.costs.must_be_leaf(count) {
             return None;
         }
-        let objects = ObjectSplit::best(prims, keys, depth, &self.cost);
+        let objects = ObjectSplit::find_best(prims, keys, depth, &self.costs);
         let may_cut = depth < DEPTH_OF_MIDDLE_SPLITS
             && budget > 0
-            && (self.cost.fill == Fill::Any || count >= LEAVES_TO_CUT * self.cost.width)
-            && objects.overlap(prims).half_area() > self.overlap;
-        let space = may_cut.then(|| SpatialSplit::best(prims, &bounds, self.cutter)).flatten();
+            && (self.costs.fill == Fill::Any || count >= LEAVES_TO_CUT * self.costs.width)
+            && objects.find_overlap(prims).half_area() > self.overlap;
+        let space = may_cut.then(|| SpatialSplit::find_best(prims, &bounds, self.cutter)).flatten();
         let space = space.filter(|space| {
             let sum = space.sides[0].count + space.sides[1].count;
             space.cost() < objects.split().cost && sum <= count + budget
         });
         let area = space.as_ref().map_or(objects.split().area, SpatialSplit::area);
-        if self.cost.prefers_leaf(count, &bounds, area) {
+        if self.costs.prefers_leaf(count, &bounds, area) {
             return None;
         }
-        if let Some(parts) = space.and_then(|space| space.part(prims, self.cutter)) {
+        if let Some(parts) = space.and_then(|space| space.apply(prims, self.cutter)) {
             // Boxes are rounded: a few more may cross the plane than were counted.
             if parts[0].len() + parts[1].len() <= count + budget {
                 return Some(parts);
             }
         }
-        let middle = objects.part(prims, &self.cost);
+        let middle = objects.apply(prims, &self.costs);
         let (left, right) = prims.split_at(middle);
         Some([left.to_vec(), right.to_vec()])
     }

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::bins::PARALLEL_BINNING;
 use super::parts::Cutter;
 use super::prims::Prim;
+use crate::accel::sah::expected_tests;
 use crate::geom::Triangle;
 use crate::math::{Aabb, Vec3};
 
@@ -29,10 +30,6 @@ pub struct Side {
 
 impl Side {
     const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
-
-    fn cost(&self) -> f64 {
-        self.bounds.half_area() * self.count as f64
-    }
 
     fn with(&self, bounds: &Aabb) -> Self {
         Self { bounds: self.bounds.union(*bounds), count: self.count }
@@ -86,7 +83,7 @@ impl Planes {
     }
 
     /// The plane behind a bin.
-    fn behind(&self, axis: usize, bin: usize) -> f32 {
+    fn plane_behind(&self, axis: usize, bin: usize) -> f32 {
         self.low[axis] + self.width[axis] * (bin + 1) as f32
     }
 
@@ -103,8 +100,8 @@ impl Planes {
                     bins[first].bounds = bins[first].bounds.union(prim.bounds);
                     continue;
                 }
-                let triangle = triangle.get_or_insert_with(|| cutter.whole(prim).triangle);
-                let pieces = self.pieces(axis, triangle, first, last);
+                let triangle = triangle.get_or_insert_with(|| cutter.fetch_whole(prim).triangle);
+                let pieces = self.find_pieces(axis, triangle, first, last);
                 for (bin, piece) in bins[first..=last].iter_mut().zip(&pieces[first..]) {
                     let piece = piece.intersection(prim.bounds);
                     if !piece.is_empty() {
@@ -117,7 +114,13 @@ impl Planes {
     }
 
     /// The boxes of the pieces of a triangle between planes, for some bins of an axis.
-    fn pieces(&self, axis: usize, triangle: &Triangle, first: usize, last: usize) -> [Aabb; BINS] {
+    fn find_pieces(
+        &self,
+        axis: usize,
+        triangle: &Triangle,
+        first: usize,
+        last: usize,
+    ) -> [Aabb; BINS] {
         let Triangle { a, b, c } = *triangle;
         let mut pieces = [Aabb::EMPTY; BINS];
         for (p, q) in [(a, b), (b, c), (c, a)] {
@@ -126,7 +129,7 @@ impl Planes {
             pieces[begin] = pieces[begin].include(p);
             pieces[end] = pieces[end].include(q);
             for at in begin.max(first.saturating_sub(1))..end.min(last + 1) {
-                let along = (self.behind(axis, at) - p[axis]) / (q[axis] - p[axis]);
+                let along = (self.plane_behind(axis, at) - p[axis]) / (q[axis] - p[axis]);
                 let crossing = p + (q - p) * along;
                 pieces[at] = pieces[at].include(crossing);
                 pieces[at + 1] = pieces[at + 1].include(crossing);
@@ -135,7 +138,7 @@ impl Planes {
         pieces
     }
 
-    fn best_of_axis(&self, axis: usize, bins: &[Bin; BINS]) -> Option<SpatialSplit> {
+    fn find_best_on_axis(&self, axis: usize, bins: &[Bin; BINS]) -> Option<SpatialSplit> {
         let mut above = [Side::EMPTY; BINS];
         for at in (1..BINS).rev() {
             let count = above[at].count + bins[at].end;
@@ -146,7 +149,7 @@ impl Planes {
         for at in 0..BINS - 1 {
             below = Side { count: below.count + bins[at].begin, ..below.with(&bins[at].bounds) };
             if below.count > 0 && above[at].count > 0 {
-                let plane = self.behind(axis, at);
+                let plane = self.plane_behind(axis, at);
                 let split = SpatialSplit { axis, plane, sides: [below, above[at]] };
                 best = Some(best.map_or(split, |best| best.min(split)));
             }
@@ -166,7 +169,7 @@ fn merge(mut a: Bins, b: &Bins) -> Bins {
 
 impl SpatialSplit {
     /// The best one through the box of some primitives.
-    pub fn best(prims: &[Prim], bounds: &Aabb, cutter: &Cutter<'_>) -> Option<Self> {
+    pub fn find_best(prims: &[Prim], bounds: &Aabb, cutter: &Cutter<'_>) -> Option<Self> {
         let planes = Planes::new(bounds);
         let bins = if prims.len() < PARALLEL_BINNING / 4 {
             planes.fill(prims, cutter)
@@ -178,7 +181,7 @@ impl SpatialSplit {
         };
         (0..3)
             .filter(|&axis| planes.scale[axis] > 0.0)
-            .filter_map(|axis| planes.best_of_axis(axis, &bins[axis]))
+            .filter_map(|axis| planes.find_best_on_axis(axis, &bins[axis]))
             .reduce(Self::min)
     }
 
@@ -189,7 +192,7 @@ impl SpatialSplit {
 
     /// The sum over both sides of half area times count.
     pub fn cost(&self) -> f64 {
-        self.sides[0].cost() + self.sides[1].cost()
+        sum_costs(&self.sides)
     }
 
     /// Sum of both sides' half areas.
@@ -198,7 +201,7 @@ impl SpatialSplit {
     }
 
     /// What is below and what is above; `None` if that gets nowhere: nothing on a side.
-    pub fn part(&self, prims: &[Prim], cutter: &Cutter<'_>) -> Option<[Vec<Prim>; 2]> {
+    pub fn apply(&self, prims: &[Prim], cutter: &Cutter<'_>) -> Option<[Vec<Prim>; 2]> {
         let mut parts = self.sides.map(|side| Vec::with_capacity(side.count));
         let mut sides = self.sides;
         for prim in prims {
@@ -222,15 +225,14 @@ impl SpatialSplit {
         sides: &mut [Side; 2],
         parts: &mut [Vec<Prim>; 2],
     ) {
-        let cost = |sides: &[Side; 2]| sides[0].cost() + sides[1].cost();
         if sides.iter().all(|side| side.count > 1) {
             let [below, above] = *sides;
             let whole = [
                 [below.with(&prim.bounds), above.without_one()],
                 [below.without_one(), above.with(&prim.bounds)],
             ];
-            let on = usize::from(cost(&whole[1]) < cost(&whole[0]));
-            if cost(&whole[on]) < cost(sides) {
+            let on = usize::from(sum_costs(&whole[1]) < sum_costs(&whole[0]));
+            if sum_costs(&whole[on]) < sum_costs(sides) {
                 *sides = whole[on];
                 return parts[on].push(*prim);
             }
@@ -239,4 +241,9 @@ impl SpatialSplit {
             part.extend(half);
         }
     }
+}
+
+/// The sum over both sides of half area times count.
+fn sum_costs(sides: &[Side; 2]) -> f64 {
+    expected_tests([0, 1].map(|side| (sides[side].bounds.half_area(), sides[side].count as f64)))
 }

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::prims::Prim;
-use super::sah::{Cost, DEPTH_OF_MIDDLE_SPLITS, Split};
+use super::sah::{Costs, DEPTH_OF_MIDDLE_SPLITS, Split};
 use super::{BinaryNode, BinaryTree};
 use crate::math::Aabb;
 
@@ -14,7 +14,7 @@ use crate::math::Aabb;
 const PARALLEL_SUBTREES: usize = 1 << 13;
 
 /// Builds a tree.
-pub fn build(prims: &[Prim], cost: Cost) -> BinaryTree {
+pub fn build(prims: &[Prim], costs: Costs) -> BinaryTree {
     if prims.is_empty() {
         return BinaryTree::default();
     }
@@ -28,7 +28,7 @@ pub fn build(prims: &[Prim], cost: Cost) -> BinaryTree {
     });
     let mut scratch = vec![0_u32; prims.len()];
     let task = (prims.len() / 64).max(PARALLEL_SUBTREES);
-    let builder = Builder { prims, cost, task };
+    let builder = Builder { prims, costs, task };
     let mut nodes = Vec::new();
     let [x, y, z] = &mut lists;
     builder.build(Lists { axes: [x, y, z], scratch: &mut scratch }, 0, 0, &mut nodes);
@@ -38,7 +38,7 @@ pub fn build(prims: &[Prim], cost: Cost) -> BinaryTree {
 
 struct Builder<'a> {
     prims: &'a [Prim],
-    cost: Cost,
+    costs: Costs,
     task: usize,
 }
 
@@ -67,19 +67,19 @@ impl Builder<'_> {
         let bounds_of = |i: &u32| self.prims[*i as usize].bounds;
         let bounds = lists.axes[0].iter().map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
         let count = lists.len();
-        let split = if self.cost.must_be_leaf(count) {
+        let split = if self.costs.must_be_leaf(count) {
             Split::NONE
         } else if depth < DEPTH_OF_MIDDLE_SPLITS {
-            self.best_split(&lists)
+            self.find_best_split(&lists)
         } else {
-            let at = self.cost.nearest_place(count, count / 2);
+            let at = self.costs.nearest_place(count, count / 2);
             Split { axis: bounds.longest_axis(), at, ..Split::NONE }
         };
-        if self.cost.prefers_leaf(count, &bounds, split.area) {
+        if self.costs.prefers_leaf(count, &bounds, split.area) {
             // All three lists hold the same triangles; the first one is the tree's order.
             return nodes.push(BinaryNode { bounds, first: first as u32, count: count as u32 });
         }
-        self.part(&mut lists, split.axis, split.at);
+        self.partition(&mut lists, split.axis, split.at);
 
         let parent = nodes.len();
         nodes.push(BinaryNode { bounds, first: 0, count: 0 });
@@ -101,7 +101,7 @@ impl Builder<'_> {
     }
 
     /// Tries every place in every list where the cost allows a split.
-    fn best_split(&self, lists: &Lists<'_>) -> Split {
+    fn find_best_split(&self, lists: &Lists<'_>) -> Split {
         let count = lists.len();
         let mut above = vec![0.0_f64; count];
         let mut best = Split::NONE;
@@ -115,7 +115,7 @@ impl Builder<'_> {
             let mut bounds = Aabb::EMPTY;
             for at in 1..count {
                 bounds = bounds.union(self.prims[list[at - 1] as usize].bounds);
-                if !self.cost.allows(count, at) {
+                if !self.costs.allows(count, at) {
                     continue;
                 }
                 let (left, right) = ((bounds.half_area(), at), (above[at], count - at));
@@ -126,7 +126,7 @@ impl Builder<'_> {
     }
 
     /// Parts all lists so that the first `at` of list `axis` come first in each.
-    fn part(&self, lists: &mut Lists<'_>, axis: usize, at: usize) {
+    fn partition(&self, lists: &mut Lists<'_>, axis: usize, at: usize) {
         let key = |i: u32| self.prims[i as usize].key()[axis];
         let pivot = lists.axes[axis][at];
         // Keys and, where they are equal, indices: exactly the order that the list is in.

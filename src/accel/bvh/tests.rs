@@ -3,7 +3,7 @@
 use super::BinaryTree;
 use super::build::build_tree;
 use super::refine::refine;
-use super::sah::{Cost, Fill};
+use super::sah::{Costs, Fill};
 use crate::accel::Phases;
 use crate::geom::{Triangle, TriangleList, TriangleSource, own_box};
 use crate::math::{TriangleId, Vec3};
@@ -31,7 +31,7 @@ fn copies(count: usize) -> TriangleList {
 }
 
 fn tree_of(source: &TriangleList, builder: &str, width: usize, fill: Fill) -> BinaryTree {
-    build_tree(source, builder, Cost { traversal: 0.4, width, fill }, &mut Phases::start())
+    build_tree(source, builder, Costs { traversal_cost: 0.4, width, fill }, &mut Phases::start())
 }
 
 fn check(source: &TriangleList, tree: &BinaryTree, what: &str) {

@@ -19,8 +19,8 @@ struct Axis {
 }
 
 impl KdRay {
-    /// Keeps reciprocals finite: a component of zero becomes a huge slope of its sign. Not denormal,
-    /// since to divide by those is slow.
+    /// Keeps reciprocals finite: a component of zero becomes a huge slope of its sign. Not
+    /// denormal, since to divide by those is slow.
     pub const SMALLEST: f32 = f32::MIN_POSITIVE;
 
     /// Prepares a ray.

@@ -1,7 +1,7 @@
 //! Ropes: links from the faces of leaves to what lies behind them.
 
 use super::layout::{Compact, Nodes, Packed};
-use super::tree::{KdTree, LeafId, Node, halves};
+use super::tree::{KdTree, LeafId, Node, split_cell};
 use super::walk::leaf_by_leaf::Next;
 use crate::accel::Event;
 use crate::math::{Aabb, NodeId};
@@ -31,7 +31,7 @@ impl Next for Ropes {
     const EVENT: Option<Event> = None;
 
     fn new(tree: &KdTree) -> Self {
-        Self { leaves: rope_leaves(tree, Covering::Deepest) }
+        Self { leaves: make_ropes(tree, Covering::Deepest) }
     }
 
     #[inline(always)]
@@ -70,7 +70,7 @@ impl Next for RopeTrees {
     const EVENT: Option<Event> = None;
 
     fn new(tree: &KdTree) -> Self {
-        let mut leaves = rope_leaves(tree, Covering::Deepest);
+        let mut leaves = make_ropes(tree, Covering::Deepest);
         let pack_leaf = |node: &Node| match *node {
             Node::Leaf(leaf) => Some(Packed::leaf(leaf)),
             Node::Inner { .. } => None,
@@ -133,7 +133,7 @@ impl PacketRopes {
     pub fn new(tree: &KdTree) -> Self {
         let mut depths = vec![0; tree.nodes.len()];
         tree.for_each_cell(KdTree::SPACE, |at, _, depth| depths[at.index()] = depth as u8);
-        Self { leaves: rope_leaves(tree, Covering::Highest), depths }
+        Self { leaves: make_ropes(tree, Covering::Highest), depths }
     }
 
     /// A leaf's cell; planes at the rim are infinite.
@@ -201,7 +201,7 @@ impl Face {
             Node::Inner { axis, split, above } => {
                 let (axis, place) = (axis as usize, nodes.len());
                 nodes.push(Packed::leaf(LeafId(u32::MAX)));
-                let [low, high] = halves(&self.cell, axis, split);
+                let [low, high] = split_cell(&self.cell, axis, split);
                 Face { cell: low, ..*self }.add_touching(tree, NodeId(at.0 + 1), nodes);
                 let above_place = NodeId::from_index(nodes.len());
                 Face { cell: high, ..*self }.add_touching(tree, above, nodes);
@@ -212,7 +212,7 @@ impl Face {
 }
 
 /// Ties the ropes of all leaves, in their order.
-fn rope_leaves(tree: &KdTree, covering: Covering) -> Vec<RopedLeaf> {
+fn make_ropes(tree: &KdTree, covering: Covering) -> Vec<RopedLeaf> {
     let mut leaves = Vec::with_capacity(tree.base.leaves.count());
     let root = RopedLeaf { cell: KdTree::SPACE, ropes: [[NodeId::NONE; 2]; 3] };
     let mut todo = vec![(NodeId(0), root)];
@@ -227,7 +227,7 @@ fn rope_leaves(tree: &KdTree, covering: Covering) -> Vec<RopedLeaf> {
         };
         let axis = axis as usize;
         let below = NodeId(at.0 + 1);
-        let [low, high] = halves(&leaf.cell, axis, split);
+        let [low, high] = split_cell(&leaf.cell, axis, split);
         let (mut low, mut high) =
             (RopedLeaf { cell: low, ..leaf }, RopedLeaf { cell: high, ..leaf });
         low.ropes[axis][1] = above;

@@ -72,7 +72,7 @@ impl Slack {
 }
 
 /// The union of the own boxes of all triangles.
-pub fn bounds_of(source: &dyn TriangleSource) -> Aabb {
+pub fn find_bounds(source: &dyn TriangleSource) -> Aabb {
     use rayon::prelude::*;
     (0..source.len())
         .into_par_iter()

@@ -106,7 +106,8 @@ pub struct Leaves {
     vertices: Vec<Corners>,
 }
 
-/// A triangle's corners, each padded to a vector; the first's padding is the triangle's id, as bits.
+/// A triangle's corners, each padded to a vector; the first's padding is the triangle's id, as
+/// bits.
 pub type Corners = [[f32; 4]; 3];
 
 /// A triangle's place in the table.
@@ -128,7 +129,7 @@ impl Leaves {
     pub fn new(source: &dyn TriangleSource, ids: Vec<TriangleId>, ends: &[usize]) -> Option<Self> {
         u32::try_from(ids.len()).ok()?;
         let starts = std::iter::once(0).chain(ends.iter().map(|&end| end as u32)).collect();
-        let (slots, order) = in_order_of_use(ids, source.len());
+        let (slots, order) = number_by_use(ids, source.len());
         let corners = |&id: &TriangleId| {
             let Triangle { a, b, c } = source.triangle(id);
             let mut corners = [a, b, c].map(|p| [p.x, p.y, p.z, 0.0]);
@@ -205,11 +206,11 @@ impl Leaves {
             }
         }
         let mut block = Block { vertices: [[0.0; LANES]; 9], ids: lanes };
-        for (vertex, rows) in block.vertices.as_chunks_mut().0.iter_mut().enumerate() {
-            let row = |lane: usize| f32x4::load_array_ref(simd, &corners[lane][vertex]);
-            let (p, q) = (row(0).zip_low(row(2)), row(1).zip_low(row(3)));
-            let z = row(0).zip_high(row(2)).zip_low(row(1).zip_high(row(3)));
-            *rows = [p.zip_low(q).into(), p.zip_high(q).into(), z.into()];
+        for (vertex, stripes) in block.vertices.as_chunks_mut().0.iter_mut().enumerate() {
+            let load = |lane: usize| f32x4::load_array_ref(simd, &corners[lane][vertex]);
+            let (p, q) = (load(0).zip_low(load(2)), load(1).zip_low(load(3)));
+            let z = load(0).zip_high(load(2)).zip_low(load(1).zip_high(load(3)));
+            *stripes = [p.zip_low(q).into(), p.zip_high(q).into(), z.into()];
         }
         block
     }
@@ -231,7 +232,7 @@ fn id_of(corners: &Corners) -> TriangleId {
 
 /// Numbers triangles in the order in which a list first names them: the list by these numbers, and
 /// the triangles in their order.
-fn in_order_of_use(ids: Vec<TriangleId>, count: usize) -> (Vec<Slot>, Vec<TriangleId>) {
+fn number_by_use(ids: Vec<TriangleId>, count: usize) -> (Vec<Slot>, Vec<TriangleId>) {
     const NONE: u32 = u32::MAX;
     let (mut slots, mut order) = (vec![NONE; count], Vec::with_capacity(count));
     let number = |id: TriangleId| {
@@ -256,7 +257,7 @@ impl KdTree {
         while let Some((at, cell, depth)) = todo.pop() {
             visit(at, &cell, depth);
             if let Node::Inner { axis, split, above } = self.nodes[at.index()] {
-                let [low, high] = halves(&cell, axis as usize, split);
+                let [low, high] = split_cell(&cell, axis as usize, split);
                 todo.push((above, high, depth + 1));
                 todo.push((NodeId(at.0 + 1), low, depth + 1));
             }
@@ -266,7 +267,7 @@ impl KdTree {
 
 /// The parts of a cell below and above a plane.
 #[inline]
-pub fn halves(cell: &Aabb, axis: usize, split: f32) -> [Aabb; 2] {
+pub fn split_cell(cell: &Aabb, axis: usize, split: f32) -> [Aabb; 2] {
     let (mut low, mut high) = (*cell, *cell);
     low.max[axis] = split;
     high.min[axis] = split;

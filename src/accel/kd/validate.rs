@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::tree::{KdTree, LeafId, Node, halves};
+use super::tree::{KdTree, LeafId, Node, split_cell};
 use crate::geom::Triangle;
 use crate::math::{Aabb, DVec3, NodeId, TriangleId};
 
@@ -45,7 +45,7 @@ impl KdTree {
                     if !(cell.min[axis] < split && split < cell.max[axis]) {
                         return Err(format!("plane {split} of node {} is outside", at.0));
                     }
-                    let [low, high] = halves(&cell, axis, split);
+                    let [low, high] = split_cell(&cell, axis, split);
                     todo.push((above, high, depth + 1));
                     todo.push((NodeId(at.0 + 1), low, depth + 1));
                 }
@@ -79,7 +79,7 @@ impl KdTree {
                 }
                 Node::Inner { axis, split, above } => {
                     let axis = axis as usize;
-                    let [low, high] = halves(&cell, axis, split);
+                    let [low, high] = split_cell(&cell, axis, split);
                     if grown.min[axis] <= split {
                         todo.push((NodeId(at.0 + 1), low));
                     }

@@ -5,12 +5,12 @@
 //! - L. Szécsi, "An effective implementation of the k-D tree", 2003: leaves take the places of
 //!   pointers.
 //!
-//! Here all nodes have the same shape, so that one stream of vector instructions can look at a whole
-//! node: where a leaf lies higher up, the places below it are planes at infinity, with the leaf below
-//! them and nothing above. A bit for each child says whether there is anything in it, so that empty
-//! leaves are not visited at all. The pointer to a leaf is one to its triangles, which lie there
-//! ready to be tested: more memory than the lists of [`super::tree::Leaves`] take, but one cache miss
-//! in place of three, each of which had to wait for the one before.
+//! Here all nodes have the same shape, so that one stream of vector instructions can look at a
+//! whole node: where a leaf lies higher up, the places below it are planes at infinity, with the
+//! leaf below them and nothing above. A bit for each child says whether there is anything in it, so
+//! that empty leaves are not visited at all. The pointer to a leaf is one to its triangles, which
+//! lie there ready to be tested: more memory than the lists of [`super::tree::Leaves`] take, but
+//! one cache miss in place of three, each of which had to wait for the one before.
 
 use rayon::prelude::*;
 
@@ -47,7 +47,8 @@ pub struct WideNode {
 }
 
 /// A node by its number; or, with the top bit, a leaf by its first block and, in the five bits
-/// below, how many there are. If these are all set, the leaf by its place in the table of long ones.
+/// below, how many there are. If these are all set, the leaf by its place in the table of long
+/// ones.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct Child(u32);
@@ -132,8 +133,8 @@ impl WideNodes {
         [("wide nodes", size_of_val(&*self.nodes)), ("blocks", size_of_val(&*self.blocks) + long)]
     }
 
-    /// Fills a wide node with what lies below a node of the tree; adds wide nodes for what lies below
-    /// those.
+    /// Fills a wide node with what lies below a node of the tree; adds wide nodes for what lies
+    /// below those.
     fn fill(
         &mut self,
         tree: &KdTree,

@@ -7,28 +7,28 @@
 //! whose box lies in the shaft altogether: from there on rays walk the hierarchy itself.
 //!
 //! A tree of branches is narrowed to a part of its shaft in the same manner, and so on: the screen,
-//! a tile, a packet. Its inner nodes were not enclosed by the shaft before, so they are not by a part
-//! of it and are not asked; at its leaves the hierarchy goes on in full.
+//! a tile, a packet. Its inner nodes were not enclosed by the shaft before, so they are not by a
+//! part of it and are not asked; at its leaves the hierarchy goes on in full.
 //!
 //! Where we differ: a branch names its children by their places in the hierarchy, and a leaf of the
 //! tree takes no room of its own. A tree also ends where boxes become small beside the shaft
 //! ([`GRAIN`]): few packets of a tile come by such a node, and to look for what lies below it takes
-//! more steps than the tree would spare them. In a bounding volume hierarchy the boxes of places stand in their
-//! parents; in a kd-tree a place carries its box (section 5.1 of the paper). Empty leaves of a
-//! kd-tree are as good as missed. And where the left of a
-//! branch proves empty, appendix A drops the branch at once, which would lose its right; ours goes
-//! there first. Both ways of building leave the same bytes.
+//! more steps than the tree would spare them. In a bounding volume hierarchy the boxes of places
+//! stand in their parents; in a kd-tree a place carries its box (section 5.1 of the paper). Empty
+//! leaves of a kd-tree are as good as missed. And where the left of a branch proves empty, appendix
+//! A drops the branch at once, which would lose its right; ours goes there first. Both ways of
+//! building leave the same bytes.
 
 use super::hierarchy::{Branch, Branches, Hierarchy, Step};
 use crate::accel::{Counters, Event};
 use crate::geom::Shaft;
 use crate::simd::baseline;
 
-/// A tree ends at nodes of which this part would fit across the shaft: at half, boxes up to twice as
-/// wide as it. Nodes of a picture, searched and walked, over those of entry points, by 8x8 tiles, of a
-/// machine of 871,414 triangles from afar (`bench coherent`): 1.46 without such an end, 1.19 at 8,
-/// 1.07 at 2, 1.02 at 1 and 0.99 at a half; of a kitchen 0.81 at 4 and 0.73 at a half, of a city 0.80
-/// and 0.72.
+/// A tree ends at nodes of which this part would fit across the shaft: at half, boxes up to twice
+/// as wide as it. Nodes of a picture, searched and walked, over those of entry points, by 8x8
+/// tiles, of a machine of 871,414 triangles from afar (`bench coherent`): 1.46 without such an end,
+/// 1.19 at 8, 1.07 at 2, 1.02 at 1 and 0.99 at a half; of a kitchen 0.81 at 4 and 0.73 at a half,
+/// of a city 0.80 and 0.72.
 pub const GRAIN: f32 = 0.5;
 
 /// Levels that are expected; deeper trees only cost another allocation.

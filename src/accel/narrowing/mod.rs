@@ -1,9 +1,9 @@
 //! Trees narrowed to a region: entry points and path compression, whatever the tree.
 //!
 //! A tree is seen as a hierarchy of boxes ([`hierarchy`]). For a shaft, the deepest node that holds
-//! all that the shaft meets is found ([`entry_point`]), or a tree of the few nodes that matter to it
-//! is made ([`compress`]). Both are done for a slice of rays, and before that for the regions that a
-//! thread has entered ([`narrow`]), which are kept in a pool ([`pool`]).
+//! all that the shaft meets is found ([`entry_point`]), or a tree of the few nodes that matter to
+//! it is made ([`compress`]). Both are done for a slice of rays, and before that for the regions
+//! that a thread has entered ([`narrow`]), which are kept in a pool ([`pool`]).
 
 mod compress;
 mod entry_point;

@@ -117,9 +117,9 @@ impl<H: Hierarchy> Narrowing<H> {
     /// Finds where the rays of a slice start, within the regions that were entered. Its branches
     /// are put on top of the pool.
     ///
-    /// What a camera sees through a tile is told by the rays at its corners; packets and bundles are
-    /// then asked whether they lie there. (To ask each ray of a slice first takes about as long as to
-    /// trace it.) The region of other slices is found by all their rays.
+    /// What a camera sees through a tile is told by the rays at its corners; packets and bundles
+    /// are then asked whether they lie there. (To ask each ray of a slice first takes about as long
+    /// as to trace it.) The region of other slices is found by all their rays.
     pub fn start_slice<S: Simd, Q: Query, C: Counters>(
         &self,
         slice: &mut SliceContext<'_, S, Q, C>,
@@ -163,8 +163,8 @@ impl<H: Hierarchy> Narrowing<H> {
     }
 }
 
-/// Finds the rays at the corners of a slice that is a raster of rays from one point, in order around it,
-/// and the pyramid through them, a cell wider on each side.
+/// Finds the rays at the corners of a slice that is a raster of rays from one point, in order
+/// around it, and the pyramid through them, a cell wider on each side.
 fn find_tile(batch: &Batch<'_>) -> Option<([Ray; 4], Shaft)> {
     let (width, height, each) = batch.grid()?;
     if width < 2 || height < 2 || each == 0 {

@@ -34,7 +34,7 @@ impl<'a> PacketLayout<'a> {
             sides[usize::from(height > 1 && sides[0] > sides[1])] += 1;
         }
         let cell = |code: usize| {
-            let (x, y) = (every_other_bit(code), every_other_bit(code >> 1));
+            let (x, y) = (compact_bits(code), compact_bits(code >> 1));
             (x as u8, y as u8, ((y * width + x) * each) as u32)
         };
         let count = if sides[1] == 0 { 0 } else { 1_usize << (sides[0] + sides[1]) };
@@ -100,7 +100,7 @@ impl<'a> PacketLayout<'a> {
 }
 
 /// The bits at even places, packed: a coordinate of a Morton code.
-fn every_other_bit(code: usize) -> usize {
+fn compact_bits(code: usize) -> usize {
     (0..5).fold(0, |packed, bit| packed | ((code >> (2 * bit)) & 1) << bit)
 }
 

@@ -154,7 +154,7 @@ impl PacketRays {
 
     /// The region of its rays; see [`Shaft::of_rays`].
     #[inline(always)]
-    pub fn shaft<S: Simd>(&self, simd: S, corners: [Vec3; 4]) -> Option<Shaft> {
+    pub fn make_shaft<S: Simd>(&self, simd: S, corners: [Vec3; 4]) -> Option<Shaft> {
         Shaft::of_bundles(simd, &self.bundles[..self.count], corners)
     }
 
@@ -211,7 +211,7 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
             if C::COUNTS {
                 self.counters.add(Event::TriangleLane, u64::from(asked.count_ones()));
             }
-            let lanes = self.rays.bundles[bundle].candidates(self.simd, &filter) & asked;
+            let lanes = self.rays.bundles[bundle].find_candidates(self.simd, &filter) & asked;
             if lanes != 0 {
                 self.counters.add(Event::ExactTest, u64::from(lanes.count_ones()));
                 let Found { count, ended } = self.offer_hits(bundle, lanes, (id, triangle));

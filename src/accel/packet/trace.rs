@@ -104,7 +104,7 @@ fn trace_part<S: Simd, Q: Query, C: Counters, P: WalkPacket<S, Q, C>>(
     let whole = length == members.len();
     let corners = if whole { corners } else { find_corners(all, &members[part.clone()]) };
     rays.fill(batch, &members[part.clone()]);
-    let shaft = if length < FEW { None } else { rays.shaft(simd, corners) };
+    let shaft = if length < FEW { None } else { rays.make_shaft(simd, corners) };
     let Some(shaft) = shaft.filter(|shaft| shaft.spread() <= MOST_SPREAD) else {
         singles.extend_from_slice(&members[part]);
         return;

@@ -106,9 +106,9 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
     })??;
     let results = Results {
         name: "coherent",
-        tables: fly_through::tables(&measured, &settings),
-        json: fly_through::json(&measured, &settings),
-        plots: fly_through::plots(&measured),
+        tables: fly_through::make_tables(&measured, &settings),
+        json: fly_through::to_json(&measured, &settings),
+        plots: fly_through::draw_plots(&measured),
     };
     results.publish(&args.output)
 }

@@ -96,13 +96,13 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
         loaded.iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let plot = |scene: &mbvh::Scene| {
-        (format!("incoherence-{}", scene.name), mbvh::incoherence_plot(scene))
+        (format!("incoherence-{}", scene.name), mbvh::draw_incoherence(scene))
     };
-    let plots = std::iter::once(("scaling".to_owned(), mbvh::scaling_plot(&measured)));
+    let plots = std::iter::once(("scaling".to_owned(), mbvh::draw_scaling(&measured)));
     let results = Results {
         name: "mbvh",
-        tables: mbvh::tables(&measured, &settings),
-        json: mbvh::json(&measured, &settings),
+        tables: mbvh::make_tables(&measured, &settings),
+        json: mbvh::to_json(&measured, &settings),
         plots: plots.chain(measured.iter().map(plot)).collect(),
     };
     results.publish(&args.output)

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, choose_scenes};
 use crate::accel::{Accel, AccelSpec, build};
-use crate::bench::bars::bars;
+use crate::bench::bars::draw_bars;
 use crate::bench::renders::{self, Rendered, Scene};
 use crate::cli::error::CliError;
 use crate::cli::flags::{Quiet, parse_accels};
@@ -89,7 +89,7 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
     );
     let results = Results {
         name: "render",
-        tables: vec![renders::table(&measured, &how)],
+        tables: vec![renders::make_table(&measured, &how)],
         json: json!({
             "resolution": args.resolution,
             "spp": args.spp,
@@ -158,5 +158,5 @@ fn draw_chart(scenes: &[Scene]) -> String {
         scenes.first().into_iter().flat_map(|scene| &scene.rows).map(|row| &*row.spec).collect();
     let speed_ups = |scene: &Scene| scene.rows.iter().map(|row| scene.speed_up(row)).collect();
     let rows: Vec<_> = scenes.iter().map(|scene| (scene.name.clone(), speed_ups(scene))).collect();
-    bars("Whole renders", "speed-up over the first", &names, &rows)
+    draw_bars("Whole renders", "speed-up over the first", &names, &rows)
 }

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Simd, SimdBase, SimdMask};
 
-use super::{LONGEST, PLANES, Shaft, is_tame};
+use super::region::{LONGEST, PLANES, Shaft, is_tame};
 use crate::geom::RayBundle;
 use crate::geom::bundle::dot;
 use crate::math::{Ray, Vec3};

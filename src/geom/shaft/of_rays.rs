@@ -2,50 +2,38 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8};
 
-use super::{LONGEST, SLACK, Shaft, farthest};
+use super::region::{LONGEST, SLACK, Shaft, find_farthest};
 use crate::geom::RayBundle;
 use crate::geom::bundle::dot;
 use crate::math::{Aabb, Ray, Vec3};
 
 impl Shaft {
-    /// The region of rays, which are the cells of a raster with rows of so many rays; a run of rays
-    /// is one row. `None` if they do not go the same way, within some 75 degrees, or none of them
+    /// Makes the region of rays, which are a raster so many rays wide; a run of rays is as wide as
+    /// it is long. `None` if they do not go the same way, within some 75 degrees, or none of them
     /// could hit anything.
     ///
     /// Rays without points (`t_max <= t_min`) are not asked about.
     #[inline(always)]
-    pub fn of_rays<S: Simd>(simd: S, rays: &[Ray], row: usize) -> Option<Self> {
+    pub fn of_rays<S: Simd>(simd: S, rays: &[Ray], width: usize) -> Option<Self> {
         let last = rays.len().checked_sub(1)?;
-        let row = row.clamp(1, rays.len());
+        let width = width.clamp(1, rays.len());
         let corners =
-            [0, row - 1, last + 1 - row, last].map(|index: usize| rays[index].direction());
-        Self::of_rows(simd, std::iter::once(rays), corners)
-    }
-
-    /// The region of some rows of rays; `corners` as for [`Shaft::of_bundles`].
-    #[inline(always)]
-    pub fn of_rows<'a, S: Simd>(
-        simd: S,
-        rows: impl Iterator<Item = &'a [Ray]>,
-        corners: [Vec3; 4],
-    ) -> Option<Self> {
+            [0, width - 1, last + 1 - width, last].map(|index: usize| rays[index].direction());
         let mut bounds = Bounds::new(simd, corners)?;
-        for row in rows {
-            for rays in row.chunks(RayBundle::LANES) {
-                let mut bundle = RayBundle::EMPTY;
-                for (lane, ray) in rays.iter().enumerate() {
-                    bundle.put(lane, ray);
-                }
-                if !bounds.include(simd, &bundle) {
-                    return None;
-                }
+        for rays in rays.chunks(RayBundle::LANES) {
+            let mut bundle = RayBundle::EMPTY;
+            for (lane, ray) in rays.iter().enumerate() {
+                bundle.put(lane, ray);
+            }
+            if !bounds.include(simd, &bundle) {
+                return None;
             }
         }
-        bounds.shaft()
+        bounds.into_shaft()
     }
 
-    /// The region of bundles of rays; `corners` are the directions of those at the corners of their
-    /// raster, in the order of rows: they only say how the region is turned.
+    /// Makes the region of bundles of rays; `corners` are the directions of those at the corners of
+    /// their raster, scanline by scanline: they only say how the region is turned.
     #[inline(always)]
     pub fn of_bundles<S: Simd>(simd: S, bundles: &[RayBundle], corners: [Vec3; 4]) -> Option<Self> {
         let mut bounds = Bounds::new(simd, corners)?;
@@ -54,7 +42,7 @@ impl Shaft {
                 return None;
             }
         }
-        bounds.shaft()
+        bounds.into_shaft()
     }
 }
 
@@ -74,7 +62,7 @@ impl<S: Simd> Bounds<S> {
     fn new(simd: S, corners: [Vec3; 4]) -> Option<Self> {
         let none = [f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY)];
         let (slopes, origins, end) = ([none; 2], [none; 3], none[1]);
-        Some(Self { frame: frame(corners)?, slopes, origins, end })
+        Some(Self { frame: make_frame(corners)?, slopes, origins, end })
     }
 
     /// Takes rays into the bounds; false if they do not go the same way.
@@ -86,11 +74,11 @@ impl<S: Simd> Bounds<S> {
         let along = dot(d, axis);
         let longest = d[0].abs().max(d[1].abs()).max(d[2].abs());
         let length_squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        let coherent = along.simd_gt(0.0)
+        let same_way = along.simd_gt(0.0)
             & (along * along * 16.0).simd_ge(length_squared)
             & longest.simd_ge(1.0 / LONGEST)
             & longest.simd_le(LONGEST);
-        if (live & !coherent).to_bitmask() != 0 {
+        if (live & !same_way).to_bitmask() != 0 {
             return false;
         }
 
@@ -107,14 +95,14 @@ impl<S: Simd> Bounds<S> {
     }
 
     #[inline(always)]
-    fn shaft(self) -> Option<Shaft> {
-        let [x, y, z] = self.origins.map(of_lanes);
+    fn into_shaft(self) -> Option<Shaft> {
+        let [x, y, z] = self.origins.map(reduce_lanes);
         let origins = Aabb { min: Vec3::new(x[0], y[0], z[0]), max: Vec3::new(x[1], y[1], z[1]) };
         if origins.is_empty() {
             return None;
         }
-        let [_, end] = of_lanes([self.end; 2]);
-        of_bounds(self.frame, self.slopes.map(of_lanes), origins, end)
+        let [_, end] = reduce_lanes([self.end; 2]);
+        make_shaft(self.frame, self.slopes.map(reduce_lanes), origins, end)
     }
 }
 
@@ -125,17 +113,18 @@ fn widen<S: Simd>(bounds: &mut [f32x8<S>; 2], live: mask32x8<S>, value: f32x8<S>
     bounds[1] = live.select(value.max(bounds[1]), bounds[1]);
 }
 
-/// The bounds of all lanes.
+/// Finds the bounds of all lanes.
 #[inline(always)]
-fn of_lanes<S: Simd>([low, high]: [f32x8<S>; 2]) -> [f32; 2] {
+fn reduce_lanes<S: Simd>([low, high]: [f32x8<S>; 2]) -> [f32; 2] {
     let low = low.to_array().into_iter().fold(f32::INFINITY, f32::min);
     [low, high.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max)]
 }
 
-/// The region of rays with origins in a box and slopes (parts of the direction along the second and
-/// third vector over that along the first) within bounds; it ends at a distance along the first.
+/// Makes the region of rays with origins in a box and slopes (parts of the direction along the
+/// second and third vector over that along the first) within bounds; it ends at a distance along
+/// the first.
 #[inline(always)]
-fn of_bounds(
+fn make_shaft(
     [axis, across, up]: [Vec3; 3],
     slopes: [[f32; 2]; 2],
     origins: Aabb,
@@ -143,11 +132,11 @@ fn of_bounds(
 ) -> Option<Shaft> {
     let widen = |slope: f32, by: f32| slope + (1.0 + slope.abs()) * by;
     let slopes = slopes.map(|[low, high]| [-widen(-low, SLACK), widen(high, SLACK)]);
-    let mut planes = [(-axis, farthest(&origins, -axis)); 5];
+    let mut planes = [(-axis, find_farthest(&origins, -axis)); 5];
     for (i, (side, [low, high])) in [across, up].into_iter().zip(slopes).enumerate() {
         let (upper, lower) = (side - axis * high, axis * low - side);
-        planes[2 * i + 1] = (upper, farthest(&origins, upper));
-        planes[2 * i + 2] = (lower, farthest(&origins, lower));
+        planes[2 * i + 1] = (upper, find_farthest(&origins, upper));
+        planes[2 * i + 2] = (lower, find_farthest(&origins, lower));
     }
     let mut shaft = Shaft::new(&planes, origins, axis)?;
     shaft.end_at(end);
@@ -161,14 +150,14 @@ fn of_bounds(
     Some(shaft)
 }
 
-/// The mean direction of a raster's corners, and two across it: along its rows, and along its
-/// columns.
+/// Makes a frame of the mean direction of a raster's corners, and two across it: along its width,
+/// and along its height.
 #[inline(always)]
-fn frame(corners: [Vec3; 4]) -> Option<[Vec3; 3]> {
+fn make_frame(corners: [Vec3; 4]) -> Option<[Vec3; 3]> {
     let [a, b, c, d] = corners.map(Vec3::normalize_or_zero);
     let axis = (a + b + c + d).try_normalize()?;
-    let rows = (b - a) + (d - c);
-    let across = (rows - axis * axis.dot(rows)).try_normalize();
+    let wide = (b - a) + (d - c);
+    let across = (wide - axis * axis.dot(wide)).try_normalize();
     let across = across.unwrap_or_else(|| axis.any_orthonormal_vector());
     Some([axis, across, axis.cross(across)])
 }

@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::*;
-use crate::geom::{RayBundle, SlabRay};
-use crate::math::Ray;
+use super::Shaft;
+use crate::geom::{Heading, RayBundle, SlabRay};
+use crate::math::{Aabb, Ray, Vec3};
 use crate::simd::baseline;
 
 fn unit() -> impl Strategy<Value = Vec3> {
@@ -39,13 +39,15 @@ fn enters(ray: &Ray, bounds: &Aabb) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 20_000, max_global_rejects: 200_000, ..ProptestConfig::default()
+    })]
     #[test]
     fn what_a_ray_enters_is_never_missed(
-        rays in bundle(), row in 1_usize..9, which in 0_usize..40, t in 0.0_f32..40.0,
+        rays in bundle(), width in 1_usize..9, which in 0_usize..40, t in 0.0_f32..40.0,
         corner in unit(), size in unit(), grow in -24_i32..3,
     ) {
-        let shaft = Shaft::of_rays(baseline(), &rays, row);
+        let shaft = Shaft::of_rays(baseline(), &rays, width);
         prop_assume!(shaft.is_some());
         let shaft = shaft.unwrap();
         // A box with a corner, an edge or its inside near a point of a ray: just touched, or
@@ -62,8 +64,8 @@ proptest! {
     }
 
     #[test]
-    fn a_bundle_is_held_by_its_own_shaft(rays in bundle(), row in 1_usize..9) {
-        if let Some(shaft) = Shaft::of_rays(baseline(), &rays, row) {
+    fn a_bundle_is_held_by_its_own_shaft(rays in bundle(), width in 1_usize..9) {
+        if let Some(shaft) = Shaft::of_rays(baseline(), &rays, width) {
             let endless = rays.iter().filter(|ray| ray.t_max() == f32::INFINITY);
             for ray in endless {
                 prop_assert!(shaft.holds(ray), "{ray:?}");

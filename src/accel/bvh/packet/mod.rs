@@ -1,9 +1,9 @@
 //! `bvh-packet`, `bvh-partition`, `bvh-entry-point`, `bvh-path-compression`: the binary hierarchy,
 //! many rays at a time.
 //!
-//! A slice is cut into packets of up to 256 rays: blocks of its raster where it is one, runs of rays
-//! where it is not (`accel::packet`, which packets through kd-trees share). A packet walks the tree
-//! of `bvh2` together (`walk`), so that a node is fetched once for all of its rays and most
+//! A slice is cut into packets of up to 256 rays: blocks of its raster where it is one, runs of
+//! rays where it is not (`accel::packet`, which packets through kd-trees share). A packet walks the
+//! tree of `bvh2` together (`walk`), so that a node is fetched once for all of its rays and most
 //! decisions are made once.
 //!
 //! `bvh-packet`: I. Wald, S. Boulos and P. Shirley, "Ray tracing deformable scenes using dynamic
@@ -16,8 +16,8 @@
 //! Whitted ray tracing", 2008. All rays are asked at each node, and those that do not enter stay
 //! behind: more work near the root, less near the leaves. Take it where the triangles are small.
 //!
-//! `bvh-entry-point` (`entry`) and `bvh-path-compression` (`compress`): A. Reshetov, A. Soupikov and
-//! J. Hurley, "Multi-level ray tracing algorithm", 2005; J. Barczak, "An improved multi-level
+//! `bvh-entry-point` (`entry`) and `bvh-path-compression` (`compress`): A. Reshetov, A. Soupikov
+//! and J. Hurley, "Multi-level ray tracing algorithm", 2005; J. Barczak, "An improved multi-level
 //! raytracing algorithm". A slice's own shaft is taken through the tree first, and packets then
 //! start at the node that holds all that it meets, or walk a tree of those nodes alone where
 //! something is met on either side. What this trades: a walk of the shaft per slice for every
@@ -36,11 +36,11 @@
 //! interval arithmetic, and once all rays have hit something the planes are closed behind the last
 //! hit; packets whose rays head different ways are split.
 //!
-//! What is not coherent is walked ray by ray, as by `bvh2`: packets whose slopes differ by more than
-//! a half, runs of fewer than four rays. Why the answers are brute force's: each ray is asked by
-//! the slab test about the box of every leaf whose triangles it is tested against, by a filter and
-//! by the exact test; and a box is passed by only if the slab test of each ray says so, or the shaft,
-//! which never says so of a box that one would enter ([`crate::geom::shaft`]).
+//! What is not coherent is walked ray by ray, as by `bvh2`: packets whose slopes differ by more
+//! than a half, runs of fewer than four rays. Why the answers are brute force's: each ray is asked
+//! by the slab test about the box of every leaf whose triangles it is tested against, by a filter
+//! and by the exact test; and a box is passed by only if the slab test of each ray says so, or the
+//! shaft, which never says so of a box that one would enter ([`crate::geom::shaft`]).
 
 mod packet_bvh;
 mod place;

@@ -49,7 +49,8 @@ impl EachFrom<'_> {
 }
 
 impl PacketBvh {
-    /// Walks all rays of a slice, each by itself; leaves a list of those that boxes are not good for.
+    /// Walks all rays of a slice, each by itself; leaves a list of those that boxes are not good
+    /// for.
     #[inline(always)]
     pub fn trace_each<S: Simd, Q: Query, C: Counters>(
         &self,

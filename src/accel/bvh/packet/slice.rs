@@ -1,5 +1,5 @@
-//! A slice of rays: narrowed to its shaft, cut into packets, and what does not run side by side left
-//! over.
+//! A slice of rays: narrowed to its shaft, cut into packets, and what does not run side by side
+//! left over.
 
 use fearless_simd::Simd;
 

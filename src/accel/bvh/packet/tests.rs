@@ -44,8 +44,8 @@ fn shafts() -> [Shaft; 3] {
     [tile(eye, 0.2), tile(eye, 0.03), tile(Vec3::splat(4.3), 0.1)]
 }
 
-/// Leaves and enclosed nodes that the walk of a tree comes to, and those that the shaft meets in the
-/// hierarchy itself.
+/// Leaves and enclosed nodes that the walk of a tree comes to, and those that the shaft meets in
+/// the hierarchy itself.
 fn ends(
     places: Places<'_>,
     branches: Branches<'_, Place>,

@@ -20,7 +20,8 @@ pub const PACKET: Variant = Variant {
 pub const PARTITION: Variant = Variant {
     id: "bvh-partition",
     summary: "bvh2's tree by packets of 16 by 16 rays, partitioned at each node",
-    paper: "Overbeck, Ramamoorthi and Mark, Large Ray Packets for Real-time Whitted Ray Tracing, 2008",
+    paper: "Overbeck, Ramamoorthi and Mark, Large Ray Packets for Real-time Whitted Ray \
+            Tracing, 2008",
     options: &[BUILD, REFINE, TRIANGLES, CACHE, SIZE],
     build: |input| Ok(Box::new(PacketBvh::build(input, Start::Root, With::Partition)?)),
 };

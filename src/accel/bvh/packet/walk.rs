@@ -96,9 +96,9 @@ impl PacketWalk {
             };
             within.context.counters.count(Event::InnerNode);
             within.context.counters.count(Event::Push);
-            // The nearer one on top: that whose middle comes first along the rays. Of a branch, too,
-            // the node's own children are compared: what is left of them in a compressed tree are
-            // boxes of all sizes, whose middles say less (1.5 times the triangles in a city).
+            // The nearer one on top: that whose middle comes first along the rays. Of a branch,
+            // too, the node's own children are compared: what is left of them in a compressed tree
+            // are boxes of all sizes, whose middles say less (1.5 times the triangles in a city).
             let apart = within.places.apart(step.place);
             let second_is_nearer = usize::from(apart.dot(shaft.axis()) < 0.0);
             self.stack[top + 1 - second_is_nearer] = (first, active);
@@ -171,7 +171,7 @@ impl PacketWalk {
     ) -> usize {
         let mut found = 0;
         let Within { context, places, fetched, .. } = within;
-        let block = places.bvh.block(link.place(), fetched, context.counters);
+        let block = places.bvh.visit_leaf(link.place(), fetched, context.counters);
         let block = TriangleBlock { vertices: *block.vertices, ids: *block.ids };
         let block = block.parts();
         let bundles = &self.order[usize::from(first)..usize::from(end)];

@@ -1,10 +1,10 @@
-//! The memory of a wide tree: nodes and leaves as rows of `W` numbers.
+//! The memory of a wide tree: nodes and leaves as stripes of `W` numbers.
 //!
-//! All in one piece, so that a link's place is a row of it whatever it leads to, and a walk can ask
-//! for that place ahead of time without a branch. A node is eight rows: the lower and the upper
-//! planes along x, y and z, the links, and the lists of [`super::octants`], or one to spare, which
-//! keeps nodes on cache lines. A leaf that stores its triangles is nine rows of coordinates and one
-//! of ids; one that does not is its ids.
+//! All in one piece, so that a link's place is a stripe of it whatever it leads to, and a walk can
+//! ask for that place ahead of time without a branch. A node is eight stripes: the lower and the
+//! upper planes along x, y and z, the links, and the lists of [`super::octants`], or one to spare,
+//! which keeps nodes on cache lines. A leaf that stores its triangles is nine stripes of
+//! coordinates and one of ids; one that does not is its ids.
 
 use bytemuck::cast_slice;
 use memmap2::{Advice, MmapMut};
@@ -14,51 +14,51 @@ use crate::accel::bvh::link::Link;
 use crate::geom::{BlockRef, TriangleBlock};
 use crate::math::{Aabb, TriangleId, Vec3};
 
-/// Rows of a node.
+/// Stripes of a node.
 pub const NODE: usize = 8;
-/// Rows of a leaf that stores its triangles.
+/// Stripes of a leaf that stores its triangles.
 pub const BLOCK: usize = 10;
-/// The row of a node that holds its links.
+/// The stripe of a node that holds its links.
 const LINKS: usize = 6;
-/// The row of a node that holds its children's orders.
+/// The stripe of a node that holds its children's orders.
 const ORDERS: usize = 7;
 
-/// Rows of `W` numbers.
+/// Stripes of `W` numbers.
 pub struct Arena<const W: usize> {
     /// Mapped rather than allocated: on huge pages a walk waits less for addresses.
     memory: MmapMut,
 }
 
-/// An arena as a walk reads it: the same rows as floats, as integers and as ids.
+/// An arena as a walk reads it: the same stripes as floats, as integers and as ids.
 #[derive(Clone, Copy)]
-pub struct Rows<'a, const W: usize> {
+pub struct Stripes<'a, const W: usize> {
     floats: &'a [[f32; W]],
     bits: &'a [[u32; W]],
     ids: &'a [[TriangleId; W]],
 }
 
 impl<const W: usize> Arena<W> {
-    /// So many rows of zeros.
+    /// So many stripes of zeros.
     ///
     /// # Errors
     /// If there is not as much memory.
-    pub fn new(rows: usize) -> std::io::Result<Self> {
-        let memory = MmapMut::map_anon((rows * size_of::<[f32; W]>()).max(1))?;
+    pub fn new(stripes: usize) -> std::io::Result<Self> {
+        let memory = MmapMut::map_anon((stripes * size_of::<[f32; W]>()).max(1))?;
         // Where the system has no huge pages, or not as many, small ones do.
         #[cfg(target_os = "linux")]
         let _ = memory.advise(Advice::HugePage);
         Ok(Self { memory })
     }
 
-    /// Bytes of its rows.
+    /// Bytes of its stripes.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.rows().floats)
+        size_of_val(self.stripes().floats)
     }
 
     /// To read.
-    pub fn rows(&self) -> Rows<'_, W> {
+    pub fn stripes(&self) -> Stripes<'_, W> {
         let whole = &self.memory[..self.memory.len() / 4 * 4];
-        Rows {
+        Stripes {
             floats: cast_slice::<u8, f32>(whole).as_chunks().0,
             bits: cast_slice::<u8, u32>(whole).as_chunks().0,
             ids: cast_slice::<u8, TriangleId>(whole).as_chunks().0,
@@ -74,19 +74,19 @@ impl<const W: usize> Arena<W> {
 
 /// A node before it is in an arena.
 #[derive(Clone, Copy)]
-pub struct NodeRows<const W: usize>(pub [[f32; W]; NODE]);
+pub struct NodeStripes<const W: usize>(pub [[f32; W]; NODE]);
 
-impl<const W: usize> NodeRows<W> {
+impl<const W: usize> NodeStripes<W> {
     /// Without children: all boxes are turned inside out, so that no ray enters them.
     pub const EMPTY: Self = {
-        let mut rows = [[0.0; W]; NODE];
+        let mut stripes = [[0.0; W]; NODE];
         let mut axis = 0;
         while axis < 3 {
-            rows[2 * axis] = [f32::INFINITY; W];
-            rows[2 * axis + 1] = [f32::NEG_INFINITY; W];
+            stripes[2 * axis] = [f32::INFINITY; W];
+            stripes[2 * axis + 1] = [f32::NEG_INFINITY; W];
             axis += 1;
         }
-        Self(rows)
+        Self(stripes)
     };
 
     /// Puts a child into a lane.
@@ -109,24 +109,24 @@ impl<const W: usize> NodeRows<W> {
     }
 }
 
-/// Puts triangles into a leaf's rows.
-pub fn write_block<const W: usize>(rows: &mut [[f32; W]], block: &TriangleBlock<W>) {
-    rows[..9].copy_from_slice(&block.vertices);
-    write_ids(&mut rows[9..], &block.ids);
+/// Puts triangles into a leaf's stripes.
+pub fn write_block<const W: usize>(stripes: &mut [[f32; W]], block: &TriangleBlock<W>) {
+    stripes[..9].copy_from_slice(&block.vertices);
+    write_ids(&mut stripes[9..], &block.ids);
 }
 
-/// Puts ids into a row.
-pub fn write_ids<const W: usize>(rows: &mut [[f32; W]], ids: &[TriangleId; W]) {
-    rows[0] = ids.map(|id| f32::from_bits(id.0));
+/// Puts ids into a stripe.
+pub fn write_ids<const W: usize>(stripes: &mut [[f32; W]], ids: &[TriangleId; W]) {
+    stripes[0] = ids.map(|id| f32::from_bits(id.0));
 }
 
-impl<'a, const W: usize> Rows<'a, W> {
+impl<'a, const W: usize> Stripes<'a, W> {
     /// A node's planes, lower and upper by axis, and its links.
     #[inline(always)]
     pub fn node(&self, link: Link) -> (&'a [[f32; W]; LINKS], &'a [u32; W]) {
-        let row = link.place();
-        let planes = self.floats[row..row + LINKS].try_into().expect("six rows");
-        (planes, &self.bits[row + LINKS])
+        let stripe = link.place();
+        let planes = self.floats[stripe..stripe + LINKS].try_into().expect("six stripes");
+        (planes, &self.bits[stripe + LINKS])
     }
 
     /// A node's children by octants of directions, see [`octants`].
@@ -138,9 +138,9 @@ impl<'a, const W: usize> Rows<'a, W> {
     /// A leaf's triangles.
     #[inline(always)]
     pub fn block(&self, link: Link) -> BlockRef<'a, W> {
-        let row = link.place();
-        let vertices = self.floats[row..row + 9].try_into().expect("nine rows");
-        BlockRef { vertices, ids: &self.ids[row + 9] }
+        let stripe = link.place();
+        let vertices = self.floats[stripe..stripe + 9].try_into().expect("nine stripes");
+        BlockRef { vertices, ids: &self.ids[stripe + 9] }
     }
 
     /// The ids of a leaf that does not store its triangles.

@@ -3,9 +3,10 @@
 //! A node takes the two children of a binary node and opens, again and again, the inner one of the
 //! largest surface until it has `W` (Dammertz, Hanika and Keller, "Shallow bounding volume
 //! hierarchies for fast SIMD ray tracing of incoherent rays", 2008). Ernst and Greiner take every
-//! second level instead: there both children of the binary node are opened, here the larger of their
-//! children may be opened in place of the smaller of the two, also at `W = 4`; and at 8 and 16 a rule
-//! by levels would leave many lanes empty, where a leaf lies high. Leaves are taken over as they are.
+//! second level instead: there both children of the binary node are opened, here the larger of
+//! their children may be opened in place of the smaller of the two, also at `W = 4`; and at 8 and
+//! 16 a rule by levels would leave many lanes empty, where a leaf lies high. Leaves are taken over
+//! as they are.
 
 use super::shape::{Below, Child, Shape, Source};
 use crate::accel::bvh::{BinaryNode, BinaryTree};
@@ -60,7 +61,7 @@ impl<const W: usize> Source<W> for Binary {
         areas[..2].copy_from_slice(&self.pair(node).map(|child| self.area(child)));
         let mut count = 2;
         while count < W
-            && let Some(largest) = largest(&areas[..count])
+            && let Some(largest) = find_largest(&areas[..count])
         {
             let [first, second] = self.pair(open[largest]);
             (open[largest], areas[largest]) = (first, self.area(first));
@@ -72,7 +73,7 @@ impl<const W: usize> Source<W> for Binary {
 }
 
 /// The first of the largest areas that are not negative.
-pub fn largest(areas: &[f64]) -> Option<usize> {
+pub fn find_largest(areas: &[f64]) -> Option<usize> {
     let mut largest = 0;
     for lane in 1..areas.len() {
         if areas[lane] > areas[largest] {

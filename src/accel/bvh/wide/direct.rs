@@ -1,32 +1,32 @@
 //! Wide trees built in one pass, without a binary tree in between.
 //!
-//! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008, section 3.1, name it as future
-//! work. A node begins with all its triangles in one part and splits, again and again, the part of
-//! the largest surface until it has `W`: by equal bins of centroids and the surface area heuristic,
-//! as [`super::super::binned`] does, and by the same rule by which [`super::collapse`] opens nodes. So
-//! the tree is the one that is collapsed from a binned one, to the bit; no node is written that is
-//! thrown away again.
+//! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008, section 3.1, name it as
+//! future work. A node begins with all its triangles in one part and splits, again and again, the
+//! part of the largest surface until it has `W`: by equal bins of centroids and the surface area
+//! heuristic, as [`super::super::binned`] does, and by the same rule by which [`super::collapse`]
+//! opens nodes. So the tree is the one that is collapsed from a binned one, to the bit; no node is
+//! written that is thrown away again.
 
 use rayon::prelude::*;
 
-use super::collapse::largest;
+use super::collapse::find_largest;
 use super::shape::{Below, Child, Shape, Source};
-use crate::accel::bvh::objects::{ObjectSplit, boxes};
+use crate::accel::bvh::objects::{ObjectSplit, find_bounds};
 use crate::accel::bvh::prims::Prim;
-use crate::accel::bvh::sah::Cost;
+use crate::accel::bvh::sah::Costs;
 use crate::math::Aabb;
 
 /// Subtrees with fewer are built by one thread.
 const PARALLEL_SUBTREES: usize = 1 << 13;
 
 /// Builds a tree of nodes with up to `W` children.
-pub fn build<const W: usize>(mut prims: Vec<Prim>, cost: Cost) -> Shape<W, impl Source<W>> {
+pub fn build<const W: usize>(mut prims: Vec<Prim>, costs: Costs) -> Shape<W, impl Source<W>> {
     let triangles = prims.len();
     let mut nodes = vec![[None; W]];
     if !prims.is_empty() {
-        let builder = Builder { cost, task: (triangles / 64).max(PARALLEL_SUBTREES) };
-        let all = builder.part(&mut prims, 0, 0);
-        nodes[ABOVE_ROOT][0] = Some(builder.child(all, &mut nodes));
+        let builder = Builder { costs, task: (triangles / 64).max(PARALLEL_SUBTREES) };
+        let all = builder.make_part(&mut prims, 0, 0);
+        nodes[ABOVE_ROOT][0] = Some(builder.append_subtree(all, &mut nodes));
     }
     let order = prims.iter().map(|prim| prim.id).collect();
     Shape::new(Nodes { nodes }, order, None)
@@ -77,27 +77,27 @@ struct Part<'a> {
 }
 
 struct Builder {
-    cost: Cost,
+    costs: Costs,
     task: usize,
 }
 
 impl Builder {
     /// A part, and whether and how it is best split.
-    fn part<'a>(&self, prims: &'a mut [Prim], first: usize, depth: usize) -> Part<'a> {
-        let (bounds, keys) = boxes(prims);
-        let split = (!self.cost.must_be_leaf(prims.len()))
-            .then(|| ObjectSplit::best(prims, keys, depth, &self.cost))
-            .filter(|s| !self.cost.prefers_leaf(prims.len(), &bounds, s.split().area));
+    fn make_part<'a>(&self, prims: &'a mut [Prim], first: usize, depth: usize) -> Part<'a> {
+        let (bounds, keys) = find_bounds(prims);
+        let split = (!self.costs.must_be_leaf(prims.len()))
+            .then(|| ObjectSplit::find_best(prims, keys, depth, &self.costs))
+            .filter(|s| !self.costs.prefers_leaf(prims.len(), &bounds, s.split().area));
         Part { prims, first, depth, bounds, split }
     }
 
     /// Both sides of a part.
-    fn sides<'a>(&self, part: Part<'a>, split: &ObjectSplit) -> [Part<'a>; 2] {
+    fn split_part<'a>(&self, part: Part<'a>, split: &ObjectSplit) -> [Part<'a>; 2] {
         let Part { prims, first, depth, .. } = part;
         let parallel = prims.len() > self.task;
-        let middle = split.part(prims, &self.cost);
+        let middle = split.apply(prims, &self.costs);
         let (left, right) = prims.split_at_mut(middle);
-        let side = |prims: &'a mut [Prim], first| self.part(prims, first, depth + 1);
+        let side = |prims: &'a mut [Prim], first| self.make_part(prims, first, depth + 1);
         if parallel {
             rayon::join(|| side(left, first), || side(right, first + middle)).into()
         } else {
@@ -106,21 +106,25 @@ impl Builder {
     }
 
     /// Parts that cover a part: as many as a node has children.
-    fn parts<'a, const W: usize>(&self, part: Part<'a>, split: &ObjectSplit) -> Vec<Part<'a>> {
+    fn split_into_parts<'a, const W: usize>(
+        &self,
+        part: Part<'a>,
+        split: &ObjectSplit,
+    ) -> Vec<Part<'a>> {
         // Leaves can't be opened.
         let area = |part: &Part<'_>| match part.split {
             Some(_) => part.bounds.half_area(),
             None => -1.0,
         };
         let mut parts = Vec::with_capacity(W);
-        parts.extend(self.sides(part, split));
+        parts.extend(self.split_part(part, split));
         let mut areas = [-1.0; W];
         areas[..2].copy_from_slice(&[area(&parts[0]), area(&parts[1])]);
         while parts.len() < W
-            && let Some(at) = largest(&areas[..parts.len()])
+            && let Some(at) = find_largest(&areas[..parts.len()])
             && let Some(split) = parts[at].split.take()
         {
-            let [left, right] = self.sides(parts.remove(at), &split);
+            let [left, right] = self.split_part(parts.remove(at), &split);
             (areas[at], areas[parts.len() + 1]) = (area(&left), area(&right));
             parts.insert(at, left);
             parts.push(right);
@@ -129,7 +133,11 @@ impl Builder {
     }
 
     /// Appends the subtree of a part.
-    fn child<const W: usize>(&self, mut part: Part<'_>, nodes: &mut Vec<Children<W>>) -> Child {
+    fn append_subtree<const W: usize>(
+        &self,
+        mut part: Part<'_>,
+        nodes: &mut Vec<Children<W>>,
+    ) -> Child {
         let bounds = part.bounds;
         let Some(split) = part.split.take() else {
             let (first, count) = (part.first as u32, part.prims.len() as u32);
@@ -138,23 +146,25 @@ impl Builder {
         let node = nodes.len();
         nodes.push([None; W]);
         let parallel = part.prims.len() > self.task;
-        let parts = self.parts::<W>(part, &split);
+        let parts = self.split_into_parts::<W>(part, &split);
         if parallel {
             let subtrees: Vec<(Child, Vec<Children<W>>)> = parts
                 .into_par_iter()
                 .map(|part| {
                     let mut below = Vec::new();
-                    (self.child(part, &mut below), below)
+                    (self.append_subtree(part, &mut below), below)
                 })
                 .collect();
             for (lane, (child, below)) in subtrees.into_iter().enumerate() {
                 let offset = nodes.len() as u32;
-                nodes[node][lane] = Some(moved(child, offset));
-                nodes.extend(below.iter().map(|row| row.map(|child| Some(moved(child?, offset)))));
+                nodes[node][lane] = Some(shift(child, offset));
+                nodes.extend(
+                    below.iter().map(|stripe| stripe.map(|child| Some(shift(child?, offset)))),
+                );
             }
         } else {
             for (lane, part) in parts.into_iter().enumerate() {
-                nodes[node][lane] = Some(self.child(part, nodes));
+                nodes[node][lane] = Some(self.append_subtree(part, nodes));
             }
         }
         Child { bounds, below: Below::Node(node as u32) }
@@ -162,7 +172,7 @@ impl Builder {
 }
 
 /// A child whose subtree lies so many nodes further back.
-fn moved(child: Child, offset: u32) -> Child {
+fn shift(child: Child, offset: u32) -> Child {
     match child.below {
         Below::Node(node) => Child { below: Below::Node(node + offset), ..child },
         Below::Leaf(..) => child,

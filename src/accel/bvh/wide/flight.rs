@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::arena::Rows;
+use super::arena::Stripes;
 use super::node;
 use super::stack::{Sorting, Stack};
 use super::wide_bvh::{RAYS, Scratch, WideBvh};
@@ -76,7 +76,7 @@ where
         scratch: &mut Scratch<W>,
     ) {
         let Some(root) = self.root else { return slice.answer_nothing() };
-        let (simd, rays, rows) = (slice.simd, slice.batch.rays(), self.arena.rows());
+        let (simd, rays, stripes) = (slice.simd, slice.batch.rays(), self.arena.stripes());
         let filter = slice.batch.filter();
         let start = |index: usize, stack: usize| Flight {
             ray: PreparedRay::new(&rays[index], index, filter),
@@ -102,11 +102,11 @@ where
                 let ended = *key == 0 || {
                     let counters = &mut *slice.counters;
                     let context = &mut RayContext { simd, ray, query, counters };
-                    self.step(context, (rows, fetched), *link, (stack, top)).is_break()
+                    self.step(context, (stripes, fetched), *link, (stack, top)).is_break()
                 };
                 if !ended {
                     (*key, *link) = stack.pop(top);
-                    rows.prefetch(*link);
+                    stripes.prefetch(*link);
                     turn += 1;
                     continue;
                 }
@@ -128,17 +128,17 @@ where
     fn step<S: Simd, Q: Query, C: Counters>(
         &self,
         context: &mut RayContext<'_, S, Q, C>,
-        (rows, fetched): (Rows<'_, W>, &mut Fetched<W>),
+        (stripes, fetched): (Stripes<'_, W>, &mut Fetched<W>),
         link: Link,
         (stack, top): (&mut Stack<W>, &mut usize),
     ) -> ControlFlow<()> {
         if link.is_leaf() {
-            return self.test_leaf(context, rows, link, fetched);
+            return self.test_leaf(context, stripes, link, fetched);
         }
-        let (planes, links) = rows.node(link);
+        let (planes, links) = stripes.node(link);
         let (simd, ray) = (context.simd, context.ray);
-        let (keys, hits) = node::enter(simd, planes, ray, context.query.t_max());
-        let sorting = if Q::ANY { Sorting::None } else { self.sorting(rows, link, ray) };
+        let (keys, hits) = node::intersect_children(simd, planes, ray, context.query.t_max());
+        let sorting = if Q::ANY { Sorting::None } else { self.sorting(stripes, link, ray) };
         stack.push(simd, sorting, keys, hits, links, top);
         ControlFlow::Continue(())
     }

@@ -15,7 +15,7 @@ type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 ///
 /// The arithmetic is [`crate::geom::SlabRay::interval`]'s, lane by lane.
 #[inline(always)]
-pub fn enter<S: Simd, const W: usize>(
+pub fn intersect_children<S: Simd, const W: usize>(
     simd: S,
     planes: &[[f32; W]; 6],
     prepared: &PreparedRay<'_>,

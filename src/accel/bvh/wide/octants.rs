@@ -1,9 +1,9 @@
 //! The order of a node's children for each octant of directions, made ahead and packed.
 //!
 //! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008, section 3.1. A list is a
-//! nibble a lane, the farthest first, so that the lists of eight octants are as many bits as a row
-//! of the tree, whatever its width. The paper takes the order from the axes along which the binary
-//! tree was split (algorithm 1); ours sorts by the middles of the boxes along the octant's
+//! nibble a lane, the farthest first, so that the lists of eight octants are as many bits as a
+//! stripe of the tree, whatever its width. The paper takes the order from the axes along which the
+//! binary tree was split (algorithm 1); ours sorts by the middles of the boxes along the octant's
 //! diagonal, which needs no binary tree and holds for any way to choose the children.
 
 use crate::geom::SlabRay;
@@ -13,27 +13,27 @@ const OCTANTS: usize = 8;
 
 /// The octant of a ray's direction: a bit for each axis that it goes down along.
 #[inline(always)]
-pub fn octant(slab: &SlabRay) -> usize {
+pub fn find_octant(slab: &SlabRay) -> usize {
     let [x, y, z] = slab.negative;
     (x | y << 1 | z << 2) % OCTANTS
 }
 
-/// The lists for all octants, in a row. A lane without a child has an empty box.
+/// The lists for all octants, in a stripe. A lane without a child has an empty box.
 pub fn pack<const W: usize>(children: &[Aabb; W]) -> [u32; W] {
-    let mut row = [0; W];
+    let mut stripe = [0; W];
     for octant in 0..OCTANTS {
-        for (place, lane) in farthest_first(children, octant).into_iter().enumerate() {
+        for (place, lane) in sort_farthest_first(children, octant).into_iter().enumerate() {
             let bit = 4 * (octant * W + place);
-            row[bit / 32] |= lane << (bit % 32);
+            stripe[bit / 32] |= lane << (bit % 32);
         }
     }
-    row
+    stripe
 }
 
 /// The list of an octant: in its lowest nibble the lane that comes first.
 #[inline(always)]
-pub fn list<const W: usize>(row: &[u32; W], octant: usize) -> u64 {
-    let word = |place: usize| u64::from(row[place % W]);
+pub fn read_list<const W: usize>(stripe: &[u32; W], octant: usize) -> u64 {
+    let word = |place: usize| u64::from(stripe[place % W]);
     match W {
         4 => word(octant / 2) >> (16 * (octant % 2)) & 0xffff,
         8 => word(octant),
@@ -42,7 +42,7 @@ pub fn list<const W: usize>(row: &[u32; W], octant: usize) -> u64 {
 }
 
 /// Lanes by how far their boxes are along an octant's diagonal; those without a child last.
-fn farthest_first<const W: usize>(children: &[Aabb; W], octant: usize) -> [u32; W] {
+fn sort_farthest_first<const W: usize>(children: &[Aabb; W], octant: usize) -> [u32; W] {
     let along = |lane: usize| {
         let bounds = &children[lane];
         if bounds.is_empty() {
@@ -64,12 +64,12 @@ mod tests {
     use crate::math::Vec3;
 
     fn check<const W: usize>() {
-        // A row of boxes along x, the first one lowest, and no child in the last lane.
+        // A stripe of boxes along x, the first one lowest, and no child in the last lane.
         let at = |i: usize| Aabb::of_points([Vec3::X * i as f32, Vec3::X * i as f32 + Vec3::ONE]);
         let children = std::array::from_fn(|i| if i == W - 1 { Aabb::EMPTY } else { at(i) });
-        let row = pack::<W>(&children);
+        let stripe = pack::<W>(&children);
         for octant in 0..OCTANTS {
-            let list = list(&row, octant);
+            let list = read_list(&stripe, octant);
             for place in 0..W {
                 let lane = (list >> (4 * place) & 15) as usize;
                 let expected = match (place == W - 1, octant & 1 == 1) {

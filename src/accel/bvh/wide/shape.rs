@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::arena::{Arena, BLOCK, NODE, NodeRows, write_block, write_ids};
+use super::arena::{Arena, BLOCK, NODE, NodeStripes, write_block, write_ids};
 use crate::accel::BuildReport;
 use crate::accel::bvh::Parts;
-use crate::accel::bvh::leaves::{ids_of, triangles_of};
+use crate::accel::bvh::leaves::{fetch_triangles, pad_ids};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::sah;
 use crate::geom::TriangleSource;
@@ -61,7 +61,7 @@ pub struct Shape<const W: usize, S> {
 
 /// Up to `W` children: their numbers in the source, and where the first of those that are nodes and
 /// of those that are leaves lies. Small, as memory that is touched for the first time is what
-/// collapsing waits for: boxes are read once more when rows are written.
+/// collapsing waits for: boxes are read once more when stripes are written.
 #[derive(Clone, Copy)]
 struct Node<const W: usize> {
     count: u32,
@@ -141,19 +141,19 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
         };
     }
 
-    /// Rows of a leaf.
-    fn leaf_rows(inline: bool) -> usize {
+    /// Stripes of a leaf.
+    fn leaf_stripes(inline: bool) -> usize {
         if inline { BLOCK } else { 1 }
     }
 
-    /// The first row of all leaves.
+    /// The first stripe of all leaves.
     pub fn first_leaf(&self) -> usize {
         self.nodes.len() * NODE
     }
 
-    /// Rows in all.
-    pub fn rows(&self, inline: bool) -> usize {
-        self.first_leaf() + self.leaves.len() * Self::leaf_rows(inline)
+    /// Stripes in all.
+    pub fn stripes(&self, inline: bool) -> usize {
+        self.first_leaf() + self.leaves.len() * Self::leaf_stripes(inline)
     }
 
     /// Where a walk begins; `None` without triangles.
@@ -165,12 +165,13 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
         }
     }
 
-    /// Writes the nodes into the rows before the leaves', with their children's orders or without.
+    /// Writes the nodes into the stripes before the leaves', with their children's orders or
+    /// without.
     pub fn write_nodes(&self, arena: &mut Arena<W>, inline: bool, by_octant: bool) {
-        let (first_leaf, of_leaf) = (self.first_leaf(), Self::leaf_rows(inline));
-        let rows = arena.floats_mut()[..first_leaf].par_chunks_mut(NODE);
-        rows.zip(&self.nodes).with_min_len(256).for_each(|(rows, node)| {
-            let mut written = NodeRows::EMPTY;
+        let (first_leaf, of_leaf) = (self.first_leaf(), Self::leaf_stripes(inline));
+        let stripes = arena.floats_mut()[..first_leaf].par_chunks_mut(NODE);
+        stripes.zip(&self.nodes).with_min_len(256).for_each(|(stripes, node)| {
+            let mut written = NodeStripes::EMPTY;
             let mut nodes = (node.first_node as usize..).map(|place| place * NODE);
             let mut leaves = (node.first_leaf as usize..).map(|place| first_leaf + place * of_leaf);
             for (lane, &number) in node.children[..node.count as usize].iter().enumerate() {
@@ -184,20 +185,20 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
             if by_octant {
                 written.write_orders();
             }
-            rows.copy_from_slice(&written.0);
+            stripes.copy_from_slice(&written.0);
         });
     }
 
-    /// Writes the leaves into the rows behind the nodes', with their triangles or without.
+    /// Writes the leaves into the stripes behind the nodes', with their triangles or without.
     pub fn write_leaves(&self, arena: &mut Arena<W>, source: &dyn TriangleSource, inline: bool) {
-        let rows = &mut arena.floats_mut()[self.first_leaf()..];
-        let leaves = rows.par_chunks_mut(Self::leaf_rows(inline)).zip(&self.leaves);
-        leaves.with_min_len(256).for_each(|(rows, &(first, count))| {
+        let stripes = &mut arena.floats_mut()[self.first_leaf()..];
+        let leaves = stripes.par_chunks_mut(Self::leaf_stripes(inline)).zip(&self.leaves);
+        leaves.with_min_len(256).for_each(|(stripes, &(first, count))| {
             let ids = &self.order[first as usize..][..count as usize];
             if inline {
-                write_block(rows, &triangles_of(ids, source));
+                write_block(stripes, &fetch_triangles(ids, source));
             } else {
-                write_ids(rows, &ids_of(ids));
+                write_ids(stripes, &pad_ids(ids));
             }
         });
     }
@@ -226,7 +227,7 @@ mod tests {
         source: &TriangleList,
         inline: bool,
     ) {
-        let mut arena = Arena::new(shape.rows(inline)).expect("memory");
+        let mut arena = Arena::new(shape.stripes(inline)).expect("memory");
         shape.write_nodes(&mut arena, inline, true);
         shape.write_leaves(&mut arena, source, inline);
         let mut seen = vec![false; source.len()];
@@ -234,15 +235,15 @@ mod tests {
         let mut visited = 0;
         while let Some(link) = open.pop() {
             visited += 1;
-            let rows = arena.rows();
+            let stripes = arena.stripes();
             if link.is_leaf() {
-                let ids = if inline { rows.block(link).ids } else { rows.ids(link) };
+                let ids = if inline { stripes.block(link).ids } else { stripes.ids(link) };
                 for id in ids.iter().filter(|&&id| id != TriangleId::NONE) {
                     assert!(!std::mem::replace(&mut seen[id.index()], true));
                 }
                 continue;
             }
-            let (planes, links) = rows.node(link);
+            let (planes, links) = stripes.node(link);
             let taken = (0..W).filter(|&lane| planes[0][lane] <= planes[1][lane]);
             open.extend(taken.map(|lane| Link(links[lane])));
         }
@@ -252,9 +253,9 @@ mod tests {
 
     fn check_builds<const W: usize>(count: usize, fill: sah::Fill) {
         let source = triangles(count);
-        let cost = sah::Cost { traversal: sah::TRAVERSAL, width: W, fill };
-        let collapsed = collapse::<W>(binned::build(&mut prims::prims(&source), cost));
-        let direct = direct::build::<W>(prims::prims(&source), cost);
+        let costs = sah::Costs { traversal_cost: sah::TRAVERSAL_COST, width: W, fill };
+        let collapsed = collapse::<W>(binned::build(&mut prims::make_prims(&source), costs));
+        let direct = direct::build::<W>(prims::make_prims(&source), costs);
         for inline in [false, true] {
             check(&collapsed, &source, inline);
             check(&direct, &source, inline);
@@ -263,15 +264,15 @@ mod tests {
         assert_eq!(direct.order, collapsed.order);
         assert_eq!(direct.leaves, collapsed.leaves);
         assert_eq!(direct.report.sah_cost, collapsed.report.sah_cost);
-        assert_eq!(rows(&direct), rows(&collapsed));
+        assert_eq!(stripes(&direct), stripes(&collapsed));
     }
 
     /// The nodes as they lie in memory.
-    fn rows<const W: usize>(shape: &Shape<W, impl Source<W>>) -> Vec<[u32; W]> {
-        let mut arena = Arena::new(shape.rows(true)).expect("memory");
+    fn stripes<const W: usize>(shape: &Shape<W, impl Source<W>>) -> Vec<[u32; W]> {
+        let mut arena = Arena::new(shape.stripes(true)).expect("memory");
         shape.write_nodes(&mut arena, true, true);
-        let rows = &arena.floats_mut()[..shape.first_leaf()];
-        rows.iter().map(|row| row.map(f32::to_bits)).collect()
+        let stripes = &arena.floats_mut()[..shape.first_leaf()];
+        stripes.iter().map(|stripe| stripe.map(f32::to_bits)).collect()
     }
 
     #[test]

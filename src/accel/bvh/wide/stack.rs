@@ -6,10 +6,10 @@ use crate::accel::bvh::link::Link;
 use crate::accel::bvh::sah;
 use crate::simd::order::{store_keys, store_listed};
 
-/// Rows of a stack. A level puts `W` aside and takes one of them, and the last store is a whole
-/// vector: with one row for the bottom, that is enough for any tree that builders make.
-const ROWS: usize = 128;
-const _: () = assert!(sah::MAX_DEPTH + 2 < ROWS);
+/// Stripes of a stack. A level puts `W` aside and takes one of them, and the last store is a whole
+/// vector: with one stripe for the bottom, that is enough for any tree that builders make.
+const STRIPES: usize = 128;
+const _: () = assert!(sah::MAX_DEPTH + 2 < STRIPES);
 
 /// In which order a node's children go on the stack.
 #[derive(Clone, Copy)]
@@ -26,17 +26,17 @@ pub enum Sorting {
 ///
 /// Of a fixed size, and places are taken modulo that: so they need not be checked.
 pub struct Stack<const W: usize> {
-    keys: [[u32; W]; ROWS + 1],
-    links: [[u32; W]; ROWS + 1],
+    keys: [[u32; W]; STRIPES + 1],
+    links: [[u32; W]; STRIPES + 1],
 }
 
 impl<const W: usize> Stack<W> {
     /// Places, a power of two.
-    const SIZE: usize = ROWS * W;
+    const SIZE: usize = STRIPES * W;
 
     /// With nothing but the bottom.
     pub const fn new() -> Self {
-        Self { keys: [[0; W]; ROWS + 1], links: [[0; W]; ROWS + 1] }
+        Self { keys: [[0; W]; STRIPES + 1], links: [[0; W]; STRIPES + 1] }
     }
 
     /// Puts a node's children on top that the ray enters.

@@ -29,8 +29,8 @@ pub const MBVH16: Variant =
 /// On an AVX2 machine, by slices of random rays, this is 2.5 to 5 times as fast as `bvh2`. Eight
 /// lanes beat four by 10 to 40 % and sixteen, which are two vectors there, by 30 %. Leaves that
 /// need not be full are worth 20 % in scenes of long thin triangles and nothing in scans;
-/// refinement 20 % in the same, for up to a fifth of the build's time. Spatial splits after that add
-/// 10 % in some scenes and take as much in others, for twice the build's time, and are left to
+/// refinement 20 % in the same, for up to a fifth of the build's time. Spatial splits after that
+/// add 10 % in some scenes and take as much in others, for twice the build's time, and are left to
 /// `build=sbvh`. Whole renders are faster than with `bvh2` even where there are but a few dozen
 /// triangles, by 10 %.
 ///
@@ -41,9 +41,9 @@ pub const MBVH16: Variant =
 ///
 /// Measured and left out: boxes of eight bits (7 to 18 % slower), children by octant in place of
 /// distance (`order=octant`: as fast in flight, 5 to 15 % slower ray by ray), any other order in
-/// memory (nothing). Packets for primary rays, as of `bvh-packet`: by themselves they are half as fast
-/// again among large triangles, but pictures that end at the first hit gain 8 to 10 %, by which whole ones
-/// would 1 to 3: less than a second tree is worth.
+/// memory (nothing). Packets for primary rays, as of `bvh-packet`: by themselves they are half as
+/// fast again among large triangles, but pictures that end at the first hit gain 8 to 10 %, by
+/// which whole ones would 1 to 3: less than a second tree is worth.
 pub const AUTO: Variant = Variant {
     id: "auto",
     summary: "what measures best: mbvh8 of a refined tree, leaves as the heuristic likes them",
@@ -91,7 +91,8 @@ const LEAVES: OptionSpec = OptionSpec {
 /// The option that says how a node's children are ordered.
 const ORDER: OptionSpec = OptionSpec {
     name: "order",
-    summary: "children by distance, or by octants as in the paper; in flight, for nearest hits only",
+    summary: "children by distance, or by octants as in the paper; in flight, for nearest hits \
+              only",
     values: Values::Choice(&["distance", "octant"]),
     default: Value::Choice("distance"),
 };

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Level, Simd};
 
-use super::arena::{Arena, BLOCK, Rows};
+use super::arena::{Arena, BLOCK, Stripes};
 use super::shape::{Shape, Source};
 use super::stack::{Sorting, Stack};
 use super::{collapse, direct, node, octants};
@@ -12,8 +12,8 @@ use crate::accel::bvh::Parts;
 use crate::accel::bvh::build::build_tree_by;
 use crate::accel::bvh::leaves::{Fetch, Fetched};
 use crate::accel::bvh::link::Link;
-use crate::accel::bvh::prims::prims;
-use crate::accel::bvh::sah::{self, Cost, Fill, TRAVERSAL};
+use crate::accel::bvh::prims::make_prims;
+use crate::accel::bvh::sah::{self, Costs, Fill, TRAVERSAL_COST};
 use crate::accel::{
     BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
     RayContext, Structure,
@@ -58,16 +58,16 @@ where
     /// Builds the tree, binary first or in one pass, and says how long each phase took.
     pub fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
         let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
-        let cost = Cost { traversal: TRAVERSAL, width: W, fill };
+        let costs = Costs { traversal_cost: TRAVERSAL_COST, width: W, fill };
         let mut phases = Phases::start();
         if input.options.choice("build") == "direct" {
-            let prims = prims(&*input.source);
+            let prims = make_prims(&*input.source);
             phases.end("boxes");
-            let shape = direct::build::<W>(prims, cost);
+            let shape = direct::build::<W>(prims, costs);
             phases.end("tree");
             return Self::lay_out(input, &shape, phases);
         }
-        let tree = build_tree_by(input, cost, &mut phases);
+        let tree = build_tree_by(input, costs, &mut phases);
         let shape = collapse::collapse::<W>(tree);
         phases.end("collapse");
         Self::lay_out(input, &shape, phases)
@@ -85,14 +85,15 @@ where
         }
         let fetch = Fetch::new(input);
         let (inline, by_octant) = (fetch.is_none(), input.options.choice("order") == "octant");
-        let rows = shape.rows(inline);
-        if rows >= Link::LIMIT {
+        let stripes = shape.stripes(inline);
+        if stripes >= Link::LIMIT {
             let count = input.source.len();
-            let limit = (count as u64 * Link::LIMIT as u64 / rows as u64) as usize;
+            let limit = (count as u64 * Link::LIMIT as u64 / stripes as u64) as usize;
             return Err(BuildError::TooManyTriangles { count, limit });
         }
-        let mut arena = Arena::new(rows)
-            .map_err(|_| BuildError::NoMemory { needed: (rows * size_of::<[f32; W]>()) as u64 })?;
+        let mut arena = Arena::new(stripes).map_err(|_| BuildError::NoMemory {
+            needed: (stripes * size_of::<[f32; W]>()) as u64,
+        })?;
         shape.write_nodes(&mut arena, inline, by_octant);
         phases.end("nodes");
         shape.write_leaves(&mut arena, &*input.source, inline);
@@ -115,9 +116,17 @@ where
 
     /// In which order the children of a node go on the stack.
     #[inline(always)]
-    pub fn sorting(&self, rows: Rows<'_, W>, node: Link, prepared: &PreparedRay<'_>) -> Sorting {
+    pub fn sorting(
+        &self,
+        stripes: Stripes<'_, W>,
+        node: Link,
+        prepared: &PreparedRay<'_>,
+    ) -> Sorting {
         if self.by_octant {
-            Sorting::Listed(octants::list(rows.orders(node), octants::octant(&prepared.slab)))
+            Sorting::Listed(octants::read_list(
+                stripes.orders(node),
+                octants::find_octant(&prepared.slab),
+            ))
         } else {
             Sorting::ByDistance
         }
@@ -125,19 +134,19 @@ where
 
     /// A leaf's triangles.
     #[inline(always)]
-    fn block<'a, C: Counters>(
+    fn visit_leaf<'a, C: Counters>(
         &self,
-        rows: Rows<'a, W>,
+        stripes: Stripes<'a, W>,
         link: Link,
         fetched: &'a mut Fetched<W>,
         counters: &mut C,
     ) -> BlockRef<'a, W> {
         counters.count(Event::Leaf);
         match &self.fetch {
-            None => rows.block(link),
+            None => stripes.block(link),
             Some(fetch) => {
                 let leaf = link.place() - self.first_leaf;
-                fetched.block(fetch, leaf, rows.ids(link), counters)
+                fetched.block(fetch, leaf, stripes.ids(link), counters)
             }
         }
     }
@@ -147,11 +156,11 @@ where
     pub fn test_leaf<S: Simd, Q: Query, C: Counters>(
         &self,
         context: &mut RayContext<'_, S, Q, C>,
-        rows: Rows<'_, W>,
+        stripes: Stripes<'_, W>,
         link: Link,
         fetched: &mut Fetched<W>,
     ) -> ControlFlow<()> {
-        let block = self.block(rows, link, fetched, context.counters);
+        let block = self.visit_leaf(stripes, link, fetched, context.counters);
         context.test_block::<<Lanes as Vectors<W>>::Floats<S>, W>(block)
     }
 
@@ -162,10 +171,11 @@ where
         mut context: RayContext<'_, impl Simd, Q, C>,
         fetched: &mut Fetched<W>,
     ) {
-        let (rows, of_leaf) = (self.arena.rows(), if self.fetch.is_some() { 1 } else { BLOCK });
+        let (stripes, of_leaf) =
+            (self.arena.stripes(), if self.fetch.is_some() { 1 } else { BLOCK });
         for leaf in 0..self.report.leaves {
             let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
-            let block = self.block(rows, link, fetched, context.counters);
+            let block = self.visit_leaf(stripes, link, fetched, context.counters);
             if context.test_each(block).is_break() {
                 return;
             }
@@ -180,7 +190,7 @@ where
         scratch: &mut Scratch<W>,
     ) {
         let Some(mut link) = self.root else { return };
-        let rows = self.arena.rows();
+        let stripes = self.arena.stripes();
         let Scratch { stacks, fetched } = scratch;
         if self.parts.is_some_and(|parts| !parts.covers(&context.ray.ray)) {
             return self.test_all(context.reborrow(), fetched);
@@ -188,22 +198,23 @@ where
         let (stack, mut top) = (&mut stacks[0], 1);
         loop {
             if link.is_leaf() {
-                if self.test_leaf(context, rows, link, fetched).is_break() {
+                if self.test_leaf(context, stripes, link, fetched).is_break() {
                     return;
                 }
             } else {
                 context.counters.count(Event::InnerNode);
                 context.counters.count(Event::BoxTest);
-                let (planes, links) = rows.node(link);
+                let (planes, links) = stripes.node(link);
                 let (simd, ray) = (context.simd, context.ray);
-                let (keys, hits) = node::enter(simd, planes, ray, context.query.t_max());
-                let sorting = self.sorting(rows, link, ray);
+                let (keys, hits) =
+                    node::intersect_children(simd, planes, ray, context.query.t_max());
+                let sorting = self.sorting(stripes, link, ray);
                 let below = stack.descend(simd, sorting, &keys, hits, links, &mut top);
                 if let Some(nearest) = below {
                     context.counters.add(Event::Push, u64::from(hits.count_ones()) - 1);
                     if hits & (hits - 1) != 0 {
                         // Where it will turn to when it comes back from below `nearest`.
-                        rows.prefetch(stack.peek(top));
+                        stripes.prefetch(stack.peek(top));
                     }
                     link = nearest;
                     continue;
@@ -225,7 +236,7 @@ where
 
     fn scratch(&self) -> Scratch<W> {
         let stacks = (0..RAYS).map(|_| Stack::new()).collect();
-        let fetched = self.fetch.as_ref().map(|fetch| fetch.table(self.report.leaves));
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.report.leaves));
         Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none) }
     }
 

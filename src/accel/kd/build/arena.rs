@@ -1,6 +1,6 @@
 //! Parts of a tree, to be joined.
 
-use crate::accel::kd::tree::{LeafId, Node, halves};
+use crate::accel::kd::tree::{LeafId, Node, split_cell};
 use crate::math::{Aabb, NodeId, TriangleId};
 
 /// Nodes in depth-first order, with the lists of their leaves.
@@ -16,7 +16,7 @@ pub struct Arena {
 
 impl Arena {
     /// Adds a leaf.
-    pub fn leaf(&mut self, ids: impl Iterator<Item = TriangleId>) {
+    pub fn add_leaf(&mut self, ids: impl Iterator<Item = TriangleId>) {
         let before = self.ids.len();
         self.ids.extend(ids);
         let is_empty = self.ids.len() == before;
@@ -26,7 +26,7 @@ impl Arena {
 
     /// Adds a node with its children, which add themselves; both parts at once where `fork` says
     /// so, and either way the result is the same.
-    pub fn inner(
+    pub fn add_inner(
         &mut self,
         axis: usize,
         split: f32,
@@ -77,7 +77,7 @@ impl Arena {
         while let Some((at, cell, depth)) = todo.pop() {
             visit(self.nodes[at], &cell, depth);
             if let Node::Inner { axis, split, above } = self.nodes[at] {
-                let [low, high] = halves(&cell, axis as usize, split);
+                let [low, high] = split_cell(&cell, axis as usize, split);
                 todo.push((above.index(), high, depth + 1));
                 todo.push((at + 1, low, depth + 1));
             }

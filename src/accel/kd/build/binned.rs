@@ -8,17 +8,18 @@
 //! the planes that cut off the empty space beside them.
 
 use super::bins::{BINS, Candidates};
-use super::{Costs, Plane, Reference};
+use super::input::Reference;
+use super::sah::{Costs, Plane};
 use crate::math::Aabb;
 
 /// The best plane of all bins' bounds.
-pub fn best(references: &[Reference], cell: &Aabb, costs: &Costs) -> Option<Plane> {
+pub fn find_best(references: &[Reference], cell: &Aabb, costs: &Costs) -> Option<Plane> {
     let mut candidates = Candidates::new(references, cell, costs);
     for axis in 0..3 {
         let Some(planes) = candidates.planes(axis) else { continue };
         let mut bins = [0; BINS];
         for Reference { bounds, .. } in references {
-            bins[planes.near(bounds.min[axis] * 0.5 + bounds.max[axis] * 0.5)] += 1;
+            bins[planes.count_near(bounds.min[axis] * 0.5 + bounds.max[axis] * 0.5)] += 1;
         }
         let mut below = 0;
         for (bin, here) in bins[..BINS - 1].iter().enumerate() {
@@ -45,13 +46,13 @@ mod tests {
     #[test]
     fn empty_space_is_cut_off_first_and_clusters_are_parted() {
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::new(10.0, 1.0, 1.0) };
-        let costs = Costs { step: 1.0, triangle: 10.0, empty: 0.0 };
+        let costs = Costs { traversal_cost: 1.0, intersection_cost: 10.0, empty_bonus: 0.0 };
         let right: Vec<_> = (0..8).map(|i| reference(i, 8.0, 9.0)).collect();
-        let plane = best(&right, &cell, &costs).expect("there is room to the left");
+        let plane = find_best(&right, &cell, &costs).expect("there is room to the left");
         assert_eq!((plane.axis, plane.split), (0, 8.0));
 
         let both: Vec<_> = (0..8).map(|i| reference(i, 0.0, 1.0)).chain(right).collect();
-        let plane = best(&both, &cell, &costs).expect("there is room in the middle");
+        let plane = find_best(&both, &cell, &costs).expect("there is room in the middle");
         // Wherever between the centroids: the heuristic is linear there.
         assert!(plane.axis == 0 && plane.split > 0.5 && plane.split < 8.5, "{plane:?}");
     }
@@ -60,7 +61,7 @@ mod tests {
     fn equal_boxes_that_fill_the_cell_give_no_plane() {
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
         let same: Vec<_> = (0..100).map(|i| reference(i, 0.0, 1.0)).collect();
-        let costs = Costs { step: 1.0, triangle: 1.5, empty: 0.2 };
-        assert_eq!(best(&same, &cell, &costs), None);
+        let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 };
+        assert_eq!(find_best(&same, &cell, &costs), None);
     }
 }

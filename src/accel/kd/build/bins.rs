@@ -1,7 +1,7 @@
 //! What the builders with bins share.
 
-use super::cost::CellCosts;
-use super::{Costs, Plane, Reference};
+use super::input::Reference;
+use super::sah::{CellCosts, Costs, Plane};
 use crate::math::Aabb;
 
 /// Intervals along an axis.
@@ -37,15 +37,15 @@ impl Planes {
 
     /// About how many bounds are below a coordinate.
     #[inline]
-    pub fn near(&self, x: f32) -> usize {
+    pub fn count_near(&self, x: f32) -> usize {
         // Saturates at both ends.
         (((x - self.low) * self.per_unit) as usize).min(BINS - 1)
     }
 
     /// How many bounds are at or below a coordinate.
     #[inline]
-    pub fn at_or_below(&self, x: f32) -> usize {
-        let mut count = self.near(x);
+    pub fn count_at_or_below(&self, x: f32) -> usize {
+        let mut count = self.count_near(x);
         while count < BINS - 1 && self.planes[count] <= x {
             count += 1;
         }
@@ -57,8 +57,8 @@ impl Planes {
 
     /// How many bounds are below a coordinate.
     #[inline]
-    pub fn below(&self, x: f32) -> usize {
-        let mut count = self.near(x);
+    pub fn count_below(&self, x: f32) -> usize {
+        let mut count = self.count_near(x);
         while count < BINS - 1 && self.planes[count] < x {
             count += 1;
         }
@@ -100,8 +100,8 @@ impl<'a> Candidates<'a> {
     /// Considers a plane with that many triangles below and above it.
     #[inline]
     pub fn offer(&mut self, axis: usize, split: f32, below: usize, above: usize) {
-        if let Some(plane) = self.costs.plane(axis, split, below, above) {
-            self.best = Plane::better(self.best, plane);
+        if let Some(plane) = self.costs.weigh(axis, split, below, above) {
+            self.best = Plane::choose_cheaper(self.best, plane);
         }
     }
 }

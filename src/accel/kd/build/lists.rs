@@ -1,26 +1,29 @@
 //! The recursion over lists of boxes, for planes that are found by looking at all of them.
 //!
-//! Triangles on both sides of a plane are clipped to each, as [`super::sweep`] does. Whether a split
-//! pays is judged by the lists that it makes, not by what its finder thought they would be.
+//! Triangles on both sides of a plane are clipped to each, as [`super::sweep`] does. Whether a
+//! split pays is judged by the lists that it makes, not by what its finder thought they would be.
 
-use super::{Arena, Costs, FORK_COUNT, FORK_LEVELS, Nodes, Plane, Reference};
-use crate::accel::kd::tree::halves;
-use crate::geom::clipped_bounds;
+use super::arena::Arena;
+use super::input::{Reference, TreeInput};
+use super::limits::{FORK_COUNT, FORK_LEVELS};
+use super::sah::{Costs, Plane};
+use crate::accel::kd::tree::split_cell;
+use crate::geom::clip_bounds;
 use crate::math::Aabb;
 
 /// Finds the best plane for a list of boxes in a cell.
-pub type Best = fn(&[Reference], &Aabb, &Costs) -> Option<Plane>;
+pub type FindBest = fn(&[Reference], &Aabb, &Costs) -> Option<Plane>;
 
 /// Builds the tree.
-pub fn build(nodes: &Nodes<'_>, best: Best) -> Arena {
+pub fn build(input: &TreeInput<'_>, find_best: FindBest) -> Arena {
     let mut arena = Arena::default();
-    Builder { nodes, best }.divide(nodes.references(), &nodes.bounds, 0, 0, &mut arena);
+    Builder { input, find_best }.divide(input.references(), &input.bounds, 0, 0, &mut arena);
     arena
 }
 
 struct Builder<'a> {
-    nodes: &'a Nodes<'a>,
-    best: Best,
+    input: &'a TreeInput<'a>,
+    find_best: FindBest,
 }
 
 impl Builder<'_> {
@@ -32,29 +35,29 @@ impl Builder<'_> {
         mut failed: u32,
         arena: &mut Arena,
     ) {
-        let (settings, count) = (&self.nodes.settings, references.len());
-        let plane = if count <= settings.leaf || depth >= settings.depth {
+        let (limits, count) = (&self.input.limits, references.len());
+        let plane = if count <= limits.leaf || depth >= limits.depth {
             None
         } else {
-            (self.best)(&references, cell, &settings.costs)
+            (self.find_best)(&references, cell, &limits.costs)
         };
         let parts = plane.and_then(|plane| {
-            let cells = halves(cell, plane.axis, plane.split);
-            let parts = [0, 1].map(|side| self.part(&references, &plane, side, &cells[side]));
+            let cells = split_cell(cell, plane.axis, plane.split);
+            let parts = [0, 1].map(|side| self.take_side(&references, &plane, side, &cells[side]));
             let [below, above] = [parts[0].len(), parts[1].len()];
-            let judged = settings.costs.in_cell(cell);
-            let judged = judged.plane(plane.axis, plane.split, below, above);
-            let stops = settings.stops(count, judged.as_ref(), &mut failed);
+            let judged = limits.costs.in_cell(cell);
+            let judged = judged.weigh(plane.axis, plane.split, below, above);
+            let stops = limits.stops(count, judged.as_ref(), &mut failed);
             // Where all are on both sides, nothing is gained further down either.
             (!stops && (below < count || above < count)).then_some((plane, cells, parts))
         });
         let Some((plane, cells, [below, above])) = parts else {
-            arena.leaf(references.iter().map(|reference| reference.id));
+            arena.add_leaf(references.iter().map(|reference| reference.id));
             return;
         };
         drop(references);
         let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
-        arena.inner(
+        arena.add_inner(
             plane.axis,
             plane.split,
             fork,
@@ -65,14 +68,14 @@ impl Builder<'_> {
 
     /// Those that reach below the plane (0) or above it (1), where they cross it clipped to that
     /// side's cell.
-    fn part(
+    fn take_side(
         &self,
         references: &[Reference],
         plane: &Plane,
         side: usize,
         cell: &Aabb,
     ) -> Vec<Reference> {
-        let grown = self.nodes.slack.grow(cell);
+        let grown = self.input.slack.grow(cell);
         let on_side = |reference: &Reference| {
             let below = reference.bounds.min[plane.axis] < plane.split;
             let above = reference.bounds.max[plane.axis] > plane.split;
@@ -82,8 +85,8 @@ impl Builder<'_> {
             if !(below && above) {
                 return Some(*reference);
             }
-            let bounds = clipped_bounds(&self.nodes.source.triangle(reference.id), &grown)?;
-            Some(Reference { bounds: self.nodes.slack.grow(&bounds), ..*reference })
+            let bounds = clip_bounds(&self.input.source.triangle(reference.id), &grown)?;
+            Some(Reference { bounds: self.input.slack.grow(&bounds), ..*reference })
         };
         references.iter().filter_map(on_side).collect()
     }

@@ -8,18 +8,19 @@
 //! empty space beside the triangles.
 
 use super::bins::{BINS, Candidates};
-use super::{Costs, Plane, Reference};
+use super::input::Reference;
+use super::sah::{Costs, Plane};
 use crate::math::Aabb;
 
 /// The best plane of all bins' bounds.
-pub fn best(references: &[Reference], cell: &Aabb, costs: &Costs) -> Option<Plane> {
+pub fn find_best(references: &[Reference], cell: &Aabb, costs: &Costs) -> Option<Plane> {
     let mut candidates = Candidates::new(references, cell, costs);
     for axis in 0..3 {
         let Some(planes) = candidates.planes(axis) else { continue };
         let (mut begin, mut end) = ([0; BINS], [0; BINS]);
         for reference in references {
-            begin[planes.at_or_below(reference.bounds.min[axis])] += 1;
-            end[planes.below(reference.bounds.max[axis])] += 1;
+            begin[planes.count_at_or_below(reference.bounds.min[axis])] += 1;
+            end[planes.count_below(reference.bounds.max[axis])] += 1;
         }
         let (mut below, mut above) = (0, references.len());
         for bin in 0..BINS - 1 {
@@ -48,16 +49,16 @@ mod tests {
                 id: TriangleId(0),
             })
             .collect();
-        let costs = Costs { step: 1.0, triangle: 1.5, empty: 0.2 };
-        let best = best(&references, &cell, &costs).expect("there are planes");
+        let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 };
+        let best = find_best(&references, &cell, &costs).expect("there are planes");
         let expected = (1..32)
             .map(|i| i as f32)
             .filter_map(|split| {
                 let below = spans.iter().filter(|s| s.0 < split).count();
                 let above = spans.iter().filter(|s| s.1 > split).count();
-                costs.in_cell(&cell).plane(0, split, below, above)
+                costs.in_cell(&cell).weigh(0, split, below, above)
             })
-            .fold(None, Plane::better);
+            .fold(None, Plane::choose_cheaper);
         assert_eq!(Some(best), expected);
     }
 }

@@ -7,8 +7,9 @@
 //! - L. Breiman et al., "Classification and regression trees", 1984, chapter 3: grow too large a
 //!   tree, then prune it upward, rather than find the right rule to stop.
 
-use super::{Arena, Costs};
-use crate::accel::kd::tree::{LeafId, Node, halves};
+use super::arena::Arena;
+use super::sah::Costs;
+use crate::accel::kd::tree::{LeafId, Node, split_cell};
 use crate::math::{Aabb, NodeId};
 
 /// A tree of which nothing can be taken back any more.
@@ -27,7 +28,7 @@ impl Pruned {
             return Self { arena, cost: f64::INFINITY };
         }
         let mut kept = Arena::default();
-        let root = Pruner { arena: &arena, costs, kept: &mut kept }.copy(0, bounds);
+        let root = Pruner { arena: &arena, costs, kept: &mut kept }.copy_subtree(0, bounds);
         Self { arena: kept, cost: root.cost }
     }
 
@@ -53,7 +54,7 @@ struct Subtree {
 
 impl Pruner<'_> {
     /// Copies a subtree, which is no deeper than trees may be.
-    fn copy(&mut self, at: usize, cell: &Aabb) -> Subtree {
+    fn copy_subtree(&mut self, at: usize, cell: &Aabb) -> Subtree {
         let area = cell.half_area();
         let (nodes, ids, leaves) =
             (self.kept.nodes.len(), self.kept.ids.len(), self.kept.ends.len());
@@ -61,21 +62,21 @@ impl Pruner<'_> {
             Node::Inner { axis, split, above } => (axis, split, above),
             Node::Leaf(leaf) => {
                 let list = self.arena.list(leaf);
-                self.kept.leaf(list.iter().copied());
-                let cost = area * self.costs.leaf(list.len());
+                self.kept.add_leaf(list.iter().copied());
+                let cost = area * self.costs.leaf_cost(list.len());
                 return Subtree { cost, triangles: list.len() };
             }
         };
         self.kept.nodes.push(Node::Leaf(LeafId(u32::MAX)));
-        let cells = halves(cell, axis as usize, split);
-        let low = self.copy(at + 1, &cells[0]);
+        let cells = split_cell(cell, axis as usize, split);
+        let low = self.copy_subtree(at + 1, &cells[0]);
         let above_at = NodeId(self.kept.nodes.len() as u32);
-        let high = self.copy(above.index(), &cells[1]);
+        let high = self.copy_subtree(above.index(), &cells[1]);
         self.kept.nodes[nodes] = Node::Inner { axis, split, above: above_at };
 
-        let cost = area * self.costs.step + low.cost + high.cost;
+        let cost = area * self.costs.traversal_cost + low.cost + high.cost;
         let triangles = low.triangles.max(high.triangles);
-        if area * self.costs.leaf(triangles) > cost {
+        if area * self.costs.leaf_cost(triangles) > cost {
             return Subtree { cost, triangles };
         }
         // The lists of a subtree lie one after the other. They are looked at only where a leaf may
@@ -83,14 +84,14 @@ impl Pruner<'_> {
         let mut all = self.kept.ids[ids..].to_vec();
         all.sort_unstable_by_key(|id| id.0);
         all.dedup();
-        let (triangles, leaf) = (all.len(), area * self.costs.leaf(all.len()));
+        let (triangles, leaf) = (all.len(), area * self.costs.leaf_cost(all.len()));
         if leaf > cost {
             return Subtree { cost, triangles };
         }
         self.kept.nodes.truncate(nodes);
         self.kept.ids.truncate(ids);
         self.kept.ends.truncate(leaves);
-        self.kept.leaf(all.into_iter());
+        self.kept.add_leaf(all.into_iter());
         Subtree { cost: leaf, triangles }
     }
 }

@@ -1,9 +1,9 @@
 //! The exact sweep: every plane where a triangle's box begins or ends is a candidate.
 //!
-//! - I. Wald, V. Havran, "On building fast kd-trees for ray tracing, and on doing that in
-//!   O(N log N)", 2006. The events of all three axes are sorted once, in one list; a split takes the
-//!   list apart in its order. Triangles on both sides are clipped to each ("perfect splits"); their
-//!   new events, few, are sorted and merged.
+//! - I. Wald, V. Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log
+//!   N)", 2006. The events of all three axes are sorted once, in one list; a split takes the list
+//!   apart in its order. Triangles on both sides are clipped to each ("perfect splits"); their new
+//!   events, few, are sorted and merged.
 //!
 //! Planar triangles, which Wald and Havran put on the cheaper side, do not occur: the slack gives
 //! all boxes thickness. A triangle is below a plane if it begins before it, and above if it ends
@@ -13,9 +13,12 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::{Arena, FORK_COUNT, FORK_LEVELS, Nodes, Plane, Reference, Settings};
-use crate::accel::kd::tree::halves;
-use crate::geom::clipped_bounds;
+use super::arena::Arena;
+use super::input::{Reference, TreeInput};
+use super::limits::{FORK_COUNT, FORK_LEVELS, Limits};
+use super::sah::Plane;
+use crate::accel::kd::tree::split_cell;
+use crate::geom::clip_bounds;
 use crate::math::Aabb;
 
 /// Where a box begins or ends.
@@ -62,8 +65,8 @@ struct Part {
 }
 
 /// Builds the tree.
-pub fn build(nodes: &Nodes<'_>) -> Arena {
-    let references = nodes.references();
+pub fn build(input: &TreeInput<'_>) -> Arena {
+    let references = input.references();
     let mut events: Vec<_> = references
         .par_iter()
         .enumerate()
@@ -72,17 +75,17 @@ pub fn build(nodes: &Nodes<'_>) -> Arena {
     // Stable: equal events stay in the order of the triangles.
     events.par_sort_by(Event::order);
     let mut arena = Arena::default();
-    Builder(nodes).divide(Part { references, events }, &nodes.bounds, 0, 0, &mut arena);
+    Builder(input).divide(Part { references, events }, &input.bounds, 0, 0, &mut arena);
     arena
 }
 
-struct Builder<'a>(&'a Nodes<'a>);
+struct Builder<'a>(&'a TreeInput<'a>);
 
 /// The plane of the lowest cost.
-fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
+fn find_best(part: &Part, cell: &Aabb, limits: &Limits) -> Option<Plane> {
     let mut below = [0; 3];
     let mut above = [part.references.len(); 3];
-    let costs = settings.costs.in_cell(cell);
+    let costs = limits.costs.in_cell(cell);
     let mut best = None;
     let mut rest = &part.events[..];
     while let Some(&Event { at, axis, .. }) = rest.first() {
@@ -95,8 +98,8 @@ fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
         }
         let axis = axis as usize;
         above[axis] -= ends;
-        if let Some(plane) = costs.plane(axis, at, below[axis], above[axis]) {
-            best = Plane::better(best, plane);
+        if let Some(plane) = costs.weigh(axis, at, below[axis], above[axis]) {
+            best = Plane::choose_cheaper(best, plane);
         }
         below[axis] += count - ends;
         rest = &rest[count..];
@@ -106,22 +109,22 @@ fn best(part: &Part, cell: &Aabb, settings: &Settings) -> Option<Plane> {
 
 impl Builder<'_> {
     fn divide(&self, part: Part, cell: &Aabb, depth: usize, mut failed: u32, arena: &mut Arena) {
-        let (settings, count) = (&self.0.settings, part.references.len());
-        let best = if count <= settings.leaf || depth >= settings.depth {
+        let (limits, count) = (&self.0.limits, part.references.len());
+        let best = if count <= limits.leaf || depth >= limits.depth {
             None
         } else {
-            best(&part, cell, settings)
+            find_best(&part, cell, limits)
         };
-        let plane = best.filter(|plane| !settings.stops(count, Some(plane), &mut failed));
+        let plane = best.filter(|plane| !limits.stops(count, Some(plane), &mut failed));
         let Some(plane) = plane else {
-            arena.leaf(part.references.iter().map(|reference| reference.id));
+            arena.add_leaf(part.references.iter().map(|reference| reference.id));
             return;
         };
-        let cells = halves(cell, plane.axis, plane.split);
+        let cells = split_cell(cell, plane.axis, plane.split);
         let [below, above] = self.split(&part, &plane, &cells);
         drop(part);
         let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
-        arena.inner(
+        arena.add_inner(
             plane.axis,
             plane.split,
             fork,
@@ -151,7 +154,7 @@ impl Builder<'_> {
                 let mut reference = *reference;
                 if straddles {
                     let triangle = self.0.source.triangle(reference.id);
-                    let Some(bounds) = clipped_bounds(&triangle, grown) else { continue };
+                    let Some(bounds) = clip_bounds(&triangle, grown) else { continue };
                     reference.bounds = self.0.slack.grow(&bounds);
                     side.new_events.extend(Event::of(place, &reference.bounds));
                 }
@@ -200,7 +203,7 @@ impl Side {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::kd::build::Costs;
+    use crate::accel::kd::build::sah::Costs;
     use crate::math::{TriangleId, Vec3};
 
     #[test]
@@ -226,8 +229,8 @@ mod tests {
                 .flat_map(|(i, reference)| Event::of(i as u32, &reference.bounds))
                 .collect();
             events.sort_by(Event::order);
-            let settings = Settings {
-                costs: Costs { step: 1.0, triangle: 1.5, empty: 0.2 },
+            let limits = Limits {
+                costs: Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 },
                 depth: 9,
                 leaf: 1,
             };
@@ -235,11 +238,11 @@ mod tests {
                 let axis = event.axis as usize;
                 let below = references.iter().filter(|r| r.bounds.min[axis] < event.at).count();
                 let above = references.iter().filter(|r| r.bounds.max[axis] > event.at).count();
-                settings.costs.in_cell(&cell).plane(axis, event.at, below, above)
+                limits.costs.in_cell(&cell).weigh(axis, event.at, below, above)
             });
-            let expected = all.fold(None, Plane::better);
+            let expected = all.fold(None, Plane::choose_cheaper);
             assert_eq!(
-                best(&Part { references, events: events.clone() }, &cell, &settings),
+                find_best(&Part { references, events: events.clone() }, &cell, &limits),
                 expected
             );
         }

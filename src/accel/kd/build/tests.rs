@@ -2,8 +2,12 @@
 
 use std::sync::Arc;
 
+use super::OPTIONS;
+use super::arena::Arena;
+use super::builder::{build_binned, build_minmax, build_sweep};
+use super::input::TreeInput;
 use super::prune::Pruned;
-use super::{Arena, Costs, Nodes, OPTIONS, sweep};
+use super::sah::Costs;
 use crate::accel::Options;
 use crate::accel::kd::tree::{KdTree, Node};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
@@ -56,8 +60,8 @@ fn the_sweep_by_itself_is_cheapest_on_the_whole() {
         let source = clutter(seed, count);
         for options in ["", "cost=0.1", "cost=1"] {
             let options = Options::parse("kd", &OPTIONS, options).expect("they are options");
-            let nodes = Nodes::new(&*source, &options);
-            let trees = [nodes.pruned(sweep::build(&nodes)), nodes.binned(), nodes.minmax()];
+            let input = TreeInput::new(&*source, &options);
+            let trees = [build_sweep(&input), build_binned(&input), build_minmax(&input)];
             let [sweep, binned, minmax] = trees.map(|tree| tree.cost);
             assert!(sweep <= 1.08 * binned.min(minmax), "{seed}: {sweep} {binned} {minmax}");
             logarithms =
@@ -71,11 +75,11 @@ fn the_sweep_by_itself_is_cheapest_on_the_whole() {
 #[test]
 fn of_two_trees_the_cheaper_is_kept() {
     let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-    let costs = Costs { step: 1.0, triangle: 1.0, empty: 0.0 };
+    let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.0, empty_bonus: 0.0 };
     let pruned = |arena: &Arena| Pruned::new(arena.clone(), &cube, &costs);
-    let (cheap, same) = (halves(&[0, 1, 2], &[3, 4, 5]), halves(&[3, 4, 5], &[0, 1, 2]));
+    let (cheap, same) = (make_halves(&[0, 1, 2], &[3, 4, 5]), make_halves(&[3, 4, 5], &[0, 1, 2]));
     let mut dear = Arena::default();
-    dear.leaf((0..6).map(TriangleId));
+    dear.add_leaf((0..6).map(TriangleId));
     let kept = |a: &Arena, b: &Arena| pruned(a).or_cheaper(pruned(b)).arena.ids;
     assert_eq!(kept(&cheap, &dear), cheap.ids);
     assert_eq!(kept(&dear, &cheap), cheap.ids);
@@ -84,21 +88,22 @@ fn of_two_trees_the_cheaper_is_kept() {
 }
 
 /// A cube in two, each half with those triangles.
-fn halves(below: &[u32], above: &[u32]) -> Arena {
+fn make_halves(below: &[u32], above: &[u32]) -> Arena {
     let mut arena = Arena::default();
-    let leaf = |ids: &[u32], arena: &mut Arena| arena.leaf(ids.iter().map(|&id| TriangleId(id)));
-    arena.inner(0, 0.5, false, |arena| leaf(below, arena), |arena| leaf(above, arena));
+    let leaf =
+        |ids: &[u32], arena: &mut Arena| arena.add_leaf(ids.iter().map(|&id| TriangleId(id)));
+    arena.add_inner(0, 0.5, false, |arena| leaf(below, arena), |arena| leaf(above, arena));
     arena
 }
 
 #[test]
 fn a_split_that_does_not_pay_is_taken_back() {
     let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-    let costs = Costs { step: 1.0, triangle: 1.0, empty: 0.0 };
+    let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.0, empty_bonus: 0.0 };
     // 1 + (3 + 3) 2/3 = 5 against 6 for six triangles, or 4 where two of them are on both sides.
-    let pays = halves(&[0, 1, 2], &[3, 4, 5]);
+    let pays = make_halves(&[0, 1, 2], &[3, 4, 5]);
     assert_eq!(Pruned::new(pays.clone(), &cube, &costs).arena.nodes, pays.nodes);
-    let kept = Pruned::new(halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs).arena;
+    let kept = Pruned::new(make_halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs).arena;
     let [Node::Leaf(leaf)] = kept.nodes[..] else { panic!("{kept:?}") };
     assert_eq!(kept.list(leaf), [0, 1, 2, 3].map(TriangleId));
     assert_eq!(kept.ends, [4]);

@@ -120,12 +120,12 @@ impl Order<'_> {
             for member in &members {
                 page_of[member.index()] = page;
             }
-            let mut lines = vec![first];
-            while let Some(first) = lines.pop() {
+            let mut line_roots = vec![first];
+            while let Some(first) = line_roots.pop() {
                 let allowed = |parent: NodeId| page_of[parent.index()] == page;
                 let (members, outside) = self.cluster(first, LINE, allowed);
                 self.pairs.extend(members);
-                lines.extend(outside.into_iter().filter(|&parent| allowed(parent)));
+                line_roots.extend(outside.into_iter().filter(|&parent| allowed(parent)));
             }
         }
     }

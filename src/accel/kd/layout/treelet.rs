@@ -13,21 +13,21 @@ use crate::accel::kd::tree::{KdTree, LeafId, Node};
 use crate::math::NodeId;
 
 /// Havran's: a leaf that hangs below a line has a line of its own.
-pub type Treelet = Lines<false>;
+pub type Treelet = Treelets<false>;
 
 /// Szécsi's: it takes the place of the pointer to it.
-pub type TreeletFilled = Lines<true>;
+pub type TreeletFilled = Treelets<true>;
 
-/// Lines of seven places.
+/// Treelets of seven places.
 #[derive(Clone, Debug)]
-pub struct Lines<const FILLED: bool> {
-    lines: Vec<Line>,
+pub struct Treelets<const FILLED: bool> {
+    lines: Vec<CacheLine>,
 }
 
 /// A node's handle is its line times eight plus its place; with the top bit it is a leaf's number.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-struct Line {
+struct CacheLine {
     /// The splits' bits, or the leaves' numbers.
     splits: [u32; 8],
     /// The children of places 3 to 6. The eighth split's place is the axes', two bits a place.
@@ -38,9 +38,9 @@ const AXES: usize = 7;
 const LEAF: u32 = 3;
 const IS_LEAF: u32 = 1 << 31;
 
-impl<const FILLED: bool> Layout for Lines<FILLED> {
+impl<const FILLED: bool> Layout for Treelets<FILLED> {
     fn new(tree: &KdTree) -> Self {
-        let empty = Line { splits: [0; 8], exits: [u32::MAX; 8] };
+        let empty = CacheLine { splits: [0; 8], exits: [u32::MAX; 8] };
         let mut lines = vec![empty];
         let mut roots = vec![(NodeId(0), 0)];
         while let Some((root, line)) = roots.pop() {
@@ -76,7 +76,7 @@ impl<const FILLED: bool> Layout for Lines<FILLED> {
     }
 }
 
-impl<const FILLED: bool> Nodes for Lines<FILLED> {
+impl<const FILLED: bool> Nodes for Treelets<FILLED> {
     #[inline(always)]
     fn root(&self) -> NodeId {
         NodeId(0)

@@ -1,7 +1,7 @@
 //! A kd-tree as a hierarchy of boxes: its cells.
 
 use crate::accel::kd::layout::{Compact, Nodes, View};
-use crate::accel::kd::tree::halves;
+use crate::accel::kd::tree::split_cell;
 use crate::accel::narrowing::Hierarchy;
 use crate::math::{Aabb, NodeId};
 
@@ -29,7 +29,7 @@ impl Hierarchy for Cells<'_> {
     #[inline(always)]
     fn children(&self, cell: Cell) -> Option<[Cell; 2]> {
         let View::Inner { axis, split, children } = self.0.view(cell.node) else { return None };
-        let [low, high] = halves(&cell.bounds, axis, split);
+        let [low, high] = split_cell(&cell.bounds, axis, split);
         Some([Cell { node: children[0], bounds: low }, Cell { node: children[1], bounds: high }])
     }
 

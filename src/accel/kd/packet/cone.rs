@@ -5,18 +5,18 @@
 //! whatever is linear in the direction and has one sign for all corners has it for all rays.
 //!
 //! *Planes.* With the origin at zero, a ray meets the plane `a = A` at `A / d_a`. Where no corner's
-//! component is zero and all have the same signs, say up, then of two planes ahead
-//! `A / d_a (1 + e) <= B / d_b` means `A (1 + e) d_b <= B d_a`: linear. If computed distances to the
-//! planes differ by more than a factor of `1 + 2^-18` for all four corners, then the true ones do
-//! for all rays, but for 2^-20, and so do the computed ones of all rays, which are within 2^-22 of
-//! the true. (Planes behind, and at, the origin have no positive distances, for corners and rays
-//! alike: the difference of coordinates is the same float for all. Products that underflow are
-//! below the tree's slack, as for single rays.)
+//! component is zero and all have the same signs, say up, then of two planes ahead `A / d_a (1 + e)
+//! <= B / d_b` means `A (1 + e) d_b <= B d_a`: linear. If computed distances to the planes differ
+//! by more than a factor of `1 + 2^-18` for all four corners, then the true ones do for all rays,
+//! but for 2^-20, and so do the computed ones of all rays, which are within 2^-22 of the true.
+//! (Planes behind, and at, the origin have no positive distances, for corners and rays alike: the
+//! difference of coordinates is the same float for all. Products that underflow are below the
+//! tree's slack, as for single rays.)
 //!
-//! *Triangles.* A ray passes an edge from `p` to `q` on the side that `d · (p × q)` has the sign of:
-//! linear. If it is above zero for all corners and one edge, and below zero for all corners and
-//! another, by more than the rounding of double precision, then the exact test sees edges of both signs
-//! for each ray, and takes none.
+//! *Triangles.* A ray passes an edge from `p` to `q` on the side that `d · (p × q)` has the sign
+//! of: linear. If it is above zero for all corners and one edge, and below zero for all corners and
+//! another, by more than the rounding of double precision, then the exact test sees edges of both
+//! signs for each ray, and takes none.
 
 use crate::geom::{Shaft, Triangle};
 use crate::math::{DVec3, Vec3};
@@ -86,7 +86,7 @@ impl Cone {
 
 /// Whether the first distances are sure to be at or before the second along all rays.
 #[inline(always)]
-pub fn surely_before(a: &Distances, b: &Distances) -> bool {
+pub fn is_surely_before(a: &Distances, b: &Distances) -> bool {
     a.iter().zip(b).all(|(a, b)| *a <= 0.0 || a * (1.0 + MARGIN) <= *b)
 }
 
@@ -94,6 +94,7 @@ pub fn surely_before(a: &Distances, b: &Distances) -> bool {
 mod tests {
     use super::*;
     use crate::geom::Heading;
+    use crate::geom::intersect_triangle::intersect;
     use crate::math::{Aabb, Ray};
     use crate::simd::baseline;
 
@@ -120,11 +121,7 @@ mod tests {
                 |k: u32| ((i * 9 + k).wrapping_mul(0x9e37_79b9) >> 8) as f32 / 16777216.0 - 0.5;
             let corner = |k: u32| target + Vec3::new(random(k), random(k + 1), random(k + 2)) * 0.5;
             let triangle = Triangle { a: corner(0), b: corner(3), c: corner(6) };
-            let hits = rays.iter().any(|ray| {
-                let (slab, shear) =
-                    (crate::geom::SlabRay::new(ray), crate::geom::ShearRay::new(ray));
-                crate::geom::intersect_triangle(baseline(), &slab, &shear, &triangle).is_some()
-            });
+            let hits = rays.iter().any(|ray| intersect(ray, &triangle).is_some());
             assert!(!(hits && cone.misses(&triangle)), "{triangle:?}");
             missed += usize::from(cone.misses(&triangle));
             hit += usize::from(hits);

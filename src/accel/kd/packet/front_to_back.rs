@@ -66,7 +66,7 @@ pub fn walk<Q: Query, C: Counters>(
     let simd = baseline();
     let negative = packet.rays.heading(0).negative;
     while let Some((mut at, bundles, mut level)) = todo.pop() {
-        let mut bundles = spans.crossing(simd, bundles, level);
+        let mut bundles = spans.find_crossing(simd, bundles, level);
         // Down the branches.
         let mut node = loop {
             let step = match at {
@@ -111,7 +111,7 @@ pub fn walk<Q: Query, C: Counters>(
                 level += 1;
             }
         };
-        let bundles = spans.crossing(simd, bundles, level);
+        let bundles = spans.find_crossing(simd, bundles, level);
         packet.test_leaf(leaf, None, bundles, &mut spans.entered);
         spans.leave(simd, packet.rays, bundles, level);
     }

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::cone::Cone;
-use super::spans::{Bundles, of_set};
+use super::spans::{Bundles, iter_bundles};
 use crate::accel::kd::layout::Compact;
 use crate::accel::kd::tree::{Base, LeafId, Leaves, Slot};
 use crate::accel::kd::walk::With;
@@ -13,8 +13,8 @@ use crate::geom::Triangle;
 
 /// Tests the triangles of a leaf by the rays of a packet, with some instruction set.
 ///
-/// Walks are compiled once, for the baseline; only this exists for each instruction set. It costs an
-/// indirect call for each leaf that is not empty.
+/// Walks are compiled once, for the baseline; only this exists for each instruction set. It costs
+/// an indirect call for each leaf that is not empty.
 pub trait PacketTest<Q, C>: Sync {
     /// Prepares rays for boxes and triangles.
     fn prepare(&self, rays: &mut PacketRays);
@@ -76,7 +76,7 @@ impl Tested {
 
     /// The rays that have met a triangle.
     #[inline(always)]
-    fn by(&mut self, slot: Slot) -> &mut [u8; BUNDLES] {
+    fn rays_that_met(&mut self, slot: Slot) -> &mut [u8; BUNDLES] {
         let place = slot.index() & (Self::COUNT - 1);
         if self.slots[place] != Some(slot) {
             self.slots[place] = Some(slot);
@@ -145,7 +145,7 @@ fn test_all<S: Simd, Q: Query, C: Counters>(
             }
         }
         let mut fresh = [0; BUNDLES];
-        if !strike_off(entered, packet.tested.by(slot), &mut fresh) {
+        if !strike_off(entered, packet.tested.rays_that_met(slot), &mut fresh) {
             continue;
         }
         let before = fresh;
@@ -179,7 +179,7 @@ impl<Q: Query, C: Counters> Packet<'_, Q, C> {
         }
         let mut list = [0; BUNDLES];
         let mut count = 0;
-        for bundle in of_set(bundles) {
+        for bundle in iter_bundles(bundles) {
             list[count] = bundle as u8;
             count += 1;
         }

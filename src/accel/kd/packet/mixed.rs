@@ -10,7 +10,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8};
 
 use super::leaf::Packet;
-use super::spans::{Bundles, Row, Spans, any, of_set, row};
+use super::spans::{Bundles, PerRay, Spans, any_lane, iter_bundles, load};
 use crate::accel::kd::layout::{Nodes, View};
 use crate::accel::kd::walk::todo::LEVELS;
 use crate::accel::packet::{BUNDLES, PacketRays};
@@ -21,7 +21,8 @@ use crate::simd::baseline;
 
 /// How near children are told from far ones, ray by ray.
 pub trait Classify {
-    /// Where a bundle's rays meet a plane, and for which of them the child above it is the near one.
+    /// Where a bundle's rays meet a plane, and for which of them the child above it is the near
+    /// one.
     fn classify<S: Simd>(
         simd: S,
         spans: &Spans,
@@ -49,8 +50,8 @@ impl Classify for ByDirection {
 }
 
 /// By the ray's origin (Tsakok et al. 2008): rays from one point all have the same near child,
-/// whichever way they go. A plane behind the origin is infinitely far away. Zeros are told as single
-/// rays do ([`super::super::walk::front_to_back::ByOrigin`]).
+/// whichever way they go. A plane behind the origin is infinitely far away. Zeros are told as
+/// single rays do ([`super::super::walk::front_to_back::ByOrigin`]).
 pub struct ByOrigin;
 
 impl Classify for ByOrigin {
@@ -73,7 +74,7 @@ impl Classify for ByOrigin {
 /// What is put aside, and where rays enter the cells of each level.
 pub struct Todo {
     entries: Box<[(NodeId, Bundles, usize); LEVELS]>,
-    enter: Box<[[Row; BUNDLES]]>,
+    enter: Box<[[PerRay; BUNDLES]]>,
 }
 
 impl Default for Todo {
@@ -87,7 +88,7 @@ impl Default for Todo {
 
 /// The spans of a bundle in the children below and above a plane.
 #[inline(always)]
-fn sides<S: Simd, K: Classify>(
+fn split_spans<S: Simd, K: Classify>(
     simd: S,
     (spans, todo, rays): (&Spans, &Todo, &PacketRays),
     bundle: usize,
@@ -95,8 +96,8 @@ fn sides<S: Simd, K: Classify>(
     level: usize,
 ) -> ([[f32x8<S>; 2]; 2], mask32x8<S>) {
     let (t, above_is_near) = K::classify(simd, spans, rays, bundle, plane);
-    let enter = row(simd, &todo.enter[level][bundle]);
-    let exit = row(simd, &spans.exit[level][bundle]);
+    let enter = load(simd, &todo.enter[level][bundle]);
+    let exit = load(simd, &spans.exit[level][bundle]);
     let (first, last) = (t.min(exit), enter.max(t));
     let below = [above_is_near.select(last, enter), above_is_near.select(exit, first)];
     let above = [above_is_near.select(enter, last), above_is_near.select(first, exit)];
@@ -106,7 +107,7 @@ fn sides<S: Simd, K: Classify>(
 /// Which bundles have rays that cross the child below a plane, and which the one above; and which
 /// child comes first: the only one that any cross, or the nearer one of most.
 #[inline(always)]
-fn ask<S: Simd, K: Classify>(
+fn find_crossed_sides<S: Simd, K: Classify>(
     simd: S,
     state: (&Spans, &Todo, &PacketRays),
     bundles: Bundles,
@@ -114,10 +115,10 @@ fn ask<S: Simd, K: Classify>(
     level: usize,
 ) -> ([Bundles; 2], usize) {
     let (mut into, mut votes) = ([0; 2], 0);
-    for bundle in of_set(bundles) {
-        let (sides, above_is_near) = sides::<_, K>(simd, state, bundle, plane, level);
+    for bundle in iter_bundles(bundles) {
+        let (sides, above_is_near) = split_spans::<_, K>(simd, state, bundle, plane, level);
         for (into, [enter, exit]) in into.iter_mut().zip(sides) {
-            *into |= u64::from(any(enter.simd_lt(exit))) << bundle;
+            *into |= u64::from(any_lane(enter.simd_lt(exit))) << bundle;
         }
         let above = above_is_near.to_bitmask().count_ones() as i32;
         votes += RayBundle::LANES as i32 - 2 * above;
@@ -145,7 +146,7 @@ pub fn walk<K: Classify, Q: Query, C: Counters>(
     while pending > 0 {
         pending -= 1;
         let (mut node, bundles, mut level) = todo.entries[pending & (LEVELS - 1)];
-        let mut bundles = crossing(simd, packet.rays, spans, todo, bundles, level);
+        let mut bundles = find_crossing(simd, packet.rays, spans, todo, bundles, level);
         if bundles == 0 {
             continue;
         }
@@ -156,14 +157,14 @@ pub fn walk<K: Classify, Q: Query, C: Counters>(
             };
             packet.counters.count(Event::InnerNode);
             let state = (&*spans, &*todo, &*packet.rays);
-            let (into, first) = ask::<_, K>(simd, state, bundles, plane, level);
+            let (into, first) = find_crossed_sides::<_, K>(simd, state, bundles, plane, level);
             if into[1 - first] == 0 {
                 (node, bundles) = (children[first], into[first]);
                 continue;
             }
-            for bundle in of_set(bundles) {
+            for bundle in iter_bundles(bundles) {
                 let state = (&*spans, &*todo, &*packet.rays);
-                let (sides, _) = sides::<_, K>(simd, state, bundle, plane, level);
+                let (sides, _) = split_spans::<_, K>(simd, state, bundle, plane, level);
                 // The first one level down; the other in this level's place.
                 for (side, level) in [(first, level + 1), (1 - first, level)] {
                     let [enter, exit] = sides[side];
@@ -176,14 +177,14 @@ pub fn walk<K: Classify, Q: Query, C: Counters>(
             pending += 1;
             (node, bundles, level) = (children[first], into[first], level + 1);
         };
-        let bundles = crossing(simd, packet.rays, spans, todo, bundles, level);
+        let bundles = find_crossing(simd, packet.rays, spans, todo, bundles, level);
         packet.test_leaf(leaf, None, bundles, &mut spans.entered);
     }
 }
 
 /// Those bundles that have rays that cross the cell of a level; finds of each which.
 #[inline(always)]
-fn crossing<S: Simd>(
+fn find_crossing<S: Simd>(
     simd: S,
     rays: &PacketRays,
     spans: &mut Spans,
@@ -192,12 +193,12 @@ fn crossing<S: Simd>(
     level: usize,
 ) -> Bundles {
     let mut left = 0;
-    for bundle in of_set(bundles) {
-        let enter = row(simd, &todo.enter[level][bundle]);
+    for bundle in iter_bundles(bundles) {
+        let enter = load(simd, &todo.enter[level][bundle]);
         let [_, t_max] = rays.bundle(bundle).spans(simd);
-        let crosses = enter.simd_lt(row(simd, &spans.exit[level][bundle])) & enter.simd_le(t_max);
+        let crosses = enter.simd_lt(load(simd, &spans.exit[level][bundle])) & enter.simd_le(t_max);
         spans.entered[bundle] = crosses.to_bitmask() as u8;
-        left |= u64::from(any(crosses)) << bundle;
+        left |= u64::from(any_lane(crosses)) << bundle;
     }
     left
 }

@@ -2,9 +2,10 @@
 //!
 //! S. Popov et al., "Stackless kd-tree traversal for high performance GPU ray tracing", 2007;
 //! section 5.3 of the review. A link is not pushed down to the leaves behind a face, but leads to
-//! the root of all that is behind it: the sibling of the leaf's parent, grandparent and so on. Where
-//! only some rays of a packet enter a child, the others are put to rest until the packet comes to its
-//! sibling; and there those join them that left the child by a link: the packet regroups.
+//! the root of all that is behind it: the sibling of the leaf's parent, grandparent and so on.
+//! Where only some rays of a packet enter a child, the others are put to rest until the packet
+//! comes to its sibling; and there those join them that left the child by a link: the packet
+//! regroups.
 //!
 //! Nothing is kept but, for each ray, how far it has come, where its span ends and the depth of the
 //! node that it waits at. All that wait at one depth wait at the same node, the far sibling of an
@@ -14,7 +15,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, mask32x8};
 
 use super::leaf::Packet;
-use super::spans::{Bundles, Row, Spans, any, of_set, row};
+use super::spans::{Bundles, PerRay, Spans, any_lane, iter_bundles, load};
 use crate::accel::kd::layout::{Nodes, View};
 use crate::accel::kd::ropes::PacketRopes;
 use crate::accel::kd::tree::LeafId;
@@ -33,7 +34,7 @@ const NOWHERE: f32 = -1.0;
 /// What rays wait for.
 pub struct Waiting {
     /// Depths of the nodes that rays wait at.
-    depths: Box<[Row; BUNDLES]>,
+    depths: Box<[PerRay; BUNDLES]>,
     /// By depth.
     nodes: [NodeId; LEVELS],
 }
@@ -48,14 +49,14 @@ impl Default for Waiting {
 impl Waiting {
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, bundle: usize) -> f32x8<S> {
-        row(simd, &self.depths[bundle])
+        load(simd, &self.depths[bundle])
     }
 
     /// The greatest depth at which rays wait.
     #[inline(always)]
-    fn deepest<S: Simd>(&self, simd: S, bundles: Bundles) -> f32 {
+    fn find_deepest<S: Simd>(&self, simd: S, bundles: Bundles) -> f32 {
         let mut deepest = f32x8::splat(simd, NOWHERE);
-        for bundle in of_set(bundles) {
+        for bundle in iter_bundles(bundles) {
             deepest = deepest.max(self.at(simd, bundle));
         }
         deepest.to_array().into_iter().fold(NOWHERE, f32::max)
@@ -63,7 +64,7 @@ impl Waiting {
 
     /// Notes a node that rays are to wait at, by its depth.
     #[inline(always)]
-    fn depth_of(&mut self, ropes: &PacketRopes, node: NodeId) -> f32 {
+    fn note_node(&mut self, ropes: &PacketRopes, node: NodeId) -> f32 {
         if node == NodeId::NONE {
             return NOWHERE;
         }
@@ -91,22 +92,22 @@ pub fn walk<Q: Query, C: Counters>(
     let negative = packet.rays.heading(0).negative;
     let all = spans.begin(simd, packet.rays, &packet.base.bounds);
     waiting.nodes[0] = packet.nodes.root();
-    for bundle in of_set(all) {
-        let live = row(simd, &spans.enter[bundle]).simd_lt(f32::INFINITY);
+    for bundle in iter_bundles(all) {
+        let live = load(simd, &spans.enter[bundle]).simd_lt(f32::INFINITY);
         let root = live.select(f32x8::splat(simd, 0.0), f32x8::splat(simd, NOWHERE));
         waiting.depths[bundle] = root.to_array();
     }
     loop {
-        let deepest = waiting.deepest(simd, all);
+        let deepest = waiting.find_deepest(simd, all);
         if deepest < 0.0 {
             return;
         }
         // Wake those that wait here.
         let (mut depth, mut bundles) = (deepest as usize, 0);
-        for bundle in of_set(all) {
+        for bundle in iter_bundles(all) {
             let woken = waiting.at(simd, bundle).simd_eq(deepest);
             waiting.put(simd, bundle, woken, f32x8::splat(simd, HERE));
-            bundles |= u64::from(any(woken)) << bundle;
+            bundles |= u64::from(any_lane(woken)) << bundle;
         }
         let mut node = waiting.nodes[depth & (LEVELS - 1)];
         let leaf = loop {
@@ -116,7 +117,7 @@ pub fn walk<Q: Query, C: Counters>(
             };
             packet.counters.count(Event::InnerNode);
             depth += 1;
-            let (near, far) = sides(simd, (axis, split), bundles, spans, waiting);
+            let (near, far) = find_sides(simd, (axis, split), bundles, spans, waiting);
             if near == 0 {
                 node = children[1 - negative[axis]];
                 continue;
@@ -124,7 +125,7 @@ pub fn walk<Q: Query, C: Counters>(
             node = children[negative[axis]];
             if far != 0 {
                 packet.counters.count(Event::Push);
-                rest(simd, (axis, split), far, depth, spans, waiting);
+                put_to_rest(simd, (axis, split), far, depth, spans, waiting);
                 waiting.nodes[depth & (LEVELS - 1)] = children[1 - negative[axis]];
                 bundles = near;
             }
@@ -135,7 +136,7 @@ pub fn walk<Q: Query, C: Counters>(
 
 /// Which bundles have rays that are in front of a plane, and which behind it.
 #[inline(always)]
-fn sides<S: Simd>(
+fn find_sides<S: Simd>(
     simd: S,
     (axis, split): (usize, f32),
     bundles: Bundles,
@@ -143,19 +144,19 @@ fn sides<S: Simd>(
     waiting: &Waiting,
 ) -> (Bundles, Bundles) {
     let (mut near, mut far) = (0, 0);
-    for bundle in of_set(bundles) {
+    for bundle in iter_bundles(bundles) {
         let here = waiting.at(simd, bundle).simd_eq(HERE);
         let t = spans.t_split(simd, bundle, axis, split);
-        let behind = t.simd_le(row(simd, &spans.enter[bundle]));
-        near |= u64::from(any(here & !behind)) << bundle;
-        far |= u64::from(any(here & behind)) << bundle;
+        let behind = t.simd_le(load(simd, &spans.enter[bundle]));
+        near |= u64::from(any_lane(here & !behind)) << bundle;
+        far |= u64::from(any_lane(here & behind)) << bundle;
     }
     (near, far)
 }
 
 /// Puts rays behind a plane to rest.
 #[inline(always)]
-fn rest<S: Simd>(
+fn put_to_rest<S: Simd>(
     simd: S,
     (axis, split): (usize, f32),
     bundles: Bundles,
@@ -163,10 +164,10 @@ fn rest<S: Simd>(
     spans: &Spans,
     waiting: &mut Waiting,
 ) {
-    for bundle in of_set(bundles) {
+    for bundle in iter_bundles(bundles) {
         let here = waiting.at(simd, bundle).simd_eq(HERE);
         let t = spans.t_split(simd, bundle, axis, split);
-        let behind = here & t.simd_le(row(simd, &spans.enter[bundle]));
+        let behind = here & t.simd_le(load(simd, &spans.enter[bundle]));
         waiting.put(simd, bundle, behind, f32x8::splat(simd, depth as f32));
     }
 }
@@ -182,10 +183,10 @@ fn visit<S: Simd, Q: Query, C: Counters>(
     waiting: &mut Waiting,
 ) {
     let cell = ropes.cell(leaf);
-    let links =
-        [0, 1, 2].map(|axis| waiting.depth_of(ropes, ropes.behind(leaf, axis, 1 - negative[axis])));
+    let links = [0, 1, 2]
+        .map(|axis| waiting.note_node(ropes, ropes.behind(leaf, axis, 1 - negative[axis])));
     let mut entered = 0;
-    for bundle in of_set(bundles) {
+    for bundle in iter_bundles(bundles) {
         let here = waiting.at(simd, bundle).simd_eq(HERE);
         let far = |axis: usize| {
             if negative[axis] == 0 { cell.max[axis] } else { cell.min[axis] }
@@ -198,20 +199,20 @@ fn visit<S: Simd, Q: Query, C: Counters>(
             exit = first.select(t, exit);
             next = first.select(f32x8::splat(simd, links[axis]), next);
         }
-        let enters = here & row(simd, &spans.enter[bundle]).simd_lt(exit);
+        let enters = here & load(simd, &spans.enter[bundle]).simd_lt(exit);
         spans.entered[bundle] = enters.to_bitmask() as u8;
-        entered |= u64::from(any(enters)) << bundle;
+        entered |= u64::from(any_lane(enters)) << bundle;
         spans.exit[1][bundle] = exit.to_array();
         waiting.put(simd, bundle, here, next);
     }
     // PacketRays that end are struck off in there.
     packet.test_leaf(leaf, None, entered, &mut spans.entered.clone());
-    for bundle in of_set(bundles) {
-        let enter = row(simd, &spans.enter[bundle]);
+    for bundle in iter_bundles(bundles) {
+        let enter = load(simd, &spans.enter[bundle]);
         let mask = mask32x8::from_bitmask(simd, u64::from(spans.entered[bundle]));
-        let exit = mask.select(row(simd, &spans.exit[1][bundle]), enter);
+        let exit = mask.select(load(simd, &spans.exit[1][bundle]), enter);
         let [_, t_max] = packet.rays.bundle(bundle).spans(simd);
-        let over = mask & (t_max.simd_lt(exit) | exit.simd_ge(row(simd, &spans.exit[0][bundle])));
+        let over = mask & (t_max.simd_lt(exit) | exit.simd_ge(load(simd, &spans.exit[0][bundle])));
         waiting.put(simd, bundle, over, f32x8::splat(simd, NOWHERE));
         spans.enter[bundle] = exit.to_array();
     }

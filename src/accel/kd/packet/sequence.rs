@@ -6,26 +6,26 @@
 //!
 //! The four corners of the packet's cone go through the tree side by side. As long as each node is
 //! crossed by all in the same manner, and surely ([`super::cone`]), so it is by all rays, and the
-//! rays themselves need not be asked: they are tested in the leaves, one leaf after the other, empty
-//! ones passed by. Where corners differ the common sequence ends, and the packet walks on from there
-//! by itself, with what the corners put aside.
+//! rays themselves need not be asked: they are tested in the leaves, one leaf after the other,
+//! empty ones passed by. Where corners differ the common sequence ends, and the packet walks on
+//! from there by itself, with what the corners put aside.
 //!
 //! A termination object, one that all corners hit, would end the sequence of leaves. Ours ends when
-//! every ray has been hit, strictly before the leaf's end: each ray needs the triangle's verdict for
-//! itself in any case, and then it is known, for any object, convex or not. Since leaves are tested
-//! as they come, nothing that lies before it can be missed.
+//! every ray has been hit, strictly before the leaf's end: each ray needs the triangle's verdict
+//! for itself in any case, and then it is known, for any object, convex or not. Since leaves are
+//! tested as they come, nothing that lies before it can be missed.
 //!
 //! Why no ray misses a leaf: a plane is surely before or behind the span of all rays, or surely
-//! within, so each ray would have chosen the same by itself. Spans of the sequence begin at zero and
-//! never end, where a ray's own begin in the root's box: so a ray may be tested in leaves in front
-//! of that, or behind its end, which does no harm.
+//! within, so each ray would have chosen the same by itself. Spans of the sequence begin at zero
+//! and never end, where a ray's own begin in the root's box: so a ray may be tested in leaves in
+//! front of that, or behind its end, which does no harm.
 
 use fearless_simd::{Simd, SimdBase};
 
-use super::cone::{Cone, Distances, surely_before};
+use super::cone::{Cone, Distances, is_surely_before};
 use super::front_to_back::{At, Todo};
 use super::leaf::Packet;
-use super::spans::{Bundles, Spans, ended, of_set, row};
+use super::spans::{Bundles, Spans, end_rays, iter_bundles, load};
 use crate::accel::kd::layout::{Nodes, View};
 use crate::accel::kd::walk::todo::LEVELS;
 use crate::accel::packet::PacketRays;
@@ -63,11 +63,11 @@ pub fn follow<Q: Query, C: Counters>(
             };
             packet.counters.count(Event::InnerNode);
             let (t, near) = (cone.distances(axis, split), negative[axis]);
-            if surely_before(&t, &enter_at) {
+            if is_surely_before(&t, &enter_at) {
                 node = children[1 - near];
-            } else if surely_before(&exit_at, &t) {
+            } else if is_surely_before(&exit_at, &t) {
                 node = children[near];
-            } else if surely_before(&enter_at, &t) && surely_before(&t, &exit_at) {
+            } else if is_surely_before(&enter_at, &t) && is_surely_before(&t, &exit_at) {
                 packet.counters.count(Event::Push);
                 pending[waiting & (LEVELS - 1)] = (children[1 - near], exit, exit_at);
                 waiting += 1;
@@ -85,10 +85,10 @@ pub fn follow<Q: Query, C: Counters>(
         } else {
             begin_at(simd, entry, all, packet.rays, spans);
             end_at(simd, exit, all, 1, spans);
-            let crossing = spans.crossing(simd, all, 1);
+            let crossing = spans.find_crossing(simd, all, 1);
             packet.test_leaf(leaf, culls.then_some(cone), crossing, &mut spans.entered);
             spans.leave(simd, packet.rays, crossing, 1);
-            if spans.crossing(simd, all, 0) == 0 {
+            if spans.find_crossing(simd, all, 0) == 0 {
                 return;
             }
         }
@@ -105,18 +105,18 @@ pub fn follow<Q: Query, C: Counters>(
 #[inline(always)]
 fn begin_at<S: Simd>(simd: S, entry: Face, bundles: Bundles, rays: &PacketRays, spans: &mut Spans) {
     let Some((axis, split)) = entry else { return };
-    for number in of_set(bundles) {
-        let enter = row(simd, &spans.enter[number]);
+    for number in iter_bundles(bundles) {
+        let enter = load(simd, &spans.enter[number]);
         let come = enter.max(spans.t_split(simd, number, axis, split));
-        spans.enter[number] = ended(simd, rays, number, come).to_array();
+        spans.enter[number] = end_rays(simd, rays, number, come).to_array();
     }
 }
 
 /// Ends the spans of a level by a plane.
 #[inline(always)]
 fn end_at<S: Simd>(simd: S, exit: Face, bundles: Bundles, level: usize, spans: &mut Spans) {
-    for number in of_set(bundles) {
-        let end = row(simd, &spans.exit[0][number]);
+    for number in iter_bundles(bundles) {
+        let end = load(simd, &spans.exit[0][number]);
         let end = match exit {
             Some((axis, split)) => end.min(spans.t_split(simd, number, axis, split)),
             None => end,

@@ -20,7 +20,7 @@ use crate::math::Aabb;
 const LANES: usize = RayBundle::LANES;
 
 /// Numbers, one for each ray of a bundle.
-pub type Row = [f32; LANES];
+pub type PerRay = [f32; LANES];
 
 /// A set of bundles, a bit each.
 pub type Bundles = u64;
@@ -29,7 +29,7 @@ const _: () = assert!(BUNDLES <= Bundles::BITS as usize);
 
 /// The numbers of a set's bundles.
 #[inline(always)]
-pub fn of_set(mut set: Bundles) -> impl Iterator<Item = usize> {
+pub fn iter_bundles(mut set: Bundles) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bundle = set.trailing_zeros() as usize;
         (set != 0).then(|| {
@@ -42,19 +42,19 @@ pub fn of_set(mut set: Bundles) -> impl Iterator<Item = usize> {
 /// PacketRays of a bundle, prepared for planes: [`KdRay`], lane by lane.
 #[derive(Clone, Copy)]
 struct Planes {
-    origin: [Row; 3],
-    inverse: [Row; 3],
+    origin: [PerRay; 3],
+    inverse: [PerRay; 3],
 }
 
 /// See the module.
 pub struct Spans {
     planes: Box<[Planes]>,
     /// Where each ray is; infinite if it has ended.
-    pub enter: Box<[Row; BUNDLES]>,
+    pub enter: Box<[PerRay; BUNDLES]>,
     /// Of each level where it leaves.
-    pub exit: Box<[[Row; BUNDLES]]>,
+    pub exit: Box<[[PerRay; BUNDLES]]>,
     /// Distances of the plane at hand.
-    t: Box<[Row; BUNDLES]>,
+    t: Box<[PerRay; BUNDLES]>,
     /// Of each bundle the rays that cross the leaf at hand.
     pub entered: [u8; BUNDLES],
 }
@@ -72,15 +72,15 @@ impl Default for Spans {
     }
 }
 
-/// A row as a vector.
+/// Loads numbers as a vector.
 #[inline(always)]
-pub fn row<S: Simd>(simd: S, row: &Row) -> f32x8<S> {
-    f32x8::load_array_ref(simd, row)
+pub fn load<S: Simd>(simd: S, values: &PerRay) -> f32x8<S> {
+    f32x8::load_array_ref(simd, values)
 }
 
 /// Whether any lane is set.
 #[inline(always)]
-pub fn any<S: Simd>(mask: mask32x8<S>) -> bool {
+pub fn any_lane<S: Simd>(mask: mask32x8<S>) -> bool {
     mask.to_bitmask() != 0
 }
 
@@ -106,7 +106,7 @@ impl Spans {
             let none = f32x8::splat(simd, f32::INFINITY);
             self.enter[number] = crosses.select(enter, none).to_array();
             self.exit[0][number] = crosses.select(longer, -none).to_array();
-            live |= u64::from(any(crosses)) << number;
+            live |= u64::from(any_lane(crosses)) << number;
         }
         live
     }
@@ -115,13 +115,13 @@ impl Spans {
     #[inline(always)]
     pub fn t_split<S: Simd>(&self, simd: S, bundle: usize, axis: usize, split: f32) -> f32x8<S> {
         let Planes { origin, inverse } = &self.planes[bundle];
-        (f32x8::splat(simd, split) - row(simd, &origin[axis])) * row(simd, &inverse[axis])
+        (f32x8::splat(simd, split) - load(simd, &origin[axis])) * load(simd, &inverse[axis])
     }
 
     /// The coordinates of a bundle's origins.
     #[inline(always)]
     pub fn origin<S: Simd>(&self, simd: S, bundle: usize, axis: usize) -> f32x8<S> {
-        row(simd, &self.planes[bundle].origin[axis])
+        load(simd, &self.planes[bundle].origin[axis])
     }
 
     /// Which bundles have rays that cross the nearer child of a node, and which the farther.
@@ -135,12 +135,12 @@ impl Spans {
     ) -> (Bundles, Bundles) {
         let (mut near, mut far) = (0, 0);
         let exits = &self.exit[level];
-        for number in of_set(bundles) {
+        for number in iter_bundles(bundles) {
             let t = self.t_split(simd, number, axis, split);
             self.t[number] = t.to_array();
-            let (enter, exit) = (row(simd, &self.enter[number]), row(simd, &exits[number]));
-            near |= u64::from(any(enter.simd_lt(t.min(exit)))) << number;
-            far |= u64::from(any(enter.max(t).simd_lt(exit))) << number;
+            let (enter, exit) = (load(simd, &self.enter[number]), load(simd, &exits[number]));
+            near |= u64::from(any_lane(enter.simd_lt(t.min(exit)))) << number;
+            far |= u64::from(any_lane(enter.max(t).simd_lt(exit))) << number;
         }
         (near, far)
     }
@@ -150,8 +150,8 @@ impl Spans {
     pub fn keep_near<S: Simd>(&mut self, simd: S, bundles: Bundles, level: usize) {
         let (above, below) = self.exit.split_at_mut(level + 1);
         let (above, below) = (&above[level], &mut below[0]);
-        for number in of_set(bundles) {
-            let exit = row(simd, &above[number]).min(row(simd, &self.t[number]));
+        for number in iter_bundles(bundles) {
+            let exit = load(simd, &above[number]).min(load(simd, &self.t[number]));
             below[number] = exit.to_array();
         }
     }
@@ -161,7 +161,7 @@ impl Spans {
     pub fn keep_all(&mut self, bundles: Bundles, level: usize) {
         let (above, below) = self.exit.split_at_mut(level + 1);
         let (above, below) = (&above[level], &mut below[0]);
-        for number in of_set(bundles) {
+        for number in iter_bundles(bundles) {
             below[number] = above[number];
         }
     }
@@ -169,9 +169,9 @@ impl Spans {
     /// Narrows the spans of a level to a cell; which bundles have rays that cross it.
     ///
     /// Each plane of the cell, but for the rim's, is one that the way down from the root splits at,
-    /// and the one that narrows most of those of its side: so the span is that with which a walk from
-    /// the root would have come here. The rim's planes are further from all triangles than distances
-    /// are off by.
+    /// and the one that narrows most of those of its side: so the span is that with which a walk
+    /// from the root would have come here. The rim's planes are further from all triangles than
+    /// distances are off by.
     #[inline(always)]
     pub fn clip<S: Simd>(
         &mut self,
@@ -181,9 +181,9 @@ impl Spans {
         level: usize,
     ) -> Bundles {
         let mut left = 0;
-        for number in of_set(bundles) {
-            let before = row(simd, &self.enter[number]);
-            let (mut enter, mut exit) = (before, row(simd, &self.exit[level][number]));
+        for number in iter_bundles(bundles) {
+            let before = load(simd, &self.enter[number]);
+            let (mut enter, mut exit) = (before, load(simd, &self.exit[level][number]));
             for axis in 0..3 {
                 let sides = [cell.min[axis], cell.max[axis]];
                 let near = negative[axis] & 1;
@@ -194,39 +194,39 @@ impl Spans {
             self.enter[number] = crosses.select(enter, before).to_array();
             let none = f32x8::splat(simd, f32::NEG_INFINITY);
             self.exit[level][number] = crosses.select(exit, none).to_array();
-            left |= u64::from(any(crosses)) << number;
+            left |= u64::from(any_lane(crosses)) << number;
         }
         left
     }
 
     /// Those bundles that have rays that cross the cell of a level; finds of each which.
     #[inline(always)]
-    pub fn crossing<S: Simd>(&mut self, simd: S, bundles: Bundles, level: usize) -> Bundles {
+    pub fn find_crossing<S: Simd>(&mut self, simd: S, bundles: Bundles, level: usize) -> Bundles {
         let mut left = 0;
-        for number in of_set(bundles) {
-            let enter = row(simd, &self.enter[number]);
-            let crosses = enter.simd_lt(row(simd, &self.exit[level][number])).to_bitmask();
+        for number in iter_bundles(bundles) {
+            let enter = load(simd, &self.enter[number]);
+            let crosses = enter.simd_lt(load(simd, &self.exit[level][number])).to_bitmask();
             self.entered[number] = crosses as u8;
             left |= u64::from(crosses != 0) << number;
         }
         left
     }
 
-    /// Leaves the cell of a level. PacketRays that were hit before that end, for what is left of them is
-    /// strictly behind the hit.
+    /// Leaves the cell of a level. PacketRays that were hit before that end, for what is left of
+    /// them is strictly behind the hit.
     #[inline(always)]
     pub fn leave<S: Simd>(&mut self, simd: S, rays: &PacketRays, bundles: Bundles, level: usize) {
-        for number in of_set(bundles) {
-            let enter = row(simd, &self.enter[number]);
-            let come = enter.max(row(simd, &self.exit[level][number]));
-            self.enter[number] = ended(simd, rays, number, come).to_array();
+        for number in iter_bundles(bundles) {
+            let enter = load(simd, &self.enter[number]);
+            let come = enter.max(load(simd, &self.exit[level][number]));
+            self.enter[number] = end_rays(simd, rays, number, come).to_array();
         }
     }
 }
 
 /// How far rays of a bundle have come, infinite for those that end before.
 #[inline(always)]
-pub fn ended<S: Simd>(simd: S, rays: &PacketRays, number: usize, come: f32x8<S>) -> f32x8<S> {
+pub fn end_rays<S: Simd>(simd: S, rays: &PacketRays, number: usize, come: f32x8<S>) -> f32x8<S> {
     let [_, t_max] = rays.bundle(number).spans(simd);
     t_max.simd_lt(come).select(f32x8::splat(simd, f32::INFINITY), come)
 }

@@ -1,16 +1,17 @@
-//! Three levels at a step: a wide node of seven planes, and the spans of its eight children at once.
+//! Three levels at a step: a wide node of seven planes, and the spans of its eight children at
+//! once.
 //!
 //! Not in the review. The plain stack's arithmetic by vector instructions: the distances to all
-//! planes of a wide node, [`KdRay::t_split`]'s lane by lane; then for each child what is left of the
-//! node's span, up to the nearest plane that it lies in front of, from the farthest that it lies
-//! behind. Cells don't overlap, so neither do the spans of those children that are crossed, and
-//! where they begin gives their order. A ray branches once for three levels, where it can hardly be
-//! guessed, in place of six times; meets no empty leaves; and waits for memory once for three
-//! levels, and once for a leaf (see [`super::super::wide_nodes`]). The tree is made for it: a step of a
-//! vector is cheap and a miss of the cache is not, so leaves are large.
+//! planes of a wide node, [`KdRay::t_split`]'s lane by lane; then for each child what is left of
+//! the node's span, up to the nearest plane that it lies in front of, from the farthest that it
+//! lies behind. Cells don't overlap, so neither do the spans of those children that are crossed,
+//! and where they begin gives their order. A ray branches once for three levels, where it can
+//! hardly be guessed, in place of six times; meets no empty leaves; and waits for memory once for
+//! three levels, and once for a leaf (see [`super::super::wide_nodes`]). The tree is made for it: a
+//! step of a vector is cheap and a miss of the cache is not, so leaves are large.
 //!
-//! By the tie rule of all walks, a child is crossed if what is left of the span has a length. A span
-//! that is a point has none; such rays are rare and take the walk of those that are not tame.
+//! By the tie rule of all walks, a child is crossed if what is left of the span has a length. A
+//! span that is a point has none; such rays are rare and take the walk of those that are not tame.
 //!
 //! The idea is that of multi bounding volume hierarchies (M. Ernst, G. Greiner, 2008), done to the
 //! subtrees of three levels that V. Havran put on a cache line (1999).
@@ -78,8 +79,8 @@ struct Entry {
 pub struct Stack([Entry; ENTRIES]);
 
 impl Stack {
-    /// Hands out the nearest of a wide node's children that are crossed, if any, and puts the others on
-    /// top.
+    /// Hands out the nearest of a wide node's children that are crossed, if any, and puts the
+    /// others on top.
     #[inline(always)]
     fn put(&mut self, children: &Children, node: &WideNode, top: &mut usize) -> Option<Entry> {
         let entry = |child: u32| {
@@ -128,8 +129,8 @@ impl Children {
     }
 }
 
-/// A ray, prepared for wide nodes: origin and reciprocal direction by axis, and the same once more, as
-/// lanes are picked modulo eight.
+/// A ray, prepared for wide nodes: origin and reciprocal direction by axis, and the same once more,
+/// as lanes are picked modulo eight.
 struct Planes<S: Simd> {
     origin: f32x8<S>,
     inverse: f32x8<S>,
@@ -157,15 +158,15 @@ impl<S: Simd> Planes<S> {
             [0, UP, 0, UP, 0, UP, 0, UP],
         ];
         const SHIFT: [u32; 8] = [0, 2, 4, 6, 8, 10, 12, 14];
-        let row = |row: &[u32; 8]| u32x8::load_array(simd, *row);
-        let axes = u32x8::splat(simd, node.planes[7]) >> row(&SHIFT);
+        let load = |values: &[u32; 8]| u32x8::load_array(simd, *values);
+        let axes = u32x8::splat(simd, node.planes[7]) >> load(&SHIFT);
         let inverse = pick(simd, self.inverse, axes);
-        let splits = f32x8::from_bits(row(&node.planes));
+        let splits = f32x8::from_bits(load(&node.planes));
         let t = (splits - pick(simd, self.origin, axes)) * inverse;
         let mut enter = f32x8::splat(simd, span.enter);
         let mut exit = f32x8::splat(simd, span.exit);
         for level in 0..3 {
-            let plane = row(&PLANE[level]);
+            let plane = load(&PLANE[level]);
             let t = pick(simd, t, plane);
             let sign: i32x8<S> = pick(simd, inverse, plane).to_bits().bitcast();
             // A child lies behind a plane if it is above and the ray goes up, or neither.

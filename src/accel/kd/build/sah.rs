@@ -1,16 +1,17 @@
-//! The surface area heuristic.
+//! The surface area heuristic of kd-trees.
 
+use crate::accel::sah::expected_tests;
 use crate::math::{Aabb, DVec3, Vec3};
 
 /// What things cost, in units of a step down the tree.
 #[derive(Clone, Copy, Debug)]
 pub struct Costs {
-    /// A step.
-    pub step: f64,
-    /// A triangle of a leaf.
-    pub triangle: f64,
+    /// A step down the tree.
+    pub traversal_cost: f64,
+    /// The test of a triangle of a leaf.
+    pub intersection_cost: f64,
     /// The share that is taken off where one side is empty.
-    pub empty: f64,
+    pub empty_bonus: f64,
 }
 
 /// A splitting plane with what it is worth.
@@ -26,7 +27,7 @@ pub struct Plane {
 
 impl Plane {
     /// The cheaper; the first of equals, so that the order of candidates decides ties.
-    pub fn better(best: Option<Self>, other: Self) -> Option<Self> {
+    pub fn choose_cheaper(best: Option<Self>, other: Self) -> Option<Self> {
         match best {
             Some(best) if best.cost <= other.cost => Some(best),
             _ => Some(other),
@@ -36,13 +37,13 @@ impl Plane {
 
 impl Costs {
     /// The cost of a leaf.
-    pub fn leaf(&self, triangles: usize) -> f64 {
-        self.triangle * triangles as f64
+    pub fn leaf_cost(&self, triangles: usize) -> f64 {
+        self.intersection_cost * triangles as f64
     }
 
     /// The cost of a part with that many triangles before it is built, as planes are judged.
-    pub fn part(&self, triangles: usize) -> f64 {
-        self.triangle * expected(triangles)
+    pub fn expected_cost(&self, triangles: usize) -> f64 {
+        self.intersection_cost * expected_count(triangles)
     }
 
     /// What dividing a cell costs.
@@ -70,7 +71,7 @@ impl Costs {
 /// .95 of what the bare count gives) and the others' within 1 % of it. Of synthetic clutter, no
 /// power is best: single trees scatter by several per cent.
 #[inline]
-fn expected(triangles: usize) -> f64 {
+fn expected_count(triangles: usize) -> f64 {
     const LINEAR: f64 = 256.0;
     let count = triangles as f64;
     if count <= LINEAR {
@@ -93,10 +94,10 @@ pub struct CellCosts<'a> {
 }
 
 impl CellCosts<'_> {
-    /// The cost of dividing the cell with that many triangles below and above; `None` if the plane
+    /// Weighs dividing the cell with that many triangles below and above; `None` if the plane
     /// is not inside.
     #[inline]
-    pub fn plane(&self, axis: usize, split: f32, below: usize, above: usize) -> Option<Plane> {
+    pub fn weigh(&self, axis: usize, split: f32, below: usize, above: usize) -> Option<Plane> {
         let (min, max) = (self.cell.min[axis], self.cell.max[axis]);
         if !(split > min && split < max) {
             return None;
@@ -105,9 +106,14 @@ impl CellCosts<'_> {
             self.ends[axis] + self.sides[axis] * (f64::from(high) - f64::from(low))
         };
         let costs = self.costs;
-        let bonus = if below == 0 || above == 0 { 1.0 - costs.empty } else { 1.0 };
-        let tests = share(min, split) * expected(below) + share(split, max) * expected(above);
-        Some(Plane { axis, split, cost: costs.step + bonus * costs.triangle * tests })
+        let bonus = if below == 0 || above == 0 { 1.0 - costs.empty_bonus } else { 1.0 };
+        let (below, above) = (expected_count(below), expected_count(above));
+        let tests = expected_tests([(share(min, split), below), (share(split, max), above)]);
+        Some(Plane {
+            axis,
+            split,
+            cost: costs.traversal_cost + bonus * costs.intersection_cost * tests,
+        })
     }
 }
 
@@ -118,22 +124,22 @@ mod tests {
     #[test]
     fn more_triangles_cost_more_but_of_many_less_than_the_count() {
         for n in 1..1000 {
-            assert!(expected(n) > expected(n - 1), "{n}");
-            assert_eq!(expected(n) < n as f64, n > 256, "{n}");
+            assert!(expected_count(n) > expected_count(n - 1), "{n}");
+            assert_eq!(expected_count(n) < n as f64, n > 256, "{n}");
         }
     }
 
     #[test]
     fn a_plane_costs_a_step_and_its_sides_by_their_area() {
-        let costs = Costs { step: 1.0, triangle: 2.0, empty: 0.5 };
+        let costs = Costs { traversal_cost: 1.0, intersection_cost: 2.0, empty_bonus: 0.5 };
         let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
         let costs = costs.in_cell(&unit);
         // Half a cube has two thirds of the area.
-        let plane = costs.plane(1, 0.5, 3, 6).expect("it is inside");
-        let (three, six) = (expected(3), expected(6));
+        let plane = costs.weigh(1, 0.5, 3, 6).expect("it is inside");
+        let (three, six) = (expected_count(3), expected_count(6));
         assert!((plane.cost - (1.0 + 2.0 * (three + six) * 2.0 / 3.0)).abs() < 1e-12);
-        let cut = costs.plane(1, 0.5, 0, 6).expect("it is inside");
+        let cut = costs.weigh(1, 0.5, 0, 6).expect("it is inside");
         assert!((cut.cost - (1.0 + 2.0 * 0.5 * six * 2.0 / 3.0)).abs() < 1e-12);
-        assert_eq!(costs.plane(1, 1.0, 3, 6), None);
+        assert_eq!(costs.weigh(1, 1.0, 3, 6), None);
     }
 }
