@@ -21,7 +21,7 @@ use super::{
 use crate::geom::{TriangleSource, own_box};
 use crate::math::TriangleId;
 
-/// The row of the table.
+/// Its row of the table.
 pub const VARIANT: Variant = Variant {
     id: "brute",
     summary: "every ray against every triangle: the oracle",

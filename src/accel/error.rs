@@ -6,7 +6,7 @@ pub enum BuildError {
     /// Ids would not fit.
     #[error("{count} triangles are more than a structure can number ({limit})")]
     TooManyTriangles {
-        /// How many there are.
+        /// Their number.
         count: usize,
         /// How many there may be.
         limit: usize,

@@ -18,7 +18,7 @@ pub struct Variant {
     pub paper: &'static str,
     /// Its options.
     pub options: &'static [OptionSpec],
-    /// Builds it over the triangles, on the threads of the current pool.
+    /// Builds the structure over the triangles, on the threads of the current pool.
     pub build: fn(&BuildInput<'_>) -> Result<Box<dyn Accel>, BuildError>,
 }
 

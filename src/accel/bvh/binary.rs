@@ -19,7 +19,7 @@ use crate::accel::{
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, TriangleId, Vec3, larger};
 
-/// The row of the table.
+/// Its row of the table.
 pub const VARIANT: Variant = Variant {
     id: "bvh2",
     summary: "binary bounding volume hierarchy, leaves of up to four triangles",
@@ -64,7 +64,7 @@ struct Leaves {
     ids: Vec<[TriangleId; WIDTH]>,
 }
 
-/// A thread's own.
+/// Scratch of one thread.
 pub struct Scratch {
     stack: Box<[(Link, f32); STACK]>,
     pub(super) fetched: Fetched<WIDTH>,

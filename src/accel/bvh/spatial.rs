@@ -24,7 +24,7 @@ const BINS: usize = 32;
 pub struct Side {
     /// The box of what is in there.
     pub bounds: Aabb,
-    /// How many there are.
+    /// Their number.
     pub count: usize,
 }
 

@@ -97,7 +97,7 @@ pub type Block = TriangleBlock<LANES>;
 /// of its neighbours, lie close together.
 ///
 /// Blocks stored in the leaves spare their assembly and two cache misses, for several times the
-/// memory, as a triangle is in two to four leaves: [`super::lines`] has them.
+/// memory, as a triangle is in two to four leaves: [`super::wide_nodes`] has them.
 #[derive(Clone, Debug)]
 pub struct Leaves {
     /// Leaf `i` has the slots `starts[i]..starts[i + 1]`.
@@ -154,22 +154,22 @@ impl Leaves {
         }
     }
 
-    /// Starts to fetch where a leaf's list begins and ends.
+    /// Prefetches where a leaf's list begins and ends.
     #[inline(always)]
-    pub fn ask_for_range(&self, leaf: LeafId) {
+    pub fn prefetch_range(&self, leaf: LeafId) {
         prefetch(&self.starts, leaf.index(), 2 * size_of::<u32>());
     }
 
-    /// Starts to fetch a leaf's list.
+    /// Prefetches a leaf's list.
     #[inline(always)]
-    pub fn ask_for_list(&self, leaf: LeafId) {
+    pub fn prefetch_list(&self, leaf: LeafId) {
         let (start, end) = self.range(leaf);
         prefetch(&self.slots, start as usize, (end - start) as usize * size_of::<Slot>());
     }
 
-    /// Starts to fetch a leaf's first triangles.
+    /// Prefetches a leaf's first triangles.
     #[inline(always)]
-    pub fn ask_for_triangles(&self, leaf: LeafId) {
+    pub fn prefetch_triangles(&self, leaf: LeafId) {
         for &slot in self.triangles(leaf).iter().take(2 * LANES) {
             prefetch(&self.vertices, slot.index(), size_of::<Corners>());
         }

@@ -67,7 +67,7 @@ impl Default for PacketRays {
 }
 
 impl PacketRays {
-    /// Takes up rays of a slice, which should all head the same way: that of the first.
+    /// Takes rays of a slice, which should all have the same heading: that of the first.
     #[inline(always)]
     pub fn fill(&mut self, batch: &Batch<'_>, members: &[u32]) {
         self.members.clear();
@@ -85,7 +85,7 @@ impl PacketRays {
         }
     }
 
-    /// Takes up rays of a slice, whichever way they head: bundles of each heading in turn.
+    /// Takes rays of a slice, whatever their headings: bundles of each heading in turn.
     pub fn fill_mixed(&mut self, batch: &Batch<'_>, members: &[u32]) {
         let heading = |index: u32| Heading::of(batch.rays()[index as usize].direction());
         self.members.clear();

@@ -63,7 +63,7 @@ impl With {
     }
 }
 
-/// A thread's own.
+/// Scratch of one thread.
 pub struct Scratch {
     /// For rays that walk one by one.
     pub single: binary::Scratch,

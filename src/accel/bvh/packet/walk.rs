@@ -13,10 +13,10 @@ use crate::accel::{Counters, Event, Query};
 use crate::geom::{Shaft, TriangleBlock};
 use crate::math::{Aabb, TriangleId};
 
-/// What is put aside: two children at most for each node on the way, of which one is taken up.
+/// What waits: two children at most for each node on the way, of which one is taken up.
 const STACK: usize = sah::MAX_DEPTH + 2;
 
-/// Which of a packet's bundles are under way: from one place of its order up to another.
+/// Which of a packet's bundles are active: from one place of its order up to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Active {
     first: u8,

@@ -149,7 +149,7 @@ impl<'a, const W: usize> Stripes<'a, W> {
         &self.ids[link.place()]
     }
 
-    /// Asks for a node, or a leaf, ahead of time.
+    /// Prefetches a node or a leaf.
     #[inline(always)]
     pub fn prefetch(&self, link: Link) {
         crate::simd::prefetch(self.floats, link.place(), BLOCK * size_of::<[f32; W]>());

@@ -43,7 +43,7 @@ pub struct WideBvh<const W: usize> {
 /// Rays in flight; 12 to 32 are equal.
 pub const RAYS: usize = 16;
 
-/// A thread's own.
+/// Scratch of one thread.
 pub struct Scratch<const W: usize> {
     /// For each ray in flight.
     pub stacks: Box<[Stack<W>]>,

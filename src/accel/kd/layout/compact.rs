@@ -54,9 +54,9 @@ impl Compact {
         Self { nodes }
     }
 
-    /// Starts to fetch a node.
+    /// Prefetches a node.
     #[inline(always)]
-    pub fn ask_for(&self, at: NodeId) {
+    pub fn prefetch(&self, at: NodeId) {
         prefetch(&self.nodes, at.index(), size_of::<Packed>());
     }
 

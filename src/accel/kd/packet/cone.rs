@@ -21,7 +21,7 @@
 use crate::geom::{Shaft, Triangle};
 use crate::math::{DVec3, Vec3};
 
-/// See the module.
+/// What the module describes.
 pub struct Cone {
     origin: Vec3,
     corners: [Vec3; 4],

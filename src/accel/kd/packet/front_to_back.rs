@@ -35,7 +35,7 @@ impl Default for Todo {
 }
 
 impl Todo {
-    /// Forgets all.
+    /// Drops all entries.
     pub fn clear(&mut self) {
         self.len = 0;
     }

@@ -69,7 +69,7 @@ impl Tested {
     /// A power of two. One slot evicts another that it equals modulo this.
     const COUNT: usize = 32;
 
-    /// Forgets all.
+    /// Drops all entries.
     pub fn clear(&mut self) {
         self.slots = [None; Self::COUNT];
     }

@@ -58,7 +58,7 @@ pub struct PacketKdTree {
     pub size: usize,
 }
 
-/// A thread's own.
+/// Scratch of one thread.
 pub struct Scratch {
     /// For rays that walk one by one.
     pub single: <Single as Structure>::Scratch,

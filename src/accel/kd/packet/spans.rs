@@ -46,7 +46,7 @@ struct Planes {
     inverse: [PerRay; 3],
 }
 
-/// See the module.
+/// What the module describes.
 pub struct Spans {
     planes: Box<[Planes]>,
     /// Where each ray is; infinite if it has ended.
@@ -85,7 +85,8 @@ pub fn any_lane<S: Simd>(mask: mask32x8<S>) -> bool {
 }
 
 impl Spans {
-    /// Takes up rays, each at the part of it inside the root's box; which bundles have any.
+    /// Takes rays, each with the part of it inside the root's box; returns the bundles that have
+    /// any.
     #[inline(always)]
     pub fn begin<S: Simd>(&mut self, simd: S, rays: &PacketRays, bounds: &Aabb) -> Bundles {
         let mut live = 0;

@@ -177,11 +177,11 @@ impl<'a, Q: Query> Flight<'a, Q> {
         match self.turn {
             Turn::Node => return self.descend(walk, counters),
             Turn::List(leaf) => {
-                leaves.ask_for_list(leaf);
+                leaves.prefetch_list(leaf);
                 self.turn = Turn::Ids(leaf);
             }
             Turn::Ids(leaf) => {
-                leaves.ask_for_triangles(leaf);
+                leaves.prefetch_triangles(leaf);
                 self.turn = Turn::Test(leaf);
             }
             Turn::Test(leaf) => {
@@ -191,7 +191,7 @@ impl<'a, Q: Query> Flight<'a, Q> {
                 if visit.ends_in_leaf(leaf, self.span.exit) || self.ends() {
                     return true;
                 }
-                walk.layout.ask_for(self.at);
+                walk.layout.prefetch(self.at);
                 self.turn = Turn::Node;
             }
         }
@@ -211,7 +211,7 @@ impl<'a, Q: Query> Flight<'a, Q> {
                     }
                 }
                 View::Leaf(leaf) => {
-                    walk.base.leaves.ask_for_range(leaf);
+                    walk.base.leaves.prefetch_range(leaf);
                     self.turn = Turn::List(leaf);
                     return false;
                 }
@@ -233,7 +233,7 @@ impl<'a, Q: Query> Flight<'a, Q> {
                 }
             }
             if !walk.layout.are_close(from, self.at) {
-                walk.layout.ask_for(self.at);
+                walk.layout.prefetch(self.at);
                 return false;
             }
         }

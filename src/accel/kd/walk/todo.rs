@@ -18,7 +18,7 @@ pub trait Todo: Send {
     /// An empty one; `entries` is the size of the short part, if it has one.
     fn new(entries: usize) -> Self;
 
-    /// Forgets all.
+    /// Drops all entries.
     fn clear(&mut self);
 
     /// Keeps a node.

@@ -19,7 +19,7 @@ pub struct Walked<W> {
 }
 
 impl<W: Walk> Walked<W> {
-    /// Joins them.
+    /// Joins a tree and a walk.
     pub fn new(tree: &KdTree, walk: W, level: Level) -> Self {
         Self { base: Arc::clone(&tree.base), walk, level, report: tree.report.clone() }
     }
