@@ -60,7 +60,7 @@ impl<H: Hierarchy, C: Counters> Regions for EnteredRegions<'_, H, C> {
     fn enter(&mut self, shaft: &Shaft) {
         let Self { narrowing, pool, counters } = self;
         let before = pool.len();
-        let around = narrowing.find_around(pool.regions(), |wider| wider.contains(shaft));
+        let around = find_around(pool.regions(), |wider| wider.contains(shaft));
         let from = around.map_or(Some(narrowing.at_root()), |region| region.from);
         let from = from.and_then(|from| narrowing.narrow(from, pool, shaft, *counters));
         pool.enter(shaft.clone(), from, before);
@@ -99,16 +99,6 @@ impl<H: Hierarchy> Narrowing<H> {
         }
     }
 
-    /// Finds the innermost of the regions that holds what is asked about; `None` if none does, and
-    /// rays start at the root.
-    fn find_around<'b>(
-        &self,
-        regions: &'b [Region<H::Place>],
-        holds: impl Fn(&Shaft) -> bool,
-    ) -> Option<&'b Region<H::Place>> {
-        regions.iter().rev().find(|region| holds(&region.shaft))
-    }
-
     /// Where all rays start.
     pub fn at_root(&self) -> Step<H::Place> {
         Step::to(self.root)
@@ -131,7 +121,7 @@ impl<H: Hierarchy> Narrowing<H> {
             return self.start_by_all_rays(slice, accepts, pool);
         };
         let holds = |region: &Shaft| corners.iter().all(|corner| region.holds(corner));
-        let around = self.find_around(pool.regions(), holds);
+        let around = find_around(pool.regions(), holds);
         let from = around.map_or(Some(self.at_root()), |region| region.from);
         let around = around.map(|region| region.shaft.clone());
         let from = from.and_then(|from| self.narrow(from, pool, &tile, slice.counters));
@@ -154,13 +144,19 @@ impl<H: Hierarchy> Narrowing<H> {
             let contained = shaft.as_ref().is_some_and(|shaft| region.contains(shaft));
             contained || slice.batch.rays().iter().all(|ray| accepts(ray) && region.holds(ray))
         };
-        let around = self.find_around(pool.regions(), holds);
+        let around = find_around(pool.regions(), holds);
         let mut from = around.map_or(Some(self.at_root()), |region| region.from);
         if let (Some(step), Some(shaft)) = (from, &shaft) {
             from = self.narrow(step, pool, shaft, slice.counters);
         }
         Started { from, within }
     }
+}
+
+/// Finds the innermost of the regions that holds what is asked about; `None` if none does, and rays
+/// start at the root.
+fn find_around<P>(regions: &[Region<P>], holds: impl Fn(&Shaft) -> bool) -> Option<&Region<P>> {
+    regions.iter().rev().find(|region| holds(&region.shaft))
 }
 
 /// Finds the rays at the corners of a slice that is a raster of rays from one point, in order

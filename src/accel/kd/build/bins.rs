@@ -101,7 +101,7 @@ impl<'a> Candidates<'a> {
     #[inline]
     pub fn offer(&mut self, axis: usize, split: f32, below: usize, above: usize) {
         if let Some(plane) = self.costs.weigh(axis, split, below, above) {
-            self.best = Plane::choose_cheaper(self.best, plane);
+            self.best = Some(Plane::choose_cheaper(self.best, plane));
         }
     }
 }

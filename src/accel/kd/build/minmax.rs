@@ -58,7 +58,7 @@ mod tests {
                 let above = spans.iter().filter(|s| s.1 > split).count();
                 costs.in_cell(&cell).weigh(0, split, below, above)
             })
-            .fold(None, Plane::choose_cheaper);
+            .fold(None, |best, plane| Some(Plane::choose_cheaper(best, plane)));
         assert_eq!(Some(best), expected);
     }
 }

@@ -27,10 +27,10 @@ pub struct Plane {
 
 impl Plane {
     /// The cheaper; the first of equals, so that the order of candidates decides ties.
-    pub fn choose_cheaper(best: Option<Self>, other: Self) -> Option<Self> {
+    pub fn choose_cheaper(best: Option<Self>, other: Self) -> Self {
         match best {
-            Some(best) if best.cost <= other.cost => Some(best),
-            _ => Some(other),
+            Some(best) if best.cost <= other.cost => best,
+            _ => other,
         }
     }
 }

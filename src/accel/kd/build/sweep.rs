@@ -99,7 +99,7 @@ fn find_best(part: &Part, cell: &Aabb, limits: &Limits) -> Option<Plane> {
         let axis = axis as usize;
         above[axis] -= ends;
         if let Some(plane) = costs.weigh(axis, at, below[axis], above[axis]) {
-            best = Plane::choose_cheaper(best, plane);
+            best = Some(Plane::choose_cheaper(best, plane));
         }
         below[axis] += count - ends;
         rest = &rest[count..];
@@ -240,7 +240,7 @@ mod tests {
                 let above = references.iter().filter(|r| r.bounds.max[axis] > event.at).count();
                 limits.costs.in_cell(&cell).weigh(axis, event.at, below, above)
             });
-            let expected = all.fold(None, Plane::choose_cheaper);
+            let expected = all.fold(None, |best, plane| Some(Plane::choose_cheaper(best, plane)));
             assert_eq!(
                 find_best(&Part { references, events: events.clone() }, &cell, &limits),
                 expected

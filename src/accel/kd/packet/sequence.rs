@@ -27,6 +27,7 @@ use super::front_to_back::{At, Todo};
 use super::leaf::Packet;
 use super::spans::{Bundles, Spans, end_rays, iter_bundles, load};
 use crate::accel::kd::layout::{Nodes, View};
+use crate::accel::kd::tree::LeafId;
 use crate::accel::kd::walk::todo::LEVELS;
 use crate::accel::packet::PacketRays;
 use crate::accel::{Counters, Event, Query};
@@ -85,10 +86,7 @@ pub fn follow<Q: Query, C: Counters>(
         } else {
             begin_at(simd, entry, all, packet.rays, spans);
             end_at(simd, exit, all, 1, spans);
-            let crossing = spans.find_crossing(simd, all, 1);
-            packet.test_leaf(leaf, culls.then_some(cone), crossing, &mut spans.entered);
-            spans.leave(simd, packet.rays, crossing, 1);
-            if spans.find_crossing(simd, all, 0) == 0 {
+            if ends_in_leaf(simd, packet, (leaf, culls.then_some(cone)), all, spans) {
                 return;
             }
         }
@@ -99,6 +97,21 @@ pub fn follow<Q: Query, C: Counters>(
         (entry, enter_at) = (exit, exit_at);
         (node, exit, exit_at) = pending[waiting & (LEVELS - 1)];
     }
+}
+
+/// Tests a leaf, whose spans are in level 1; true if every ray has ended.
+#[inline(always)]
+fn ends_in_leaf<S: Simd, Q: Query, C: Counters>(
+    simd: S,
+    packet: &mut Packet<'_, Q, C>,
+    (leaf, cone): (LeafId, Option<&Cone>),
+    all: Bundles,
+    spans: &mut Spans,
+) -> bool {
+    let crossing = spans.find_crossing(simd, all, 1);
+    packet.test_leaf(leaf, cone, crossing, &mut spans.entered);
+    spans.leave(simd, packet.rays, crossing, 1);
+    spans.find_crossing(simd, all, 0) == 0
 }
 
 /// Begins the spans of all levels at a plane.
