@@ -3,7 +3,7 @@
 use crate::geom::Shaft;
 use crate::math::{Ray, TriangleId};
 
-/// Rays to shoot together, with hints; hints never change a hit.
+/// Rays to shoot together, with hints, which never change a hit, and a filter of hits.
 #[derive(Clone, Copy)]
 pub struct Batch<'a> {
     rays: &'a [Ray],

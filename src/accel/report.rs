@@ -73,8 +73,8 @@ pub struct BuildReport {
     pub mean_depth: f64,
     /// Depth of the deepest leaf.
     pub max_depth: usize,
-    /// Expected cost of a random ray through the root's box by the surface area heuristic, in units
-    /// of one box test.
+    /// Expected cost of a random ray through the root's box by the surface area heuristic, in the
+    /// structure's own unit: not to be compared between trees of different kinds.
     pub sah_cost: f64,
 }
 

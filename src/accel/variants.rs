@@ -101,6 +101,21 @@ fn near_ids(id: &str) -> Vec<&'static str> {
 
 /// Builds a structure over triangles, on the threads of the current pool.
 ///
+/// # Examples
+/// ```
+/// use std::sync::Arc;
+///
+/// use dapple::geom::{Triangle, TriangleList};
+/// use dapple::math::Vec3;
+/// use dapple::{AccelSpec, Isa};
+///
+/// let triangle = Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
+/// let spec: AccelSpec = "mbvh8:build=sweep".parse()?;
+/// let accel = dapple::build(&spec, Arc::new(TriangleList(vec![triangle])), Isa::Auto)?;
+/// assert_eq!(accel.report().triangles, 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Limits of the structure, or an instruction set that this CPU lacks.
 pub fn build(

@@ -52,6 +52,17 @@ pub struct Camera {
 impl Camera {
     /// A camera at `eye` that looks at `target`; `yfov` in radians. An `up` along the line of sight
     /// or zero means any; a target at the eye means looking along -Z.
+    ///
+    /// # Examples
+    /// ```
+    /// use dapple::Camera;
+    /// use dapple::math::{Vec2, Vec3};
+    ///
+    /// let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0);
+    /// // The ray through the middle of the film; without a lens its sample has no effect.
+    /// let ray = camera.ray(Vec2::splat(0.5), 16.0 / 9.0, Vec2::ZERO);
+    /// assert_eq!((ray.origin(), ray.direction()), (Vec3::Z, -Vec3::Z));
+    /// ```
     pub fn look_at(eye: Vec3, target: Vec3, up: Vec3, yfov: f32) -> Self {
         let back = normalize_any(eye - target).unwrap_or(Vec3::Z);
         let right = normalize_any(up.cross(back));

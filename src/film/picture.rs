@@ -78,6 +78,16 @@ pub struct Picture {
 
 impl Picture {
     /// A picture without channels.
+    ///
+    /// # Examples
+    /// ```
+    /// use dapple::{Picture, Window};
+    ///
+    /// let frame = Window::of_size(2, 1);
+    /// let mut picture = Picture::new(frame, frame);
+    /// picture.set_channel("depth.Z", vec![1.5, f32::INFINITY]);
+    /// assert_eq!(picture.channel("depth.Z"), Some(&[1.5, f32::INFINITY][..]));
+    /// ```
     pub fn new(frame: Window, crop: Window) -> Self {
         Self { frame, crop, strings: BTreeMap::new(), channels: Vec::new() }
     }

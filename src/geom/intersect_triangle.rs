@@ -14,9 +14,10 @@
 //! on both sides of an edge. So a ray through the interior of a mesh finds a triangle, at edges and
 //! vertices too. In f64 no fallback for zeros is needed.
 //!
-//! It differs from the paper in two points. A triangle that is edge-on to within 2^-30, or flat, is
+//! It differs from the paper in three points. A triangle that is edge-on to within 2^-30, or flat, is
 //! missed: then the point at `t` is within 2^-20 of the triangle's size from the triangle itself,
-//! however grazing the ray, which a kd-tree with clipped triangles needs. And the hit must lie in the
+//! however grazing the ray, which a kd-tree with clipped triangles needs. A triangle whose distance
+//! is zero within rounding is missed: a ray that begins on it does not hit it. And the hit must lie in the
 //! triangle's own box as the slab test sees it ([`super::slab`]): `t` is clamped into that interval, so
 //! that all boxes around the own box agree. For that, a ray in a plane of the axes whose hit is more
 //! than 2^36 directions away may have to miss: [`SlabRay::is_beyond`].

@@ -18,7 +18,7 @@ use super::crossing::classify_crossing;
 use super::dimensions::first_dimension;
 use super::light::{add_emission, add_environment, light_sample_context, sample_direct};
 use super::nested_dielectrics::{absorb, bsdf_for_path, interior_beyond, is_hidden, pass_hidden};
-use super::russian_roulette::russian_roulette;
+use super::russian_roulette::survives_russian_roulette;
 use super::state::{FirstHit, Path, PathSample, Step};
 use crate::accel::ClosestHit;
 use crate::material::{Bsdf, BsdfSample};
@@ -30,7 +30,7 @@ use crate::world::{Surface, World};
 pub struct Transport {
     /// The most segments of a path, at least 1.
     pub max_depth: u32,
-    /// The segment after which Russian roulette may end a path first; `None`: it never does.
+    /// The first segment at whose end Russian roulette may end a path; `None`: it never does.
     pub roulette_depth: Option<u32>,
     /// Whether the environment is hidden from the camera (it lights nevertheless).
     pub transparent: bool,
@@ -116,7 +116,7 @@ impl<'w> PathTracer<'w> {
         let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
             let direction = scatter(world, path, &surface, wo, &scattered, sample)?;
             let goes_on = !self.plays_roulette(depth)
-                || russian_roulette(&mut path.throughput, path.eta_squared, u_roulette);
+                || survives_russian_roulette(&mut path.throughput, path.eta_squared, u_roulette);
             if !goes_on || path.throughput == Vec3::ZERO {
                 return None;
             }

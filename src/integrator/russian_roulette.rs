@@ -5,7 +5,7 @@ use crate::math::Vec3;
 /// Ends a path at random, or scales the throughput of one that goes on by the inverse of the
 /// probability of that. Returns whether it goes on.
 #[inline(always)]
-pub fn russian_roulette(throughput: &mut Vec3, eta_squared: f32, u: f32) -> bool {
+pub fn survives_russian_roulette(throughput: &mut Vec3, eta_squared: f32, u: f32) -> bool {
     let survival = survival_probability(*throughput, eta_squared);
     if u >= survival {
         return false;

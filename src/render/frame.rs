@@ -80,6 +80,22 @@ pub struct Rendered {
 /// number of threads changes a bit of it, except for the layer `cost`. All pixels take 16 samples,
 /// then all of them 16 more, then 32, 64 and so on, so that a cancelled picture is complete, only
 /// noisier.
+///
+/// # Examples
+/// ```
+/// use dapple::{AccelSpec, BsdfForm, Control, Isa, Scene, Settings, World};
+///
+/// // An empty scene under the neutral sky: alpha is 1, and all that the camera sees is the sky.
+/// let mut scene = Scene::default();
+/// scene.add_defaults(1.0);
+/// let camera = scene.cameras[0].camera;
+/// let world = World::new(scene, BsdfForm::default())?;
+/// let accel = dapple::build(&AccelSpec::default(), world.triangles.clone(), Isa::Auto)?;
+/// let settings = Settings { spp: 1, ..Settings::new(4, 4) };
+/// let rendered = dapple::render(&world, &camera, &*accel, &settings, &Control::default());
+/// assert_eq!(rendered.picture.channel("A"), Some(&[1.0; 16][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn render(
     world: &World,
     camera: &Camera,

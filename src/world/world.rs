@@ -40,6 +40,17 @@ const SLACK: f32 = 1.0 / (1_u64 << 42) as f32;
 impl World {
     /// Prepares `scene`, whose surfaces will scatter by `form`.
     ///
+    /// # Examples
+    /// ```
+    /// use dapple::{BsdfForm, LoadOptions, World};
+    ///
+    /// let scene = dapple::load("scenes/cornell.gltf", &LoadOptions::default())?;
+    /// let world = World::new(scene, BsdfForm::Conserving)?;
+    /// // Each emitting triangle counts as a light.
+    /// assert_eq!(world.lights.len(), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
     pub fn new(scene: impl Into<Arc<Scene>>, form: BsdfForm) -> Result<Self, TooManyTriangles> {

@@ -7,7 +7,7 @@ use crate::accel::{Batch, ClosestHit, Counters, Event, HitCriteria, Query};
 use crate::geom::{FilterTriangle, Heading, RayBundle, Shaft, Triangle};
 use crate::math::{Ray, TriangleId, Vec3};
 
-/// PacketRays of a bundle.
+/// Rays of a bundle.
 const LANES: usize = RayBundle::LANES;
 
 /// Bundles of a packet at most: of each heading the last need not be full.

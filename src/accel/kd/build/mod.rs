@@ -5,7 +5,7 @@
 //! and share the costs, the rule when to stop and the recursion over parts of a tree. They give
 //! the same tree on any number of threads: what runs in parallel depends on sizes only.
 //!
-//! `sah` builds two trees, by `sweep` and by `minmax`, and keeps the cheaper.
+//! `build=sah` builds two trees, by `sweep` and by `minmax`, and keeps the cheaper.
 
 mod arena;
 mod binned;

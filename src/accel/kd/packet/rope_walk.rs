@@ -205,7 +205,7 @@ fn visit<S: Simd, Q: Query, C: Counters>(
         spans.exit[1][bundle] = exit.to_array();
         waiting.put(simd, bundle, here, next);
     }
-    // PacketRays that end are struck off in there.
+    // Rays that end are struck off in there.
     packet.test_leaf(leaf, None, entered, &mut spans.entered.clone());
     for bundle in iter_bundles(bundles) {
         let enter = load(simd, &spans.enter[bundle]);

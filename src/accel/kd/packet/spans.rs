@@ -16,7 +16,7 @@ use crate::accel::packet::{BUNDLES, PacketRays};
 use crate::geom::RayBundle;
 use crate::math::Aabb;
 
-/// PacketRays of a bundle.
+/// Rays of a bundle.
 const LANES: usize = RayBundle::LANES;
 
 /// Numbers, one for each ray of a bundle.
@@ -39,7 +39,7 @@ pub fn iter_bundles(mut set: Bundles) -> impl Iterator<Item = usize> {
     })
 }
 
-/// PacketRays of a bundle, prepared for planes: [`KdRay`], lane by lane.
+/// Rays of a bundle, prepared for planes: [`KdRay`], lane by lane.
 #[derive(Clone, Copy)]
 struct Planes {
     origin: [PerRay; 3],
@@ -213,7 +213,7 @@ impl Spans {
         left
     }
 
-    /// Leaves the cell of a level. PacketRays that were hit before that end, for what is left of
+    /// Leaves the cell of a level. Rays that were hit before that end, for what is left of
     /// them is strictly behind the hit.
     #[inline(always)]
     pub fn leave<S: Simd>(&mut self, simd: S, rays: &PacketRays, bundles: Bundles, level: usize) {
