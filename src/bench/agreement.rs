@@ -44,12 +44,12 @@ pub fn first_difference(
         let answers = ask(&mut *tracer, &rays[slice.clone()]);
         let found = answers.into_iter().zip(&expected[slice.clone()]).enumerate();
         for (at, ((closest, any), expected)) in found {
-            if right(&closest, any, expected) {
+            if is_right(&closest, any, expected) {
                 continue;
             }
             let ray = slice.start + at;
             let again = ask(&mut *accel.tracer(), &rays[ray..=ray]);
-            let alone = again.iter().any(|(closest, any)| !right(closest, *any, expected));
+            let alone = again.iter().any(|(closest, any)| !is_right(closest, *any, expected));
             let any_only = closest.same_bits(expected);
             return Some(Difference { ray, slice, alone, any_only, closest, any });
         }
@@ -58,7 +58,7 @@ pub fn first_difference(
     None
 }
 
-fn right(closest: &ClosestHit, any: AnyHit, expected: &ClosestHit) -> bool {
+fn is_right(closest: &ClosestHit, any: AnyHit, expected: &ClosestHit) -> bool {
     closest.same_bits(expected) && any.0 == expected.is_hit()
 }
 

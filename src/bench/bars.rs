@@ -6,7 +6,7 @@ use std::fmt::Write;
 pub(super) const COLOURS: [&str; 5] = ["#3b6ea5", "#d08c36", "#5a9a5a", "#a5504f", "#7d6aa8"];
 
 /// A chart of horizontal bars: for each row a label and a value per series.
-pub fn bars(title: &str, unit: &str, series: &[&str], rows: &[(String, Vec<f64>)]) -> String {
+pub fn draw_bars(title: &str, unit: &str, series: &[&str], rows: &[(String, Vec<f64>)]) -> String {
     const LABEL: f64 = 250.0;
     const WIDTH: f64 = 420.0;
     const BAR: f64 = 9.0;
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn the_largest_value_fills_the_width_and_labels_are_escaped() {
         let rows = [("a<b".to_owned(), vec![1.0]), ("c".to_owned(), vec![2.0])];
-        let svg = bars("rates", "Mrays/s", &["random"], &rows);
+        let svg = draw_bars("rates", "Mrays/s", &["random"], &rows);
         assert!(svg.contains("width=\"210.0\"") && svg.contains("width=\"420.0\""));
         assert!(svg.contains("a&lt;b") && svg.ends_with("</svg>\n"));
     }

@@ -97,22 +97,22 @@ pub fn estimate(triangles: usize) -> u64 {
 ///
 /// # Errors
 /// If the tree would not fit, or a walk disagrees with the first.
-pub fn walks(
+pub fn measure_walks(
     source: &Arc<dyn TriangleSource>,
     settings: &KdBenchSettings,
 ) -> Result<Vec<Row>, BenchError> {
     let mut options = Options::defaults(&OPTIONS);
-    let mut tree = tree(source, settings, &options)?;
-    let sets = sets(&tree, source, settings)?;
+    let mut tree = build_tree(source, settings, &options)?;
+    let sets = shoot_first(&tree, source, settings)?;
     let mut rows = Vec::new();
     for &(id, over) in OVER {
         let variant = VARIANTS.iter().find(|variant| variant.id == id).unwrap_or(&STACK_DIRECTION);
         let own = Options::defaults(variant.options);
         if !own.iter().take(OPTIONS.len()).eq(options.iter().take(OPTIONS.len())) {
-            tree = self::tree(source, settings, &own)?;
+            tree = build_tree(source, settings, &own)?;
         }
         options = own;
-        rows.push(row(id.to_owned(), &tree, over, &options, &sets, settings)?);
+        rows.push(measure_row(id.to_owned(), &tree, over, &options, &sets, settings)?);
     }
     Ok(rows)
 }
@@ -121,24 +121,24 @@ pub fn walks(
 ///
 /// # Errors
 /// If a tree would not fit, or disagrees with the first.
-pub fn builds_and_layouts(
+pub fn measure_builds_and_layouts(
     source: &Arc<dyn TriangleSource>,
     settings: &KdBenchSettings,
 ) -> Result<Vec<Row>, BenchError> {
     let mut rows = Vec::new();
     let mut kept: Option<Sets> = None;
-    let over = over(STACK_DIRECTION.id);
+    let over = find_walk(STACK_DIRECTION.id);
     for build in choices(OPTIONS[0].values) {
-        let tree = tree(source, settings, &built(build))?;
+        let tree = build_tree(source, settings, &options_with_build(build))?;
         let sets = match kept.take() {
             Some(sets) => sets,
-            None => sets(&tree, source, settings)?,
+            None => shoot_first(&tree, source, settings)?,
         };
         for layout in choices(LAYOUT.values) {
             let text = format!("build={build},layout={layout}");
             let options = Options::parse(STACK_DIRECTION.id, STACK_DIRECTION.options, &text)
                 .unwrap_or_else(|_| Options::defaults(STACK_DIRECTION.options));
-            rows.push(row(text, &tree, over, &options, &sets, settings)?);
+            rows.push(measure_row(text, &tree, over, &options, &sets, settings)?);
         }
         kept = Some(sets);
     }
@@ -153,18 +153,18 @@ pub(super) fn choices(values: Values) -> &'static [&'static str] {
     }
 }
 
-fn over(id: &str) -> OverTree {
+fn find_walk(id: &str) -> OverTree {
     OVER.iter().find(|(known, _)| *known == id).unwrap_or(&OVER[0]).1
 }
 
 /// The default options with one of the builds.
-pub(super) fn built(build: &str) -> Options {
+pub(super) fn options_with_build(build: &str) -> Options {
     let options = Options::parse("kd", &OPTIONS, &format!("build={build}"));
     options.unwrap_or_else(|_| Options::defaults(&OPTIONS))
 }
 
 /// A tree, if the estimate fits the memory.
-pub(super) fn tree(
+pub(super) fn build_tree(
     source: &Arc<dyn TriangleSource>,
     settings: &KdBenchSettings,
     options: &Options,
@@ -176,17 +176,17 @@ pub(super) fn tree(
     Ok(KdTree::build(source, options)?)
 }
 
-fn level(settings: &KdBenchSettings) -> Result<fearless_simd::Level, BuildError> {
+fn find_level(settings: &KdBenchSettings) -> Result<fearless_simd::Level, BuildError> {
     settings.isa.level().ok_or(BuildError::NoSuchIsa { isa: settings.isa.name() })
 }
 
-fn sets(
+fn shoot_first(
     tree: &KdTree,
     source: &Arc<dyn TriangleSource>,
     settings: &KdBenchSettings,
 ) -> Result<Sets, BenchError> {
     let options = Options::defaults(STACK_DIRECTION.options);
-    let accel = over(STACK_DIRECTION.id)(tree, &options, level(settings)?)?;
+    let accel = find_walk(STACK_DIRECTION.id)(tree, &options, find_level(settings)?)?;
     let target = Target::new(&**source, &*accel);
     let count = |set| match set {
         RaySet::Primary => side(settings.rays).pow(2),
@@ -194,7 +194,7 @@ fn sets(
     };
     let rays: Vec<_> = SETS.iter().map(|&set| target.rays(set, count(set), 1)).collect();
     let all = SETS.iter().zip(&rays);
-    let expected = all.map(|(&set, rays)| shots(set, rays).answers(&*accel)).collect();
+    let expected = all.map(|(&set, rays)| make_shots(set, rays).trace(&*accel)).collect();
     Ok(Sets { rays, first: STACK_DIRECTION.id.to_owned(), expected })
 }
 
@@ -204,13 +204,13 @@ fn side(rays: usize) -> usize {
 }
 
 /// All rays of a set at once; primary ones are a picture's.
-fn shots(set: RaySet, rays: &[Ray]) -> Shots<'_> {
+fn make_shots(set: RaySet, rays: &[Ray]) -> Shots<'_> {
     let side = side(rays.len()) as u32;
     let grid = (set == RaySet::Primary).then_some((side, side));
     Shots { grid, ..Shots::new(rays, Ask::Closest, rays.len()) }
 }
 
-fn row(
+fn measure_row(
     spec: String,
     tree: &KdTree,
     over: OverTree,
@@ -218,14 +218,14 @@ fn row(
     sets: &Sets,
     settings: &KdBenchSettings,
 ) -> Result<Row, BenchError> {
-    let accel = over(tree, options, level(settings)?)?;
+    let accel = over(tree, options, find_level(settings)?)?;
     let mut measured = Vec::new();
     for ((&set, rays), expected) in SETS.iter().zip(&sets.rays).zip(&sets.expected) {
-        let shots = shots(set, rays);
-        shots.answers(&*accel).check(expected, &spec, &sets.first, set.name())?;
-        let rounds = (0..ROUNDS).map(|_| shots.seconds(&*accel));
+        let shots = make_shots(set, rays);
+        shots.trace(&*accel).check(expected, &spec, &sets.first, set.name())?;
+        let rounds = (0..ROUNDS).map(|_| shots.time(&*accel));
         let seconds = rounds.fold(f64::INFINITY, f64::min);
-        measured.push(Measured { counts: shots.counts(&*accel), rays: rays.len(), seconds });
+        measured.push(Measured { counts: shots.count_work(&*accel), rays: rays.len(), seconds });
     }
     Ok(Row {
         spec,
@@ -237,22 +237,22 @@ fn row(
 }
 
 /// The rows as tables: sizes and rates in one, then the work of each set in one of its own.
-pub fn tables(title: &str, rows: &[Row]) -> Vec<Table> {
+pub fn make_tables(title: &str, rows: &[Row]) -> Vec<Table> {
     let mut rates = Table::new(title, "", &["structure", "build s", "SAH cost", "MB"]);
     rates.heading.extend(SETS.map(|set| format!("{} Mrays/s", set.name())));
-    rates.rows = rows.iter().map(rates_of).collect();
+    rates.rows = rows.iter().map(rate_cells).collect();
     let work = SETS.iter().enumerate().map(|(place, set)| {
         let heading = ["structure", "nodes", "leaves", "tests", "triangles", "restarts"];
         let title = format!("{title}: {} rays, each", set.name());
-        let mut table = Table::new(title, short_stack(rows, place), &heading);
-        table.rows = rows.iter().map(|row| work_of(row, place)).collect();
+        let mut table = Table::new(title, compare_short_stack(rows, place), &heading);
+        table.rows = rows.iter().map(|row| work_cells(row, place)).collect();
         table
     });
     std::iter::once(rates).chain(work).collect()
 }
 
 /// What the short stack's restarts cost beside the full stack, where both were measured.
-fn short_stack(rows: &[Row], set: usize) -> String {
+fn compare_short_stack(rows: &[Row], set: usize) -> String {
     let nodes = |id: &str| {
         let row = rows.iter().find(|row| row.spec == id)?;
         Some(row.sets[set].per_ray(Event::InnerNode)).filter(|&nodes| nodes > 0.0)
@@ -268,7 +268,7 @@ fn short_stack(rows: &[Row], set: usize) -> String {
     }
 }
 
-fn rates_of(row: &Row) -> Vec<String> {
+fn rate_cells(row: &Row) -> Vec<String> {
     let mut cells = vec![
         row.spec.clone(),
         format!("{:.3}", row.build_seconds),
@@ -279,7 +279,7 @@ fn rates_of(row: &Row) -> Vec<String> {
     cells
 }
 
-fn work_of(row: &Row, set: usize) -> Vec<String> {
+fn work_cells(row: &Row, set: usize) -> Vec<String> {
     const EVENTS: [Event; 5] =
         [Event::InnerNode, Event::Leaf, Event::TriangleTest, Event::TriangleLane, Event::Restart];
     let figures = EVENTS.map(|event| format!("{:.2}", row.sets[set].per_ray(event)));
@@ -304,9 +304,9 @@ mod tests {
     #[test]
     fn every_walk_and_every_build_has_a_row() {
         let settings = KdBenchSettings { rays: 2500, memory: u64::MAX, isa: Isa::Portable };
-        let rows = walks(&source(), &settings).expect("all agree");
+        let rows = measure_walks(&source(), &settings).expect("all agree");
         assert_eq!(rows.len(), OVER.len());
-        let tables = tables("walks", &rows);
+        let tables = make_tables("walks", &rows);
         assert_eq!(tables.len(), 1 + SETS.len());
         for table in tables.iter().map(Table::markdown) {
             assert!(OVER.iter().all(|(id, _)| table.contains(id)));
@@ -318,13 +318,14 @@ mod tests {
         };
         assert!(nodes("kd-packet") < 0.5 * nodes("kd-stack-direction"), "a raster by packets");
         assert!(tables[1].note.starts_with("kd-short-stack visits "), "{}", tables[1].note);
-        assert_eq!(builds_and_layouts(&source(), &settings).expect("all agree").len(), 15);
+        assert_eq!(measure_builds_and_layouts(&source(), &settings).expect("all agree").len(), 15);
     }
 
     #[test]
     fn what_would_not_fit_is_refused() {
         let settings = KdBenchSettings { rays: 50, memory: 1000, isa: Isa::Portable };
-        let error = walks(&source(), &settings).expect_err("100 triangles take more than 1000 B");
+        let error =
+            measure_walks(&source(), &settings).expect_err("100 triangles take more than 1000 B");
         assert!(error.to_string().contains("more than the 1000"), "{error}");
     }
 }

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::kd::{KdBenchSettings, built, choices, estimate, tree};
+use super::kd::{KdBenchSettings, build_tree, choices, estimate, options_with_build};
 use super::measure::BenchError;
-use super::plot::{Curve, lines};
+use super::plot::{Curve, draw_curves};
 use super::table::{Table, cell};
 use crate::accel::kd::build::OPTIONS;
 use crate::geom::TriangleSource;
@@ -46,14 +46,14 @@ pub fn measure(
     settings: &KdBenchSettings,
 ) -> Result<Growth, BenchError> {
     let seconds = choices(OPTIONS[0].values).iter().map(|&build| {
-        let tree = tree(source, settings, &built(build))?;
+        let tree = build_tree(source, settings, &options_with_build(build))?;
         Ok((build, tree.report.seconds()))
     });
     Ok(Growth { triangles: source.len(), seconds: seconds.collect::<Result<_, BenchError>>()? })
 }
 
 /// As a table.
-pub fn table(growth: &[Growth]) -> Table {
+pub fn make_table(growth: &[Growth]) -> Table {
     let note = "Machines as `dapple generate assembly` makes them. The second figure of each build \
                 is nanoseconds over N log2 N: constant where the build grows like that. \
                 sah is both trees that it chooses from.";
@@ -75,7 +75,7 @@ pub fn table(growth: &[Growth]) -> Table {
 }
 
 /// As a plot: a level line is growth as N log N.
-pub fn plot(growth: &[Growth]) -> String {
+pub fn draw_plot(growth: &[Growth]) -> String {
     let curve = |(build, &name): (usize, &&str)| Curve {
         name: name.to_owned(),
         points: growth
@@ -84,11 +84,11 @@ pub fn plot(growth: &[Growth]) -> String {
             .collect(),
     };
     let curves: Vec<_> = choices(OPTIONS[0].values).iter().enumerate().map(curve).collect();
-    lines("Time to build over N log2 N", "triangles, N", "ns", &curves)
+    draw_curves("Time to build over N log2 N", "triangles, N", "ns", &curves)
 }
 
 /// As objects.
-pub fn json(growth: &[Growth]) -> Value {
+pub fn to_json(growth: &[Growth]) -> Value {
     let scene = |scene: &Growth| {
         let seconds: serde_json::Map<_, _> =
             scene.seconds.iter().map(|&(build, s)| (build.to_owned(), s.into())).collect();
@@ -112,7 +112,7 @@ mod tests {
         for triangles in [1000, 1_000_000] {
             assert!((scene(triangles).nanoseconds(0) - 5.0).abs() < 1e-9);
         }
-        assert_eq!(json(&[scene(1024)])[0]["triangles"], 1024);
+        assert_eq!(to_json(&[scene(1024)])[0]["triangles"], 1024);
     }
 
     #[test]
@@ -120,8 +120,8 @@ mod tests {
         let settings = KdBenchSettings { rays: 1, memory: estimate(100_000), isa: Isa::Portable };
         let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(Vec::new()));
         let growth = [measure(&source, &settings).expect("nothing fits anywhere")];
-        assert_eq!(table(&growth).rows[0].len(), 7);
-        let svg = plot(&growth);
+        assert_eq!(make_table(&growth).rows[0].len(), 7);
+        let svg = draw_plot(&growth);
         assert!(["sah", "minmax", "binned"].iter().all(|build| svg.contains(build)), "{svg}");
         assert_eq!(sizes(&settings).collect::<Vec<_>>(), SIZES[..3]);
     }

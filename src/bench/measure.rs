@@ -58,7 +58,7 @@ pub enum Answers {
 
 impl Answers {
     /// On how many rays two structures differ.
-    pub fn differences(&self, other: &Self) -> usize {
+    pub fn count_differences(&self, other: &Self) -> usize {
         match (self, other) {
             (Self::Closest(a), Self::Closest(b)) => {
                 a.iter().zip(b).filter(|(a, b)| !a.same_bits(b)).count()
@@ -84,7 +84,7 @@ impl Answers {
             Self::Closest(hits) => hits.len(),
             Self::Any(hits) => hits.len(),
         };
-        match self.differences(expected) {
+        match self.count_differences(expected) {
             0 => Ok(()),
             rays => {
                 let (spec, first) = (spec.to_owned(), first.to_owned());
@@ -114,7 +114,7 @@ impl<'a> Shots<'a> {
     }
 
     /// Room for the answers, written to, so that no pass has to fetch the pages.
-    fn room(&self) -> Answers {
+    fn allocate_answers(&self) -> Answers {
         match self.ask {
             Ask::Closest => Answers::Closest(vec![ClosestHit::MISS; self.rays.len()]),
             Ask::Any => Answers::Any(vec![AnyHit(true); self.rays.len()]),
@@ -142,24 +142,24 @@ impl<'a> Shots<'a> {
     }
 
     /// The answers of a structure.
-    pub fn answers(&self, accel: &dyn Accel) -> Answers {
-        let mut answers = self.room();
+    pub fn trace(&self, accel: &dyn Accel) -> Answers {
+        let mut answers = self.allocate_answers();
         self.shoot(&mut *accel.tracer(), &mut answers);
         answers
     }
 
     /// Seconds for a pass, with a fresh tracer, on this thread.
-    pub fn seconds(&self, accel: &dyn Accel) -> f64 {
-        let (mut answers, mut tracer) = (self.room(), accel.tracer());
+    pub fn time(&self, accel: &dyn Accel) -> f64 {
+        let (mut answers, mut tracer) = (self.allocate_answers(), accel.tracer());
         let start = Instant::now();
         self.shoot(&mut *tracer, &mut answers);
         start.elapsed().as_secs_f64()
     }
 
     /// The work of a pass, with a fresh tracer.
-    pub fn counts(&self, accel: &dyn Accel) -> Counts {
+    pub fn count_work(&self, accel: &dyn Accel) -> Counts {
         let mut tracer = accel.counting_tracer();
-        self.shoot(&mut *tracer, &mut self.room());
+        self.shoot(&mut *tracer, &mut self.allocate_answers());
         tracer.counts()
     }
 }
@@ -203,7 +203,7 @@ pub fn hit_rate(counts: &Counts) -> Option<f64> {
 ///
 /// # Errors
 /// The first of a pass.
-pub fn interleaved<E>(
+pub fn time_interleaved<E>(
     things: usize,
     rounds: usize,
     mut seconds: impl FnMut(usize) -> Result<f64, E>,
@@ -235,7 +235,7 @@ mod tests {
             order.push(thing);
             Ok::<_, ()>([1.0, 10.0][thing] * [3.0, 1.0, 2.0][(order.len() - 1) / 2])
         };
-        assert_eq!(interleaved(2, 3, of), Ok(vec![2.0, 20.0]));
+        assert_eq!(time_interleaved(2, 3, of), Ok(vec![2.0, 20.0]));
         assert_eq!(order, [0, 1, 0, 1, 0, 1]);
         assert_eq!(median(vec![4.0, 1.0]), 2.5);
     }
@@ -245,14 +245,14 @@ mod tests {
         let hit = |t: f32| ClosestHit { t, ..ClosestHit::MISS };
         let (a, b) = (vec![hit(0.0), hit(1.0)], vec![hit(-0.0), hit(1.0)]);
         let (a, b) = (Answers::Closest(a), Answers::Closest(b));
-        assert_eq!((a.differences(&a), a.differences(&b)), (0, 1));
+        assert_eq!((a.count_differences(&a), a.count_differences(&b)), (0, 1));
         let error = a.check(&b, "x", "y", "random").expect_err("zeros of different sign");
         assert_eq!(
             error.to_string(),
             "x disagrees with y on 1 of 2 random rays; nothing was timed"
         );
         let (a, b) = (Answers::Any(vec![AnyHit(true)]), Answers::Any(vec![AnyHit(false)]));
-        assert_eq!((a.differences(&b), b.differences(&b)), (1, 0));
+        assert_eq!((a.count_differences(&b), b.count_differences(&b)), (1, 0));
     }
 
     #[test]

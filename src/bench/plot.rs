@@ -49,10 +49,10 @@ impl Axis {
 }
 
 /// Curves over a logarithmic horizontal axis; the vertical one begins at zero.
-pub fn lines(title: &str, across: &str, unit: &str, curves: &[Curve]) -> String {
+pub fn draw_curves(title: &str, across: &str, unit: &str, curves: &[Curve]) -> String {
     let axis = Axis::of(curves);
     let values = curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
-    let step = tick(values.filter(|value| value.is_finite()).fold(1e-9, f64::max) / 5.0);
+    let step = round_up(values.filter(|value| value.is_finite()).fold(1e-9, f64::max) / 5.0);
     let largest = step * 5.0;
     let up = |value: f64| TOP + HEIGHT * (1.0 - value / largest);
     let mut svg = format!(
@@ -73,7 +73,7 @@ pub fn lines(title: &str, across: &str, unit: &str, curves: &[Curve]) -> String 
              <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
             LEFT - 6.0,
             y + 3.0,
-            short(value)
+            format_short(value)
         );
     }
     let bottom = TOP + HEIGHT;
@@ -84,7 +84,7 @@ pub fn lines(title: &str, across: &str, unit: &str, curves: &[Curve]) -> String 
             "<path d=\"M{place:.1} {bottom}v4\" stroke=\"black\"/>\
              <text x=\"{place:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
             bottom + 16.0,
-            short(x)
+            format_short(x)
         );
     }
     let _ = writeln!(
@@ -95,25 +95,31 @@ pub fn lines(title: &str, across: &str, unit: &str, curves: &[Curve]) -> String 
         escaped(across)
     );
     for (i, curve) in curves.iter().enumerate() {
-        let (colour, x) = (COLOURS[i % COLOURS.len()], LEFT + 110.0 * i as f64);
-        let finite = curve.points.iter().filter(|point| point.1.is_finite());
-        let places: Vec<_> = finite.map(|&(x, y)| (axis.place(x), up(y.max(0.0)))).collect();
-        let path: Vec<_> = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        let _ = writeln!(
-            svg,
-            "<rect x=\"{x}\" y=\"27\" width=\"9\" height=\"9\" fill=\"{colour}\"/>\
-             <text x=\"{}\" y=\"35\">{}</text>\n<polyline points=\"{}\" fill=\"none\" \
-             stroke=\"{colour}\" stroke-width=\"1.5\"/>",
-            x + 13.0,
-            escaped(&curve.name),
-            path.join(" ")
-        );
-        for (x, y) in places {
-            let _ =
-                writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.5\" fill=\"{colour}\"/>");
-        }
+        svg += &draw_curve(i, curve, |(x, y)| (axis.place(x), up(y.max(0.0))));
     }
     svg + "</svg>\n"
+}
+
+/// A curve with its points and its name in the legend; `place` tells where points lie.
+fn draw_curve(i: usize, curve: &Curve, place: impl Fn((f64, f64)) -> (f64, f64)) -> String {
+    let mut svg = String::new();
+    let (colour, x) = (COLOURS[i % COLOURS.len()], LEFT + 110.0 * i as f64);
+    let finite = curve.points.iter().filter(|point| point.1.is_finite());
+    let places: Vec<_> = finite.map(|&point| place(point)).collect();
+    let path: Vec<_> = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+    let _ = writeln!(
+        svg,
+        "<rect x=\"{x}\" y=\"27\" width=\"9\" height=\"9\" fill=\"{colour}\"/>\
+         <text x=\"{}\" y=\"35\">{}</text>\n<polyline points=\"{}\" fill=\"none\" \
+         stroke=\"{colour}\" stroke-width=\"1.5\"/>",
+        x + 13.0,
+        escaped(&curve.name),
+        path.join(" ")
+    );
+    for (x, y) in places {
+        let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.5\" fill=\"{colour}\"/>");
+    }
+    svg
 }
 
 /// Powers of ten on the axis, and zero if it is there.
@@ -124,13 +130,13 @@ fn ticks(axis: &Axis) -> Vec<f64> {
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below `least`.
-fn tick(least: f64) -> f64 {
+fn round_up(least: f64) -> f64 {
     let power = libm::pow(10.0, libm::log10(least).floor());
     let of = [1.0, 2.0, 5.0].into_iter().map(|digit| digit * power);
     of.into_iter().find(|&step| step >= least).unwrap_or(10.0 * power)
 }
 
-fn short(value: f64) -> String {
+fn format_short(value: f64) -> String {
     let rounded = format!("{value:.4}");
     rounded.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
@@ -142,7 +148,7 @@ mod tests {
     #[test]
     fn curves_fill_the_frame_and_zero_stands_left_of_the_decades() {
         let points = vec![(0.0, 1.0), (0.01, 5.0), (1.0, 0.0)];
-        let svg = lines("r<t", "I", "Mrays/s", &[Curve { name: "bvh2".to_owned(), points }]);
+        let svg = draw_curves("r<t", "I", "Mrays/s", &[Curve { name: "bvh2".to_owned(), points }]);
         let (y1, y5, y0) = (TOP + HEIGHT * 0.8, TOP, TOP + HEIGHT);
         let expected = format!(
             "points=\"{LEFT:.1},{y1:.1} {:.1},{y5:.1} {:.1},{y0:.1}\"",
@@ -155,11 +161,11 @@ mod tests {
 
     #[test]
     fn ticks_are_round() {
-        assert_eq!([0.9, 1.0, 1.1, 30.0, 51.0].map(tick), [1.0, 1.0, 2.0, 50.0, 100.0]);
+        assert_eq!([0.9, 1.0, 1.1, 30.0, 51.0].map(round_up), [1.0, 1.0, 2.0, 50.0, 100.0]);
     }
 
     #[test]
     fn nothing_to_plot_is_an_empty_frame() {
-        assert!(lines("", "", "", &[]).ends_with("</svg>\n"));
+        assert!(draw_curves("", "", "", &[]).ends_with("</svg>\n"));
     }
 }

@@ -6,7 +6,7 @@
 use serde_json::{Value, json};
 
 use super::mbvh::paper;
-use super::measure::{BenchError, interleaved};
+use super::measure::{BenchError, time_interleaved};
 use super::table::{Table, cell};
 use crate::film::Picture;
 
@@ -45,7 +45,7 @@ pub struct Scene {
 }
 
 /// How often a pixel differs.
-fn differences(a: &Picture, b: &Picture) -> usize {
+fn count_differences(a: &Picture, b: &Picture) -> usize {
     let mut differs = vec![a.channels().len() != b.channels().len(); a.crop.area()];
     for (a, b) in a.channels().iter().zip(b.channels()) {
         for ((x, y), differs) in a.samples.iter().zip(&b.samples).zip(&mut differs) {
@@ -66,13 +66,13 @@ pub fn measure(
     mut render: impl FnMut(usize) -> Rendered,
 ) -> Result<Scene, BenchError> {
     let (mut first, mut rays) = (None, 0);
-    let seconds = interleaved(structures.len(), rounds, |which| {
+    let seconds = time_interleaved(structures.len(), rounds, |which| {
         let rendered = render(which);
         let expected = first.get_or_insert_with(|| {
             rays = rendered.rays;
             rendered.picture.clone()
         });
-        match differences(&rendered.picture, expected) {
+        match count_differences(&rendered.picture, expected) {
             0 => Ok(rendered.seconds),
             pixels => Err(BenchError::Differs {
                 spec: structures[which].0.clone(),
@@ -91,7 +91,7 @@ pub fn measure(
 }
 
 /// The figure as a table.
-pub fn table(scenes: &[Scene], how: &str) -> Table {
+pub fn make_table(scenes: &[Scene], how: &str) -> Table {
     let note = format!(
         "Seconds a render ({how}), the median of the rounds; S: speed-up over the first \
          structure. All pictures are equal to the bit. P: speed-up of the paper's MBVH over its \
@@ -168,7 +168,7 @@ mod tests {
         let name = ("car".to_owned(), 4_304_391);
         let of = |which| rendered(2.0, [3.0, 1.0][which]);
         let scene = measure(name, &structures(), 3, of).expect("equal pictures");
-        let text = table(std::slice::from_ref(&scene), "16 samples a pixel").markdown();
+        let text = make_table(std::slice::from_ref(&scene), "16 samples a pixel").markdown();
         assert!(text.contains("|   mbvh4 | 0.500 | 1.000 | 3.000 | 3.00 | 2.28 |"), "{text}");
         assert!(text.contains("|   bvh2 | 0.500 | 3.000 | 1.000 | 1.00 |  |"), "{text}");
         assert_eq!(scene.json()["structures"][1]["speed_up"], 3.0);

@@ -1,11 +1,11 @@
-//! All structures with their defaults, a row each: the table of the README.
+//! All structures with their defaults, a row each: the table of `docs/structures.md`.
 
 use std::sync::Arc;
 
 use serde_json::{Value, json};
 
 use super::fly_through::frame::Frame;
-use super::measure::{Ask, BenchError, Shots, interleaved};
+use super::measure::{Ask, BenchError, Shots, time_interleaved};
 use super::ray_sets::{RaySet, Target};
 use super::table::{Table, cell};
 use crate::accel::{Accel, AccelSpec, BuildError, Options, VARIANTS, Variant, build};
@@ -76,7 +76,7 @@ pub fn measure(
     let oracle = built(oracle)?;
     let random = Target::new(&**source, &*oracle).rays(RaySet::Random, settings.rays, 1);
     let side = (settings.rays as f64).sqrt().ceil().clamp(1.0, 16_384.0) as u32;
-    let pose = pose.unwrap_or_else(|| framing(&**source));
+    let pose = pose.unwrap_or_else(|| frame_camera(&**source));
     let picture = Frame::new(&pose, (side, side), side.div_ceil(TILE));
     let mut rows = Vec::new();
     for variant in VARIANTS {
@@ -91,14 +91,14 @@ pub fn measure(
             let shots = Shots::new(&rays[..few], Ask::Closest, SLICE);
             let whole = tiles && few == rays.len();
             let seconds = |accel: &dyn Accel| {
-                if whole { picture.seconds(&mut *accel.tracer()) } else { shots.seconds(accel) }
+                if whole { picture.time(&mut *accel.tracer()) } else { shots.time(accel) }
             };
             let answers = |accel: &dyn Accel| {
-                if whole { picture.answers(accel) } else { shots.answers(accel) }
+                if whole { picture.trace(accel) } else { shots.trace(accel) }
             };
             answers(&*accel).check(&answers(&*oracle), variant.id, ORACLE, set)?;
             let seconds =
-                interleaved(1, settings.rounds, |_| Ok::<_, BenchError>(seconds(&*accel)))?;
+                time_interleaved(1, settings.rounds, |_| Ok::<_, BenchError>(seconds(&*accel)))?;
             Ok::<_, BenchError>(few as f64 * 1e-6 / seconds[0].max(1e-9))
         };
         rows.push(Row {
@@ -113,7 +113,7 @@ pub fn measure(
 }
 
 /// A camera that sees all triangles.
-fn framing(source: &dyn TriangleSource) -> Pose {
+fn frame_camera(source: &dyn TriangleSource) -> Pose {
     const YFOV: f32 = 40.0;
     let ids = (0..source.len()).map(TriangleId::from_index);
     let bounds = ids.map(|id| source.triangle(id).bounds()).fold(Aabb::EMPTY, Aabb::union);
@@ -122,7 +122,7 @@ fn framing(source: &dyn TriangleSource) -> Pose {
     Pose::new(eye, eye - Vec3::from(camera.matrix3.z_axis) * eye.abs().max_element().max(1.0), YFOV)
 }
 
-fn note(scene: &str, triangles: usize) -> String {
+fn describe(scene: &str, triangles: usize) -> String {
     format!(
         "{scene}, {triangles} triangles, one thread, defaults. MB: all that a structure takes. \
          Millions of rays a second: random ones by slices of {SLICE}, primary ones by tiles of \
@@ -138,9 +138,9 @@ fn cells(row: &Row) -> [String; 4] {
 const FIGURES: [&str; 4] = ["MB", "build s", "random", "primary"];
 
 /// The figures, for the terminal.
-pub fn table(rows: &[Row], scene: &str, triangles: usize) -> Table {
+pub fn make_table(rows: &[Row], scene: &str, triangles: usize) -> Table {
     let heading = [&[""], &FIGURES[..]].concat();
-    let mut table = Table::new("Structures", note(scene, triangles), &heading);
+    let mut table = Table::new("Structures", describe(scene, triangles), &heading);
     let line = |row: &Row| {
         let id = std::iter::once(row.variant.id.to_owned());
         id.chain(cells(row)).collect()
@@ -149,8 +149,8 @@ pub fn table(rows: &[Row], scene: &str, triangles: usize) -> Table {
     table
 }
 
-/// The same with summaries and papers, for the README.
-pub fn markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
+/// The same with summaries and papers, for the documentation.
+pub fn to_markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
     let mut text = format!(
         "| id | what | paper | {} |\n|---|---|---|{}\n",
         FIGURES.join(" | "),
@@ -161,11 +161,11 @@ pub fn markdown(rows: &[Row], scene: &str, triangles: usize) -> String {
         let line = format!("| `{id}` | {summary} | {paper} | {} |\n", cells(row).join(" | "));
         text.push_str(&line);
     }
-    text + "\n" + &note(scene, triangles) + "\n"
+    text + "\n" + &describe(scene, triangles) + "\n"
 }
 
 /// The same for programs.
-pub fn json(rows: &[Row], scene: &str, triangles: usize) -> Value {
+pub fn to_json(rows: &[Row], scene: &str, triangles: usize) -> Value {
     let row = |row: &Row| {
         json!({
             "accel": row.variant.id,
@@ -204,11 +204,11 @@ mod tests {
         assert_eq!(ids, VARIANTS.iter().map(|variant| variant.id).collect::<Vec<_>>());
         let brute = |row: &&Row| row.variant.id == "brute";
         assert!(rows.iter().filter(|row| !brute(row)).all(|row| row.bytes > 0 && row.random > 0.0));
-        let text = markdown(&rows, "cloud", 300);
+        let text = to_markdown(&rows, "cloud", 300);
         assert!(VARIANTS.iter().all(|variant| text.contains(&format!("| `{}` |", variant.id))));
-        assert_eq!(table(&rows, "cloud", 300).rows.len(), rows.len());
+        assert_eq!(make_table(&rows, "cloud", 300).rows.len(), rows.len());
         assert_eq!(
-            json(&rows, "cloud", 300)["structures"].as_array().map(Vec::len),
+            to_json(&rows, "cloud", 300)["structures"].as_array().map(Vec::len),
             Some(rows.len())
         );
         let small = AccelsBenchSettings { memory: 1000, ..settings };

@@ -1,8 +1,8 @@
-//! Flights: paths of a camera, a file of which has a camera a line.
+//! Flights: camera paths, in files of one camera per line.
 //!
 //! A line is ten numbers: where the camera stands, what it looks at, which way is up (three each),
-//! and the angle between the upper and the lower edge of the picture in degrees. Numbers are parted
-//! by blanks or commas; what follows a `#` is a remark.
+//! and the angle between the upper and the lower edge of the picture in degrees. Numbers are
+//! separated by blanks or commas; a `#` begins a comment.
 
 use std::fmt::Write;
 
@@ -22,12 +22,13 @@ pub struct Pose {
     pub yfov: f32,
 }
 
-/// Why a file is no flight.
+/// Why a file is not a flight.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FlightError {
-    /// A line is no camera.
+    /// A line is not a camera.
     #[error(
-        "line {line}: expected ten numbers: eye, target and up (three each), and the angle of view in degrees; found {found:?}"
+        "line {line}: expected ten numbers: eye, target and up (three each), and the angle of view in \
+         degrees; found {found:?}"
     )]
     NotTen {
         /// From 1 on.
@@ -69,19 +70,19 @@ impl Pose {
 /// Reads a flight.
 ///
 /// # Errors
-/// The first line that is no camera, or if there is none at all.
+/// The first line that is not a camera, or that there is none at all.
 pub fn parse(text: &str) -> Result<Vec<Pose>, FlightError> {
     let mut flight = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let content = line.split('#').next().unwrap_or_default().trim();
         if !content.is_empty() {
-            flight.push(pose(number + 1, content)?);
+            flight.push(parse_pose(number + 1, content)?);
         }
     }
     if flight.is_empty() { Err(FlightError::Empty) } else { Ok(flight) }
 }
 
-fn pose(line: usize, content: &str) -> Result<Pose, FlightError> {
+fn parse_pose(line: usize, content: &str) -> Result<Pose, FlightError> {
     let words = content.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
     let numbers: Option<Vec<f32>> =
         words.map(|word| word.parse().ok().filter(|x: &f32| x.is_finite())).collect();
@@ -113,7 +114,7 @@ pub fn write(flight: &[Pose]) -> String {
     text
 }
 
-/// So many cameras, evenly along the curve of Catmull and Rom through some of them; ends included.
+/// Interpolates `count` cameras, evenly along the Catmull-Rom curve through `keys`; ends included.
 pub fn through(keys: &[Pose], count: usize) -> Vec<Pose> {
     let Some(last) = keys.len().checked_sub(1) else { return Vec::new() };
     let at = |number: usize| {
@@ -121,15 +122,15 @@ pub fn through(keys: &[Pose], count: usize) -> Vec<Pose> {
         let from = (place as usize).min(last.saturating_sub(1));
         let share = place - from as f32;
         let key = |i: isize| &keys[(from as isize + i).clamp(0, last as isize) as usize];
-        let of = |part: fn(&Pose) -> Vec3| curve([-1, 0, 1, 2].map(|i| part(key(i))), share);
+        let of = |part: fn(&Pose) -> Vec3| catmull_rom([-1, 0, 1, 2].map(|i| part(key(i))), share);
         let yfov = key(0).yfov + (key(1).yfov - key(0).yfov) * share;
         Pose { eye: of(|p| p.eye), target: of(|p| p.target), up: of(|p| p.up), yfov }
     };
     (0..count).map(at).collect()
 }
 
-/// Catmull and Rom's curve from the second of four points to the third.
-fn curve([a, b, c, d]: [Vec3; 4], t: f32) -> Vec3 {
+/// The Catmull-Rom curve from the second of four points to the third.
+fn catmull_rom([a, b, c, d]: [Vec3; 4], t: f32) -> Vec3 {
     if t == 1.0 {
         return c; // not all but
     }

@@ -29,10 +29,10 @@ pub enum Projection {
     Panorama,
 }
 
-/// A lens of some width, which blurs what is not in its plane of focus.
+/// A lens that blurs what is not in its plane of focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
-    /// Metres.
+    /// Radius of the aperture, metres.
     pub aperture_radius: f32,
     /// From the lens to the plane of focus, metres, along the line of sight; above zero.
     pub focus_distance: f32,
@@ -53,8 +53,8 @@ impl Camera {
     /// A camera at `eye` that looks at `target`; `yfov` in radians. An `up` along the line of sight
     /// or zero means any; a target at the eye means looking along -Z.
     pub fn look_at(eye: Vec3, target: Vec3, up: Vec3, yfov: f32) -> Self {
-        let back = direction(eye - target).unwrap_or(Vec3::Z);
-        let right = direction(up.cross(back));
+        let back = normalize_any(eye - target).unwrap_or(Vec3::Z);
+        let right = normalize_any(up.cross(back));
         let right = right.unwrap_or_else(|| Frame::from_normal(back).tangent);
         let turn = Mat3::from_cols(right, back.cross(right), back);
         Self {
@@ -119,7 +119,7 @@ impl Camera {
         self.rays(aspect).ray(film, lens)
     }
 
-    /// What makes rays for a film of that aspect.
+    /// Prepares the camera for a film of that aspect.
     pub fn rays(&self, aspect: f32) -> CameraRays {
         let half = match self.projection {
             Projection::Perspective { yfov } => libm::tanf(0.5 * yfov),
@@ -139,12 +139,12 @@ impl Camera {
     }
 }
 
-/// Unit length, also where the square of the length is beyond an f32; none for zero.
-fn direction(v: Vec3) -> Option<Vec3> {
+/// The unit vector, also where the square of the length overflows; `None` for zero.
+fn normalize_any(v: Vec3) -> Option<Vec3> {
     v.try_normalize().or_else(|| (v / v.abs().max_element()).try_normalize())
 }
 
-/// A camera made ready for a film.
+/// A camera prepared for a film.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRays {
     camera: Camera,
@@ -161,7 +161,7 @@ impl CameraRays {
         let (mut origin, mut direction) = match self.camera.projection {
             Projection::Perspective { .. } => (Vec3::ZERO, Vec3::new(x, y, -1.0)),
             Projection::Orthographic { .. } => (Vec3::new(x, y, 0.0), Vec3::NEG_Z),
-            Projection::Panorama => (Vec3::ZERO, all_around(film)),
+            Projection::Panorama => (Vec3::ZERO, panorama_direction(film)),
         };
         if let Some(thin) = self.camera.lens {
             let focus = origin + direction * thin.focus_distance;
@@ -193,7 +193,7 @@ impl CameraRays {
 }
 
 /// The direction of a point of a panorama.
-fn all_around(film: Vec2) -> Vec3 {
+fn panorama_direction(film: Vec2) -> Vec3 {
     let (longitude, latitude) = ((film.x - 0.5) * TAU, (0.5 - film.y) * PI);
     let (across, up) = (libm::cosf(latitude), libm::sinf(latitude));
     Vec3::new(libm::sinf(longitude) * across, up, -libm::cosf(longitude) * across)

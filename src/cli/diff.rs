@@ -211,7 +211,7 @@ mod tests {
 
     fn written(path: &Path, value: f32) -> PathBuf {
         let mut picture = Picture::new(Window::of_size(16, 16), Window::of_size(16, 16));
-        picture.set_layer("", "RGB", &[[value; 3]; 256]);
+        picture.set_aov("", "RGB", &[[value; 3]; 256]);
         exr::write(path, &picture).expect("written");
         path.to_owned()
     }

@@ -41,7 +41,7 @@ pub enum CliError {
     #[error("{0}")]
     Differs(String),
     /// Several things went wrong, each a line.
-    #[error("{}", lines(.0))]
+    #[error("{}", join_lines(.0))]
     Several(Vec<CliError>),
 }
 
@@ -75,7 +75,7 @@ impl From<BenchError> for CliError {
 }
 
 /// An error and its causes in a line, those left out that it has named itself.
-pub fn chain(error: &dyn Error) -> String {
+pub fn format_chain(error: &dyn Error) -> String {
     let mut message = error.to_string();
     let mut cause = error.source();
     while let Some(inner) = cause {
@@ -88,8 +88,8 @@ pub fn chain(error: &dyn Error) -> String {
     message
 }
 
-fn lines(errors: &[CliError]) -> String {
-    errors.iter().map(|error| chain(error)).collect::<Vec<_>>().join("\n")
+fn join_lines(errors: &[CliError]) -> String {
+    errors.iter().map(|error| format_chain(error)).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]

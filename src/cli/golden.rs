@@ -238,7 +238,7 @@ mod tests {
             let value = if scene.name == "light" { value } else { 0.1 };
             // Arguments after `--` come last.
             let value = if scene.render.last().is_some_and(|it| it == "2") { 0.7 } else { value };
-            picture.set_layer("", "RGB", &[[value; 3]; 64]);
+            picture.set_aov("", "RGB", &[[value; 3]; 64]);
             Ok(picture)
         };
         run_with(&command.args, &picture).map(|code| format!("{code:?}"))

@@ -66,7 +66,7 @@ impl Page {
         pair: Option<&Pair>,
     ) -> Result<(), FilmError> {
         let class = if outcome.verdict == Verdict::Same { "same" } else { "not" };
-        let name = escaped(&outcome.name);
+        let name = escape(&outcome.name);
         self.put(format_args!(
             "<section>\n<h2>{name}: <span class=\"{class}\">{word}</span></h2>\n"
         ));
@@ -77,15 +77,15 @@ impl Page {
             ));
         }
         if !outcome.reason.is_empty() {
-            let reason = escaped(&outcome.reason);
+            let reason = escape(&outcome.reason);
             self.put(format_args!("<p>{reason}</p>\n"));
         }
         if let Some(Pair { picture, golden }) = pair {
             self.put(format_args!("<div class=\"row\">\n"));
-            self.figure("rendered now", &display(picture)?);
-            self.figure("golden", &display(golden)?);
-            if let Some(map) = flip_map(picture, golden)? {
-                self.figure("FLIP", &map);
+            self.add_figure("rendered now", &encode_for_display(picture)?);
+            self.add_figure("golden", &encode_for_display(golden)?);
+            if let Some(map) = draw_flip_map(picture, golden)? {
+                self.add_figure("FLIP", &map);
             }
             self.put(format_args!("</div>\n"));
         }
@@ -103,7 +103,7 @@ impl Page {
             .map_err(|source| FilmError::write(&self.path, source))
     }
 
-    fn figure(&mut self, caption: &str, file: &[u8]) {
+    fn add_figure(&mut self, caption: &str, file: &[u8]) {
         let data = STANDARD.encode(file);
         self.put(format_args!(
             "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{data}\">\
@@ -117,12 +117,12 @@ impl Page {
     }
 }
 
-fn display(picture: &Picture) -> Result<Vec<u8>, FilmError> {
+fn encode_for_display(picture: &Picture) -> Result<Vec<u8>, FilmError> {
     png::encode(Path::new("the picture"), picture, Tonemap::Agx)
 }
 
 /// None where the two are of different sizes.
-fn flip_map(picture: &Picture, golden: &Picture) -> Result<Option<Vec<u8>>, FilmError> {
+fn draw_flip_map(picture: &Picture, golden: &Picture) -> Result<Option<Vec<u8>>, FilmError> {
     let named = |path, picture| Named { path: Path::new(path), picture };
     let pictures = (named("the render", picture), named("the golden picture", golden));
     let found = match compare(pictures.0, pictures.1, FlipKind::Hdr) {
@@ -135,7 +135,7 @@ fn flip_map(picture: &Picture, golden: &Picture) -> Result<Option<Vec<u8>>, Film
 }
 
 /// Text as HTML shows it.
-fn escaped(text: &str) -> String {
+fn escape(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;");
     text.replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -146,6 +146,6 @@ mod tests {
 
     #[test]
     fn names_cannot_break_the_page() {
-        assert_eq!(escaped("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
+        assert_eq!(escape("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
     }
 }

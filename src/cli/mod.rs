@@ -82,7 +82,7 @@ pub fn main() -> ExitCode {
     let parsed = Cli::from_arg_matches(&all_commands().get_matches());
     let parsed = parsed.unwrap_or_else(|error| error.exit());
     dispatch(parsed.command).unwrap_or_else(|error| {
-        progress::say(&format!("error: {}", error::chain(&error)));
+        progress::say(&format!("error: {}", error::format_chain(&error)));
         ExitCode::from(error.exit_code())
     })
 }

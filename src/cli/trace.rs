@@ -167,17 +167,17 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
         let summary = Summary {
             triangles,
             rays: rays.len(),
-            hits: answers.hits(),
+            hits: answers.count_hits(),
             seconds: seconds[seconds.len() / 2],
             counts,
         };
-        text::print(&summary.text(args, &*accel))?;
+        text::print(&summary.to_text(args, &*accel))?;
         Ok(ExitCode::SUCCESS)
     })?
 }
 
 impl Answers {
-    fn hits(&self) -> usize {
+    fn count_hits(&self) -> usize {
         match self {
             Self::Closest(hits) => hits.iter().filter(|hit| hit.is_hit()).count(),
             Self::Any(hits) => hits.iter().filter(|hit| hit.0).count(),
@@ -243,7 +243,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn text(&self, args: &TraceArgs, accel: &dyn Accel) -> String {
+    fn to_text(&self, args: &TraceArgs, accel: &dyn Accel) -> String {
         let rate = self.rays as f64 / self.seconds.max(1e-9) * 1e-6;
         let (report, bytes) = (accel.report(), accel.memory().total());
         let query = if args.any { "any" } else { "closest" };

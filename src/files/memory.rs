@@ -1,8 +1,8 @@
-//! How much memory there is, and who asks for more: files that claim much in few bytes.
+//! How much memory there is, and whether files may claim more of it in few bytes.
 
 use std::fs;
 
-/// Claims of up to this many bytes are granted unasked.
+/// Claims of up to this many bytes are always granted.
 const FREE_BYTES: u64 = 64 << 20;
 
 /// What is kept for all else when a claim is granted: stacks, threads, what the allocator rounds
@@ -12,21 +12,25 @@ const SPARE_BYTES: u64 = 128 << 20;
 /// Bytes that this process may have: the machine's memory, or less where the system says so
 /// (`ulimit -v`, a control group); 16 GB where it says nothing.
 pub fn limit() -> u64 {
-    let machine = text("/proc/meminfo").and_then(|text| kilobytes(&text, "MemTotal:"));
-    let process = text("/proc/self/limits").and_then(|text| address_space(&text));
-    [machine, process, group("memory.max")].into_iter().flatten().min().unwrap_or(16_000_000_000)
+    let machine = read_text("/proc/meminfo").and_then(|text| parse_kilobytes(&text, "MemTotal:"));
+    let process = read_text("/proc/self/limits").and_then(|text| parse_address_space(&text));
+    [machine, process, read_group("memory.max")]
+        .into_iter()
+        .flatten()
+        .min()
+        .unwrap_or(16_000_000_000)
 }
 
 /// The most memory that the process has had, where the system tells.
 pub fn peak() -> Option<u64> {
-    kilobytes(&text("/proc/self/status")?, "VmHWM:")
+    parse_kilobytes(&read_text("/proc/self/status")?, "VmHWM:")
 }
 
 /// A claim for more memory than is left.
 #[derive(Clone, Copy, Debug, thiserror::Error, PartialEq, Eq)]
 #[error("takes {:.1} GB of memory, {:.1} GB are left", giga(*.needed), giga(*.left))]
 pub struct TooMuch {
-    /// Bytes asked for.
+    /// Bytes claimed.
     pub needed: u64,
     /// Bytes left.
     pub left: u64,
@@ -49,42 +53,43 @@ pub fn claim(bytes: u64) -> Result<(), TooMuch> {
     if bytes <= left { Ok(()) } else { Err(TooMuch { needed: bytes, left }) }
 }
 
-/// Bytes that the process may still have, by the strictest of those who have a say.
+/// Bytes that the process may still have, by the strictest limit.
 fn left() -> u64 {
-    let machine = text("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
+    let machine =
+        read_text("/proc/meminfo").and_then(|text| parse_kilobytes(&text, "MemAvailable:"));
     let process = || {
-        let most = address_space(&text("/proc/self/limits")?)?;
-        Some(most.saturating_sub(kilobytes(&text("/proc/self/status")?, "VmSize:")?))
+        let most = parse_address_space(&read_text("/proc/self/limits")?)?;
+        Some(most.saturating_sub(parse_kilobytes(&read_text("/proc/self/status")?, "VmSize:")?))
     };
-    let group = || Some(group("memory.max")?.saturating_sub(group_use()?));
+    let group = || Some(read_group("memory.max")?.saturating_sub(read_group_use()?));
     [machine, process(), group()].into_iter().flatten().min().unwrap_or(u64::MAX)
 }
 
-fn text(path: &str) -> Option<String> {
+fn read_text(path: &str) -> Option<String> {
     fs::read_to_string(path).ok()
 }
 
 /// What the control group holds, less the files that it keeps for as long as there is room.
-fn group_use() -> Option<u64> {
-    let cached = text("/sys/fs/cgroup/memory.stat")?;
+fn read_group_use() -> Option<u64> {
+    let cached = read_text("/sys/fs/cgroup/memory.stat")?;
     let cached = cached.lines().find_map(|line| line.strip_prefix("inactive_file "))?;
-    Some(group("memory.current")?.saturating_sub(cached.trim().parse().ok()?))
+    Some(read_group("memory.current")?.saturating_sub(cached.trim().parse().ok()?))
 }
 
 /// A figure of the control group that the process is in.
-fn group(name: &str) -> Option<u64> {
-    text(&format!("/sys/fs/cgroup/{name}"))?.trim().parse().ok()
+fn read_group(name: &str) -> Option<u64> {
+    read_text(&format!("/sys/fs/cgroup/{name}"))?.trim().parse().ok()
 }
 
 /// Bytes of a line as `MemTotal:  24682496 kB`.
-fn kilobytes(text: &str, name: &str) -> Option<u64> {
+fn parse_kilobytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     kilobytes.checked_mul(1024)
 }
 
 /// The soft limit of a line as `Max address space  3072000000  unlimited  bytes`.
-fn address_space(limits: &str) -> Option<u64> {
+fn parse_address_space(limits: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
 }
@@ -95,13 +100,13 @@ mod tests {
 
     #[test]
     fn the_systems_words_are_understood() {
-        let of = |text: &str| kilobytes(text, "MemTotal:");
+        let of = |text: &str| parse_kilobytes(text, "MemTotal:");
         assert_eq!(of("MemFree: 1 kB\nMemTotal:       24682496 kB\n"), Some(24_682_496 << 10));
         assert_eq!(of("MemTotal: much\n"), None);
         let limits = "Max file locks            unlimited            unlimited            locks\n\
                       Max address space         3145728000           unlimited            bytes\n";
-        assert_eq!(address_space(limits), Some(3_145_728_000));
-        assert_eq!(address_space(&limits.replace("3145728000", "unlimited")), None);
+        assert_eq!(parse_address_space(limits), Some(3_145_728_000));
+        assert_eq!(parse_address_space(&limits.replace("3145728000", "unlimited")), None);
     }
 
     #[test]

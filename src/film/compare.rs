@@ -1,4 +1,4 @@
-//! All figures about an image and a reference at once, and the map of where they differ.
+//! All error metrics of an image and a reference, and the map of where they differ.
 
 use super::metrics::{Errors, Finite, NotFinite};
 use super::ztest::{ZTest, ztest};
@@ -87,7 +87,7 @@ pub fn compare(
         }
     }
     let variances =
-        [image.picture.layer("variance", "RGB"), reference.picture.layer("variance", "RGB")];
+        [image.picture.aov("variance", "RGB"), reference.picture.aov("variance", "RGB")];
     let tested = variances.iter().any(Option::is_some).then(|| {
         let [of_a, of_b] = &variances;
         ztest((&a, of_a.as_deref()), (&b, of_b.as_deref()), width, &finite)
@@ -137,7 +137,7 @@ mod tests {
     fn grey(width: usize, height: usize, value: f32) -> Picture {
         let window = Window::of_size(width, height);
         let mut picture = Picture::new(window, window);
-        picture.set_layer("", "RGB", &vec![[value; 3]; width * height]);
+        picture.set_aov("", "RGB", &vec![[value; 3]; width * height]);
         picture
     }
 

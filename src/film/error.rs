@@ -1,4 +1,4 @@
-//! What can go wrong with pictures and their files.
+//! Errors of pictures and their files.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -31,8 +31,10 @@ pub enum FilmError {
         message: String,
     },
     /// Two pictures that were to be compared differ in size.
-    #[error("sizes differ: {} is {}x{}, {} is {}x{}; render both with the same --resolution and --crop",
-        .0.0, .0.1, .0.2, .1.0, .1.1, .1.2)]
+    #[error(
+        "sizes differ: {} is {}x{}, {} is {}x{}; render both with the same --resolution and --crop",
+        .0.0, .0.1, .0.2, .1.0, .1.1, .1.2
+    )]
     Sizes((String, usize, usize), (String, usize, usize)),
     /// A word on the command line that names no metric, or a bad number after it.
     #[error("{0}")]
@@ -53,7 +55,7 @@ impl FilmError {
         Self::Write { path: path.to_owned(), source }
     }
 
-    /// A file whose contents will not do.
+    /// A file with contents that cannot be used.
     pub fn invalid(path: &Path, message: impl Into<String>) -> Self {
         Self::Invalid { path: path.to_owned(), message: message.into() }
     }

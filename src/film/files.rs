@@ -46,7 +46,7 @@ impl Picture {
 ///
 /// let frame = Window::of_size(2, 1);
 /// let mut picture = Picture::new(frame, frame);
-/// picture.set_layer("", "RGB", &[[0.5; 3], [1.0; 3]]);
+/// picture.set_aov("", "RGB", &[[0.5; 3], [1.0; 3]]);
 /// assert_eq!(diff(&picture, &picture)?.flip, 0.0);
 /// # Ok::<(), dapple::FilmError>(())
 /// ```

@@ -1,7 +1,7 @@
-//! Figures about two pictures, pixel by pixel.
+//! Error metrics of two pictures, pixel by pixel.
 //!
-//! A pixel that is not finite in either picture has no place in a mean. It is left out of all
-//! figures, and counted: [`NotFinite`].
+//! A pixel that is not finite in either picture is left out of all figures, and counted:
+//! [`NotFinite`].
 
 /// Which pixels are finite in both pictures, and how many are not in which.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct NotFinite {
 }
 
 impl Finite {
-    /// Looks through two pictures of one size.
+    /// Examines two pictures of one size.
     pub fn of(image: &[[f32; 3]], reference: &[[f32; 3]]) -> Self {
         let mut counts = NotFinite::default();
         let sound = |pixel: &[f32; 3]| pixel.iter().all(|value| value.is_finite());
@@ -109,7 +109,7 @@ impl Errors {
     }
 }
 
-/// The part of all pixels that are off: some channel is not finite in one picture only, or differs
+/// The share of all pixels that are off: some channel is not finite in one picture only, or differs
 /// by more than `tolerance * max(1, |b|)`.
 pub fn pixels_off(image: &[[f32; 3]], reference: &[[f32; 3]], tolerance: f64) -> f64 {
     let same = |a: f32, b: f32| {

@@ -1,4 +1,4 @@
-//! Pixel filters, pictures of named layers, their files, and how two pictures are compared.
+//! Pixel filters, pictures of named channels, their files, and how two pictures are compared.
 //!
 //! | file | what it holds |
 //! |---|---|

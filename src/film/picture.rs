@@ -62,8 +62,8 @@ pub struct Channel {
 
 /// Named float channels over a part of a frame, and what is told of them in a file's header.
 ///
-/// The root layer is `R G B A`: linear Rec. 709, alpha associated (colours are already multiplied
-/// by it). Other layers are prefixed: `albedo.R`, `normal.X`, `position.X`, `depth.Z`,
+/// The colours are `R G B A`: linear Rec. 709, alpha associated (colours are already multiplied by
+/// it). Other AOVs are prefixed: `albedo.R`, `normal.X`, `position.X`, `depth.Z`,
 /// `variance.R` (of the pixel's mean), `samples.Y`, `cost.Y`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -117,23 +117,22 @@ impl Picture {
         }
     }
 
-    /// Adds three channels at once: `layer.R`, `layer.G`, `layer.B` for `suffixes` `RGB`, without
-    /// the point for the root layer `""`.
+    /// Adds an AOV of three channels: `albedo.R`, `albedo.G`, `albedo.B` for `"albedo"` and
+    /// `suffixes` `RGB`. The colours are the AOV `""`, whose channels have no prefix.
     ///
     /// # Panics
     /// If `values` is not one value per pixel of the crop, or `suffixes` is not three letters.
-    pub fn set_layer(&mut self, layer: &str, suffixes: &str, values: &[[f32; 3]]) {
-        assert_eq!(suffixes.chars().count(), 3, "a layer of vectors has three channels");
+    pub fn set_aov(&mut self, aov: &str, suffixes: &str, values: &[[f32; 3]]) {
+        assert_eq!(suffixes.chars().count(), 3, "an AOV of vectors has three channels");
         for (axis, suffix) in suffixes.chars().enumerate() {
             let samples = values.iter().map(|value| value[axis]).collect();
-            self.set_channel(channel_name(layer, suffix), samples);
+            self.set_channel(channel_name(aov, suffix), samples);
         }
     }
 
-    /// The three channels of a layer, if all are there; see [`Picture::set_layer`].
-    pub fn layer(&self, layer: &str, suffixes: &str) -> Option<Vec<[f32; 3]>> {
-        let mut of_suffix =
-            suffixes.chars().map(|suffix| self.channel(&channel_name(layer, suffix)));
+    /// The three channels of an AOV, if all are there; see [`Picture::set_aov`].
+    pub fn aov(&self, aov: &str, suffixes: &str) -> Option<Vec<[f32; 3]>> {
+        let mut of_suffix = suffixes.chars().map(|suffix| self.channel(&channel_name(aov, suffix)));
         let (x, y, z) = (of_suffix.next()??, of_suffix.next()??, of_suffix.next()??);
         Some(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| [x, y, z]).collect())
     }
@@ -143,7 +142,7 @@ impl Picture {
     /// # Errors
     /// [`FilmError::Invalid`] that lists the channels, if neither is there.
     pub fn rgb(&self, path: &Path) -> Result<Vec<[f32; 3]>, FilmError> {
-        if let Some(colours) = self.layer("", "RGB") {
+        if let Some(colours) = self.aov("", "RGB") {
             return Ok(colours);
         }
         if let Some(grey) = self.channel("Y") {
@@ -158,11 +157,11 @@ impl Picture {
     }
 }
 
-fn channel_name(layer: &str, suffix: char) -> String {
-    if layer.is_empty() { suffix.to_string() } else { format!("{layer}.{suffix}") }
+fn channel_name(aov: &str, suffix: char) -> String {
+    if aov.is_empty() { suffix.to_string() } else { format!("{aov}.{suffix}") }
 }
 
-/// The complaint about an image without colours.
+/// The message about an image without colours.
 pub(super) fn no_colours<'a>(channels: impl Iterator<Item = &'a str>) -> String {
     let channels: Vec<_> = channels.collect();
     format!("no channels R, G, B and no Y; it has {}", channels.join(", "))
@@ -173,17 +172,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn layers_are_channels_by_name() {
+    fn aovs_are_channels_by_name() {
         let mut picture =
             Picture::new(Window::of_size(4, 4), Window { x0: 1, y0: 2, x1: 3, y1: 3 });
-        picture.set_layer("normal", "XYZ", &[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-        picture.set_layer("", "RGB", &[[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]);
+        picture.set_aov("normal", "XYZ", &[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        picture.set_aov("", "RGB", &[[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]);
         assert_eq!(picture.channel("normal.Y"), Some(&[2.0, 5.0][..]));
         let names: Vec<_> = picture.channels().iter().map(|it| it.name.as_str()).collect();
         assert_eq!(names, ["B", "G", "R", "normal.X", "normal.Y", "normal.Z"]);
         let colours = picture.rgb(Path::new("a")).expect("there");
         assert_eq!(colours, [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]);
-        assert_eq!(picture.layer("albedo", "RGB"), None);
+        assert_eq!(picture.aov("albedo", "RGB"), None);
     }
 
     #[test]

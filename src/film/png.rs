@@ -148,7 +148,7 @@ pub fn read(path: &Path) -> Result<Picture, FilmError> {
             [r, g, b].map(|it| linear_from_srgb(it) * a)
         })
         .collect();
-    picture.set_layer("", "RGB", &colours);
+    picture.set_aov("", "RGB", &colours);
     picture.set_channel("A", image.pixels().map(|pixel| value(pixel.0[3])).collect());
     Ok(picture)
 }
@@ -160,7 +160,7 @@ mod tests {
     fn picture(colours: &[[f32; 3]], alphas: &[f32]) -> Picture {
         let window = Window::of_size(colours.len(), 1);
         let mut picture = Picture::new(window, window);
-        picture.set_layer("", "RGB", colours);
+        picture.set_aov("", "RGB", colours);
         picture.set_channel("A", alphas.to_vec());
         picture
     }

@@ -1,9 +1,9 @@
-//! Do two noisy pictures have the same expectation?
+//! A test whether two noisy pictures have the same expectation.
 //!
 //! The pixels of a Monte Carlo picture are far from normally distributed, so tiles are pooled:
 //! `z = (Σ a - Σ b) / sqrt(Σ var a + Σ var b)` per tile and channel is about N(0, 1) if the
 //! expectations agree. Estimated variances are too low where rare bright paths were missed, so a
-//! tile only counts as bad beyond [`LIMIT`], and what is judged is the part of tiles that are bad.
+//! tile only counts as bad beyond [`LIMIT`], and the test judges the share of bad tiles.
 
 use super::metrics::Finite;
 
@@ -12,12 +12,12 @@ pub const TILE: usize = 8;
 /// The |z| beyond which a tile is bad.
 pub const LIMIT: f64 = 5.0;
 
-/// What the test says. Tiles without noise that are equal count as good and are in no mean.
+/// The result of the test. Equal tiles without noise count as good and are in no mean.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ZTest {
     /// The number of whole tiles; pixels beyond the last whole one belong to none.
     pub tiles: usize,
-    /// The part of tiles with |z| > 5 in some channel.
+    /// The share of tiles with |z| > 5 in some channel.
     pub bad_tiles: f64,
     /// Mean of z over tiles and channels.
     pub mean: f64,

@@ -39,7 +39,7 @@ mod tests {
     fn write_exr(path: &Path, color: [f32; 3]) {
         let window = Window::of_size(1, 1);
         let mut picture = Picture::new(window, window);
-        picture.set_layer("", "RGB", &[color]);
+        picture.set_aov("", "RGB", &[color]);
         exr::write(path, &picture).expect("written");
     }
 

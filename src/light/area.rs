@@ -4,7 +4,7 @@ use crate::geom::Triangle;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
-/// A point on a triangle, chosen uniformly by area.
+/// A point on a triangle, sampled uniformly by area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleSample {
     /// The point.
@@ -17,7 +17,7 @@ pub struct TriangleSample {
     pub area: f32,
 }
 
-/// Chooses a point on `triangle` from a uniform `u` in the unit square.
+/// Samples a point on `triangle` by a uniform `u` in the unit square.
 #[inline]
 pub fn sample_triangle(triangle: &Triangle, u: Vec2) -> TriangleSample {
     let uv = warp::triangle(u);

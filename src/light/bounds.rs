@@ -1,38 +1,39 @@
-//! What is known of a light, or of many, and how much of it may arrive at a point.
+//! Bounds of a light or of many lights, and how important they are to a point.
 
 use std::f32::consts::PI;
 
 use super::cone::Cone;
 use crate::math::{Aabb, Vec3};
 
-/// What is known of a light, or of many: where it is and how much it shines where.
+/// Bounds of a light or of many: where it is, and how much light it sends where.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {
-    /// Holds all of it.
+    /// Holds all of the light.
     pub bounds: Aabb,
-    /// Holds its normals.
+    /// Holds all normals, or the axis of a point light.
     pub normals: Cone,
     /// The cosine of the greatest angle off a normal at which it shines.
     pub cos_emission: f32,
-    /// Of any unit; lights without are never chosen.
+    /// In any unit. Lights without power are never chosen.
     pub power: f32,
 }
 
-/// Where light is to arrive.
+/// Where light is to arrive: what the choice of a light depends on (pbrt's light-sample context).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSampleContext {
     /// The point.
     pub position: Vec3,
-    /// Unit normal of a surface that only scatters light from that side; zero: from both.
+    /// Unit normal of a surface that scatters light from that side alone; zero where it scatters
+    /// light from both.
     pub normal: Vec3,
 }
 
 /// Which sides of a flat emitter shine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
-    /// The one that its normal points to.
+    /// The side that its normal points to.
     Front,
-    /// Either.
+    /// Both sides.
     Both,
 }
 
@@ -45,7 +46,7 @@ impl LightBounds {
         power: 0.0,
     };
 
-    /// A flat emitter of some corners and unit normal; `double`: from both of its sides.
+    /// A triangle of a unit normal (zero where it is not known) that emits from `sides`.
     pub fn flat(corners: [Vec3; 3], normal: Vec3, sides: Sides, power: f32) -> Self {
         let normals = match sides {
             Sides::Front if normal != Vec3::ZERO => Cone::of(normal),
@@ -54,20 +55,18 @@ impl LightBounds {
         Self { bounds: Aabb::of_points(corners), normals, cos_emission: 0.0, power }
     }
 
-    /// A point that shines up to an angle off its axis; π: everywhere.
+    /// A point light that shines up to `angle` (radians) off its axis; π means in all directions.
     pub fn point(position: Vec3, axis: Vec3, angle: f32, power: f32) -> Self {
         let bounds = Aabb { min: position, max: position };
         if angle >= PI {
             return Self { bounds, normals: Cone::ALL, cos_emission: 0.0, power };
         }
-        // A little more than it is, for rounding.
+        // A little wider than the light, for rounding.
         let cos_emission = libm::cosf((angle + 1e-3).min(PI));
         Self { bounds, normals: Cone::of(axis), cos_emission, power }
     }
-}
 
-impl LightBounds {
-    /// Of both together.
+    /// The bounds of both together.
     pub(super) fn union(&self, other: &Self) -> Self {
         Self {
             bounds: self.bounds.union(other.bounds),
@@ -77,7 +76,7 @@ impl LightBounds {
         }
     }
 
-    /// About how much of its light may arrive; zero only where none does.
+    /// An estimate of how much of its light arrives; zero only where none does.
     pub(super) fn importance(&self, context: &LightSampleContext) -> f32 {
         let half = self.bounds.extent() * 0.5;
         let from_centre = context.position - (self.bounds.min + half);
@@ -92,24 +91,25 @@ impl LightBounds {
         let seen = if seen.cos < 0.0 { Angle { sin: 0.0, cos: -1.0 } } else { seen };
 
         let off_normal = Angle::of_cos(self.normals.axis.dot(way))
-            .less(Angle::of_cos(self.normals.cos))
-            .less(seen);
+            .saturating_sub(Angle::of_cos(self.normals.cos))
+            .saturating_sub(seen);
         if off_normal.cos <= self.cos_emission {
             return 0.0;
         }
         // Never quite nothing, so that rounding hides no light at the edge of what it shines on.
-        let mut importance = self.power * off_normal.cos.max(LEAST) / distance2.max(radius2);
+        let mut importance = self.power * off_normal.cos.max(MIN_COS) / distance2.max(radius2);
         if context.normal != Vec3::ZERO {
-            let cos = Angle::of_cos(-context.normal.dot(way)).less(seen).cos;
+            let cos = Angle::of_cos(-context.normal.dot(way)).saturating_sub(seen).cos;
             if cos < -1e-4 {
                 return 0.0;
             }
-            importance *= cos.max(LEAST);
+            importance *= cos.max(MIN_COS);
         }
         if importance.is_finite() { importance } else { f32::MAX * 0.25 }
     }
 
-    /// The heuristic's cost of a node, but for how long it is.
+    /// The cost of a node by the surface area orientation heuristic, but for the factor that makes
+    /// long boxes dearer.
     pub(super) fn cost(&self) -> f32 {
         let extent = self.bounds.extent();
         // Lights in a plane or on a line have a size too.
@@ -120,7 +120,7 @@ impl LightBounds {
 }
 
 /// The least cosine that counts where light may arrive at all.
-const LEAST: f32 = 1e-3;
+const MIN_COS: f32 = 1e-3;
 
 /// An angle from 0 to π.
 #[derive(Clone, Copy)]
@@ -136,7 +136,7 @@ impl Angle {
     }
 
     /// The difference, at least 0.
-    fn less(self, other: Self) -> Self {
+    fn saturating_sub(self, other: Self) -> Self {
         if self.cos > other.cos {
             return Self { sin: 0.0, cos: 1.0 };
         }

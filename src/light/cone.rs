@@ -17,7 +17,7 @@ impl Cone {
     /// All directions.
     pub const ALL: Self = Self { axis: Vec3::Z, cos: -1.0 };
 
-    /// One direction alone.
+    /// A single direction.
     pub fn of(axis: Vec3) -> Self {
         Self { axis, cos: 1.0 }
     }

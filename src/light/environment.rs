@@ -2,9 +2,10 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use super::Sun;
-use crate::math::{DVec3, Vec2, Vec3};
-use crate::sampling::{Distribution2d, warp};
+use super::environment_image::{EnvironmentImage, EnvironmentSample};
+use super::sun::Sun;
+use crate::math::{Vec2, Vec3};
+use crate::sampling::warp;
 
 /// Radiance that arrives from each direction where nothing is in the way.
 ///
@@ -20,34 +21,10 @@ pub struct Environment {
     sun: Option<(Sun, f32)>,
 }
 
-/// A direction chosen by importance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EnvironmentSample {
-    /// Unit direction that the light comes from.
-    pub direction: Vec3,
-    /// What comes from there.
-    pub radiance: Vec3,
-    /// Density over solid angle.
-    pub pdf: f32,
-}
-
 #[derive(Debug)]
 enum Source {
     Constant(Vec3),
-    Image(Image),
-}
-
-/// A latitude-longitude map, looked up bilinearly.
-#[derive(Debug)]
-struct Image {
-    width: usize,
-    height: usize,
-    /// Rows from +Y down, the scale multiplied in.
-    pixels: Vec<[f32; 3]>,
-    /// Over the unit square of cells, see [`Image::locate`]; constant in each.
-    distribution: Distribution2d,
-    /// Cosine and sine of the rotation about +Y.
-    rotation: (f32, f32),
+    Image(EnvironmentImage),
 }
 
 impl Environment {
@@ -75,25 +52,14 @@ impl Environment {
         for value in pixels.iter_mut().flatten() {
             *value *= scale;
         }
-        let cells = Cells { width, height, pixels: &pixels };
-        let mean = cells.spherical_mean();
-        let distribution = Distribution2d::new(width, cells.rows(), &cells.importance())
-            .expect("weights are finite and not all zero");
-        let radians = rotate_degrees.to_radians();
-        let image = Image {
-            width,
-            height,
-            distribution,
-            pixels,
-            rotation: (libm::cosf(radians), libm::sinf(radians)),
-        };
+        let (image, mean) = EnvironmentImage::new(width, height, pixels, rotate_degrees);
         Self { source: Source::Image(image), mean, sun: None }
     }
 
-    /// The same with a sun before it, whose light is added.
+    /// The same with a sun in front, whose light is added.
     pub fn with_sun(mut self, sun: Sun) -> Self {
-        // Chosen by what it puts onto a surface that faces it, against that of all the rest; also
-        // the dimmer of the two now and then.
+        // The sun is sampled by its irradiance against that of the rest, with a probability from
+        // 0.1 to 0.8.
         let brightness = |c: Vec3| c.x.max(0.0) + c.y.max(0.0) + c.z.max(0.0);
         let of_sun = brightness(sun.radiance()) * sun.solid_angle();
         let of_rest = brightness(self.mean) * PI;
@@ -103,12 +69,12 @@ impl Environment {
         self
     }
 
-    /// The sun before it.
+    /// The sun in front.
     pub fn sun(&self) -> Option<&Sun> {
         self.sun.as_ref().map(|(sun, _)| sun)
     }
 
-    /// Whether the same comes from everywhere.
+    /// Whether the radiance is the same from everywhere.
     pub fn is_constant(&self) -> bool {
         self.sun.is_none() && matches!(self.source, Source::Constant(_))
     }
@@ -117,7 +83,7 @@ impl Environment {
     pub fn pixels(&self) -> &[[f32; 3]] {
         match &self.source {
             Source::Constant(_) => &[],
-            Source::Image(image) => &image.pixels,
+            Source::Image(image) => image.pixels(),
         }
     }
 
@@ -126,189 +92,70 @@ impl Environment {
         self.mean
     }
 
-    /// What comes from a unit direction.
+    /// The radiance from a unit direction.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         self.radiance_and_pdf(direction).0
     }
 
-    /// The density over solid angle with which [`Environment::sample`] chooses a unit direction.
+    /// The density over solid angle with which [`Environment::sample`] returns a unit direction.
     pub fn pdf(&self, direction: Vec3) -> f32 {
         self.radiance_and_pdf(direction).1
     }
 
-    /// Both for the price of one.
+    /// Radiance and density at the cost of one of them.
     pub fn radiance_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
-        let behind = self.behind_sun(direction);
+        let behind = self.radiance_and_pdf_without_sun(direction);
         match &self.sun {
-            Some((sun, share)) if sun.covers(direction) => joined(behind, sun, *share),
+            Some((sun, share)) if sun.covers(direction) => combine_with_sun(behind, sun, *share),
             Some((_, share)) => (behind.0, behind.1 * (1.0 - share)),
             None => behind,
         }
     }
 
-    /// Both without the sun.
-    fn behind_sun(&self, direction: Vec3) -> (Vec3, f32) {
+    /// The same without the sun.
+    fn radiance_and_pdf_without_sun(&self, direction: Vec3) -> (Vec3, f32) {
         match &self.source {
             Source::Constant(radiance) => (*radiance, 0.25 * FRAC_1_PI),
-            Source::Image(image) => {
-                let (uv, sine) = image.locate(direction);
-                (image.look_up(uv), solid_angle_pdf(image.distribution.pdf(uv), sine))
-            }
+            Source::Image(image) => image.radiance_and_pdf(direction),
         }
     }
 
-    /// Chooses a direction from a uniform `u` in the unit square; `None` for the poles of an
-    /// image, whose density over solid angle is not finite.
+    /// Samples a direction by a uniform `u` in the unit square; `None` at the poles of an image,
+    /// where the density over solid angle is not finite.
     pub fn sample(&self, u: Vec2) -> Option<EnvironmentSample> {
-        let Some((sun, share)) = &self.sun else { return self.sample_behind_sun(u) };
+        let Some((sun, share)) = &self.sun else { return self.sample_without_sun(u) };
         if u.x < *share {
             let direction = sun.sample(Vec2::new(u.x / share, u.y));
-            let (radiance, pdf) = joined(self.behind_sun(direction), sun, *share);
+            let (radiance, pdf) =
+                combine_with_sun(self.radiance_and_pdf_without_sun(direction), sun, *share);
             return Some(EnvironmentSample { direction, radiance, pdf });
         }
         let rest = ((u.x - share) / (1.0 - share)).min(1.0 - 0.5 * f32::EPSILON);
         let EnvironmentSample { direction, radiance, pdf } =
-            self.sample_behind_sun(Vec2::new(rest, u.y))?;
+            self.sample_without_sun(Vec2::new(rest, u.y))?;
         let (radiance, pdf) = if sun.covers(direction) {
-            joined((radiance, pdf), sun, *share)
+            combine_with_sun((radiance, pdf), sun, *share)
         } else {
             (radiance, pdf * (1.0 - share))
         };
         (pdf > 0.0).then_some(EnvironmentSample { direction, radiance, pdf })
     }
 
-    fn sample_behind_sun(&self, u: Vec2) -> Option<EnvironmentSample> {
+    fn sample_without_sun(&self, u: Vec2) -> Option<EnvironmentSample> {
         match &self.source {
             Source::Constant(radiance) => Some(EnvironmentSample {
                 direction: warp::sphere(u),
                 radiance: *radiance,
                 pdf: 0.25 * FRAC_1_PI,
             }),
-            Source::Image(image) => {
-                let (uv, density) = image.distribution.sample(u);
-                let (direction, sine) = image.direction(uv);
-                let pdf = solid_angle_pdf(density, sine);
-                (pdf > 0.0).then(|| EnvironmentSample {
-                    direction,
-                    radiance: image.look_up(uv),
-                    pdf,
-                })
-            }
+            Source::Image(image) => image.sample(u),
         }
     }
 }
 
-/// Radiance and density in the disc of a sun that is chosen with probability `share`.
-fn joined((radiance, pdf): (Vec3, f32), sun: &Sun, share: f32) -> (Vec3, f32) {
+/// Radiance and density in the disc of a sun that is sampled with probability `share`.
+fn combine_with_sun((radiance, pdf): (Vec3, f32), sun: &Sun, share: f32) -> (Vec3, f32) {
     (radiance + sun.radiance(), pdf * (1.0 - share) + share * sun.pdf())
-}
-
-impl Image {
-    /// Where a direction lies in the unit square of cells, and the sine of its polar angle. A cell
-    /// is what lies between four texels; the first column of cells starts at the first texels.
-    fn locate(&self, direction: Vec3) -> (Vec2, f32) {
-        let (cos, sin) = self.rotation;
-        let (x, z) = (direction.x * cos - direction.z * sin, direction.x * sin + direction.z * cos);
-        let sine = (x * x + z * z).sqrt();
-        let u = self.first_column() + libm::atan2f(x, -z) * (0.5 * FRAC_1_PI);
-        let v = libm::atan2f(sine, direction.y) * FRAC_1_PI;
-        (Vec2::new(u - u.floor(), v), sine)
-    }
-
-    /// The direction of a point of the unit square of cells, and the sine of its polar angle.
-    fn direction(&self, uv: Vec2) -> (Vec3, f32) {
-        let (sine, cosine) = libm::sincosf(uv.y * PI);
-        let (s, c) = libm::sincosf((uv.x - self.first_column()) * (2.0 * PI));
-        let (x, z) = (sine * s, -sine * c);
-        let (cos, sin) = self.rotation;
-        (Vec3::new(x * cos + z * sin, cosine, z * cos - x * sin), sine)
-    }
-
-    /// The share of the circle from the first column to the image's centre.
-    fn first_column(&self) -> f32 {
-        0.5 - 0.5 / self.width as f32
-    }
-
-    /// Bilinear in the cell of a point.
-    fn look_up(&self, uv: Vec2) -> Vec3 {
-        let cells = Cells { width: self.width, height: self.height, pixels: &self.pixels };
-        let (x, y) = (uv.x * self.width as f32, uv.y * cells.rows() as f32);
-        let (column, row) = ((x as usize).min(self.width - 1), (y as usize).min(cells.rows() - 1));
-        let (across, down) = (x - column as f32, y - row as f32);
-        let [a, b, c, d] = cells.corners(column, row);
-        let upper = a * (1.0 - across) + b * across;
-        let lower = c * (1.0 - across) + d * across;
-        upper * (1.0 - down) + lower * down
-    }
-}
-
-/// From a density over the unit square to one over solid angle: the square maps to 2 pi by pi, and
-/// that to the sphere with the sine of the polar angle.
-fn solid_angle_pdf(density: f32, sine: f32) -> f32 {
-    if sine > 0.0 { density / (2.0 * PI * PI * sine) } else { 0.0 }
-}
-
-/// The cells between an image's texels: as many columns, since the image closes into a ring, and
-/// one row less.
-struct Cells<'a> {
-    width: usize,
-    height: usize,
-    pixels: &'a [[f32; 3]],
-}
-
-impl Cells<'_> {
-    /// At least one, also for an image of a single row.
-    fn rows(&self) -> usize {
-        (self.height - 1).max(1)
-    }
-
-    /// The texels around a cell: upper left and right, lower left and right.
-    fn corners(&self, column: usize, row: usize) -> [Vec3; 4] {
-        let right = if column + 1 == self.width { 0 } else { column + 1 };
-        let below = (row + 1).min(self.height - 1);
-        let texel = |x: usize, y: usize| Vec3::from(self.pixels[y * self.width + x]);
-        [texel(column, row), texel(right, row), texel(column, below), texel(right, below)]
-    }
-
-    /// The sine of the polar angle in the middle of a row.
-    fn sine(&self, row: usize) -> f32 {
-        libm::sinf(PI * (row as f32 + 0.5) / self.rows() as f32)
-    }
-
-    /// Mean radiance over the sphere; a cell counts by the sine of its polar angle.
-    fn spherical_mean(&self) -> Vec3 {
-        let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
-        for row in 0..self.rows() {
-            let of_row: DVec3 = (0..self.width)
-                .map(|column| self.corners(column, row).iter().map(|c| c.as_dvec3()).sum::<DVec3>())
-                .sum();
-            let sine = f64::from(self.sine(row));
-            sum += of_row * (0.25 * sine);
-            weight += sine * self.width as f64;
-        }
-        (sum / weight).as_vec3()
-    }
-
-    /// A weight for each cell: the mean of the bilinear interpolant over it, which is that of its
-    /// corners. So the slopes around a bright texel are chosen as often as they deserve.
-    fn importance(&self) -> Vec<f32> {
-        let brightness = |c: Vec3| {
-            // NaN counts as nothing, infinity as much as leaves room to add.
-            ((c.x.max(0.0) + c.y.max(0.0) + c.z.max(0.0)) / 3.0).min(f32::MAX / 64.0)
-        };
-        let mut weights = Vec::with_capacity(self.width * self.rows());
-        for row in 0..self.rows() {
-            let sine = self.sine(row);
-            weights.extend((0..self.width).map(|column| {
-                let corners = self.corners(column, row);
-                0.25 * sine * corners.into_iter().map(brightness).sum::<f32>()
-            }));
-        }
-        if weights.iter().all(|&weight| weight == 0.0) {
-            return vec![1.0; weights.len()]; // black: any density will do
-        }
-        weights
-    }
 }
 
 #[cfg(test)]

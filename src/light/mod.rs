@@ -1,14 +1,14 @@
-//! Light sources: what they send where, and how a point to be lit chooses a direction to them.
+//! Light sources: their radiance, and how directions to them are sampled.
 //!
 //! Three kinds: an [`Environment`] infinitely far away, perhaps with a [`Sun`], [`Punctual`] lights
 //! without extent, and triangles that emit ([`sample_triangle`]). Which of them a scene has is
-//! known one floor up, in `world`; with what probability each is chosen where there are
-//! many tells a [`LightTree`].
+//! known one floor up, in `world`. Where there are many, a [`LightTree`] samples one of them.
 
 mod area;
 mod bounds;
 mod cone;
 mod environment;
+mod environment_image;
 mod preetham;
 mod punctual;
 #[cfg(test)]
@@ -20,7 +20,8 @@ mod tree;
 pub use area::{TriangleSample, area_to_solid_angle, sample_triangle};
 pub use bounds::{LightBounds, LightSampleContext, Sides};
 pub use cone::Cone;
-pub use environment::{Environment, EnvironmentSample};
+pub use environment::Environment;
+pub use environment_image::EnvironmentSample;
 pub use preetham::Preetham;
 pub use punctual::{Illumination, Punctual, PunctualKind};
 pub use sky::{Sky, sun_direction};

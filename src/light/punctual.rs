@@ -45,7 +45,7 @@ pub struct Illumination {
 }
 
 impl Punctual {
-    /// What arrives at `point` if nothing is in between; `None` where that is nothing.
+    /// The light that arrives at `point` unless something is in between; `None` where none does.
     pub fn illuminate(&self, point: Vec3) -> Option<Illumination> {
         if self.kind == PunctualKind::Directional {
             let (direction, irradiance) = (-self.direction, self.intensity);
@@ -62,7 +62,8 @@ impl Punctual {
         })
     }
 
-    /// The flux that it sends into a scene of the given bounding radius (metres), to choose by.
+    /// The flux that it sends into a scene of the given bounding radius (metres), by which lights
+    /// are sampled.
     pub fn power(&self, scene_radius: f32) -> f32 {
         use std::f32::consts::PI;
         let mean = (self.intensity.x + self.intensity.y + self.intensity.z) / 3.0;
@@ -76,8 +77,8 @@ impl Punctual {
         }
     }
 
-    /// Share of the full strength in a unit direction away from the light. The extension's
-    /// recommended form.
+    /// Share of the full strength in a unit direction away from the light, as the extension
+    /// recommends it.
     fn cone(&self, direction: Vec3) -> f32 {
         let PunctualKind::Spot { inner, outer } = self.kind else { return 1.0 };
         let (cos_inner, cos_outer) = (libm::cosf(inner), libm::cosf(outer));

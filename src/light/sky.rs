@@ -1,4 +1,4 @@
-//! Sun and sky as surroundings.
+//! Sun and sky as an environment.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -11,19 +11,19 @@ const UNIT: f32 = 10.0;
 /// A clear day's sky with its sun, over even ground, by [`Preetham`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
-    /// Of [`Preetham::TURBIDITY`].
+    /// Within [`Preetham::TURBIDITY`].
     pub turbidity: f32,
     /// Unit direction to the sun, not below the horizon.
     pub sun: Vec3,
-    /// The share of light that the ground sends back, all that is seen below the horizon.
+    /// The share of light that the ground reflects; ground is all that is seen below the horizon.
     pub ground_albedo: f32,
-    /// Degrees that the sun's disc is across; none: there is no disc, nor its light.
+    /// Angular diameter of the sun's disc, degrees; `None`: no disc and none of its light.
     pub sun_diameter: Option<f32>,
 }
 
 impl Default for Sky {
-    /// A fine day's afternoon: turbidity 3, the sun 45° high over the viewer's right shoulder where
-    /// he looks along -Z, ground like dry earth.
+    /// A clear afternoon: turbidity 3, the sun 45° high over the right shoulder of a viewer who
+    /// looks along -Z, ground like dry earth.
     fn default() -> Self {
         Self {
             turbidity: 3.0,
@@ -43,7 +43,7 @@ pub fn sun_direction(elevation: f32, azimuth: f32) -> Vec3 {
 }
 
 impl Sky {
-    /// The surroundings, times `scale`. A radiance of one is 10 kcd/m².
+    /// The environment, times `scale`. A radiance of one is 10 kcd/m².
     pub fn environment(&self, scale: f32) -> Environment {
         const HEIGHT: usize = 512;
         const WIDTH: usize = 2 * HEIGHT;

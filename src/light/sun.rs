@@ -4,10 +4,10 @@ use std::f32::consts::PI;
 
 use crate::math::{Frame, Vec2, Vec3};
 
-/// An even disc in the sky, chosen by its solid angle.
+/// An even disc in the sky, sampled by its solid angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
-    /// Its middle as third axis.
+    /// Its centre as third axis.
     frame: Frame,
     radiance: Vec3,
     /// One minus the cosine of its angular radius, which an f32 of that cosine would not know.
@@ -28,12 +28,12 @@ impl Sun {
         Self { frame: Frame::from_normal(direction), radiance, height }
     }
 
-    /// Unit direction of its middle.
+    /// Unit direction to its centre.
     pub fn direction(&self) -> Vec3 {
         self.frame.normal
     }
 
-    /// What comes from each point of it.
+    /// Radiance of each point of it.
     pub fn radiance(&self) -> Vec3 {
         self.radiance
     }
@@ -48,14 +48,14 @@ impl Sun {
         1.0 / self.solid_angle()
     }
 
-    /// Whether a unit direction meets it. By the chord to its middle: the cosine of so small an
-    /// angle has no digits left.
+    /// Whether a unit direction meets it: by the chord to its centre, since the cosine of so small
+    /// an angle has no digits left.
     #[inline]
     pub fn covers(&self, direction: Vec3) -> bool {
         direction.distance_squared(self.frame.normal) <= 2.0 * self.height
     }
 
-    /// A direction to it, from a uniform `u` in the unit square.
+    /// Samples a direction to it by a uniform `u` in the unit square.
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let below = u.x * self.height;
         let sine = (below * (2.0 - below)).sqrt();

@@ -1,20 +1,20 @@
-//! Many lights: a tree to choose one by what it may send to a point.
+//! Many lights: a tree from which one is sampled by its importance to a point.
 //!
 //! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG
 //! 2018, without the splitting: a walk from the root takes either child with the probability of its
-//! importance, down to one light. The importance is the power of the lights below, over the square
-//! of the distance, by the least angles that they may have to where they shine and to the surface's
-//! normal. Trees are built by their surface area orientation heuristic.
+//! importance, down to one light. The importance is the power of the lights below over the square
+//! of the distance, times the cosines of the least angles that they may have to their own normals
+//! and to the surface's. Trees are built by their surface area orientation heuristic.
 
 use super::bounds::{LightBounds, LightSampleContext};
 use crate::math::Aabb;
 
-/// A tree over lights, which are known by their number.
+/// A tree over lights, which are told apart by their number.
 #[derive(Debug)]
 pub struct LightTree {
     /// Inner nodes are followed by their first child.
     nodes: Vec<Node>,
-    /// By light: the turns on the way from the root, first turn in the lowest bit.
+    /// By light: the turns on the way from the root, the first turn in the lowest bit.
     trails: Vec<Option<u64>>,
 }
 
@@ -32,8 +32,8 @@ enum Link {
     Leaf(u32),
 }
 
-/// From here on nodes are halved, so that no trail outgrows its bits.
-const DEEP: u32 = 32;
+/// Below this depth nodes are halved, so that no trail outgrows its bits.
+const MAX_SPLIT_DEPTH: u32 = 32;
 const BINS: usize = 12;
 
 impl LightTree {
@@ -59,7 +59,7 @@ impl LightTree {
             self.trails[light as usize] = Some(trail);
             return;
         }
-        let middle = if depth < DEEP { split(lights, order) } else { order.len() / 2 };
+        let middle = if depth < MAX_SPLIT_DEPTH { split(lights, order) } else { order.len() / 2 };
         self.nodes.push(Node { light: lights[order[0] as usize], link: Link::Leaf(0) });
         let (first, second) = order.split_at_mut(middle);
         self.build(lights, first, depth + 1, trail);
@@ -69,15 +69,15 @@ impl LightTree {
         self.nodes[here] = Node { light, link: Link::Inner(link as u32) };
     }
 
-    /// A light for a point, by a uniform `u`, and the probability with which it is chosen; `None`
-    /// where none shines.
+    /// Samples a light for a point by a uniform `u`. Returns its number and the probability of
+    /// that; `None` where no light shines.
     pub fn sample(&self, context: &LightSampleContext, mut u: f32) -> Option<(usize, f32)> {
         let (mut at, mut probability) = (0, 1.0);
         loop {
             match self.nodes[at].link {
                 Link::Leaf(light) => return Some((light as usize, probability)),
                 Link::Inner(second) => {
-                    let first = self.first_share(at, second as usize, context)?;
+                    let first = self.first_child_probability(at, second as usize, context)?;
                     if u < first {
                         (at, probability) = (at + 1, probability * first);
                         u /= first;
@@ -91,12 +91,14 @@ impl LightTree {
         }
     }
 
-    /// The probability with which [`LightTree::sample`] chooses a light.
+    /// The probability with which [`LightTree::sample`] returns a light.
     pub fn probability(&self, context: &LightSampleContext, light: usize) -> f32 {
         let Some(mut trail) = self.trails[light] else { return 0.0 };
         let (mut at, mut probability) = (0, 1.0);
         while let Link::Inner(second) = self.nodes[at].link {
-            let Some(first) = self.first_share(at, second as usize, context) else { return 0.0 };
+            let Some(first) = self.first_child_probability(at, second as usize, context) else {
+                return 0.0;
+            };
             if trail & 1 == 0 {
                 (at, probability) = (at + 1, probability * first);
             } else {
@@ -108,15 +110,20 @@ impl LightTree {
     }
 
     /// The probability of an inner node's first child.
-    fn first_share(&self, at: usize, second: usize, context: &LightSampleContext) -> Option<f32> {
+    fn first_child_probability(
+        &self,
+        at: usize,
+        second: usize,
+        context: &LightSampleContext,
+    ) -> Option<f32> {
         let first = self.nodes[at + 1].light.importance(context);
         let sum = first + self.nodes[second].light.importance(context);
         (sum > 0.0).then(|| first / sum)
     }
 }
 
-/// Puts `order` in two parts by the heuristic; where the second begins, which has at least one, as
-/// has the first.
+/// Partitions `order` by the heuristic. Returns where the second part begins; both have at least
+/// one light.
 fn split(lights: &[LightBounds], order: &mut [u32]) -> usize {
     let centre = |light: u32| lights[light as usize].bounds.centre();
     let centres = Aabb::of_points(order.iter().map(|&light| centre(light)));

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::aov::assemble_picture;
 use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
-use super::tile::{LostSample, SIDE, Tile, first_lost};
+use super::tile::{LostSample, SIDE, Tile, find_first_lost};
 use crate::accel::Accel;
 use crate::camera::Camera;
 use crate::film::{Picture, Window};
@@ -186,7 +186,7 @@ impl<'a> FilmAccumulator<'a> {
                 .sum(),
             cancelled: fewest < self.settings.spp,
             lost_count: tiles.iter().map(|tile| tile.lost_count).sum(),
-            lost: first_lost(tiles.iter()),
+            lost: find_first_lost(tiles.iter()),
         }
     }
 }

@@ -103,12 +103,12 @@ impl Settings {
         let lens = sampler.next_2d();
         let place = Vec2::new(x as f32, y as f32) + 0.5 + offset;
         let ray = camera.ray(place / Vec2::new(width, height), lens);
-        (ray, Path::new(sampler, key(pixel, sample, self.seed), slot))
+        (ray, Path::new(sampler, hash_path(pixel, sample, self.seed), slot))
     }
 }
 
 /// A hash of what makes a path differ from all others.
-fn key(pixel: u64, sample: u64, seed: u64) -> u64 {
+fn hash_path(pixel: u64, sample: u64, seed: u64) -> u64 {
     let mix = |x: u64| {
         let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -174,7 +174,7 @@ impl Tile {
 }
 
 /// The first few of the lost samples of all tiles.
-pub(super) fn first_lost<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Vec<LostSample> {
+pub(super) fn find_first_lost<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Vec<LostSample> {
     let mut lost: Vec<LostSample> = tiles.flat_map(|tile| tile.lost.iter().copied()).collect();
     lost.sort_unstable();
     lost.truncate(LISTED);

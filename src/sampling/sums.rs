@@ -1,4 +1,4 @@
-//! Sums of samples that do not depend on how the samples were split up.
+//! Sums of samples whose bits do not depend on how the samples were split up.
 //!
 //! Floating-point addition is not associative: a mean of means, or a sum in another order, has
 //! other bits. So the order is fixed once: sixteen consecutive samples are one block, summed in
@@ -94,7 +94,7 @@ impl<const C: usize, const V: usize> BlockSums<C, V> {
         self.advance();
     }
 
-    /// Passes over the next sample: it keeps its place but is no part of the mean.
+    /// Skips the next sample: it keeps its place but is not part of the mean.
     #[inline]
     pub fn skip(&mut self) {
         self.advance();
@@ -138,7 +138,7 @@ impl<const C: usize, const V: usize> BlockSums<C, V> {
         Ok(())
     }
 
-    /// Gives back the memory that is only needed between two nodes' meeting.
+    /// Frees the memory that is only needed until two nodes are added.
     pub fn shrink(&mut self) {
         self.nodes.shrink_to_fit();
     }
@@ -164,7 +164,7 @@ impl<const C: usize, const V: usize> BlockSums<C, V> {
         self.total().sum
     }
 
-    /// Bytes that the sums of so many samples from the first on take, the heap included.
+    /// Bytes that the sums of samples `0..samples` take, the heap included.
     pub const fn bytes(samples: u64) -> u64 {
         let nodes = (samples / BLOCK).count_ones() as u64;
         size_of::<Self>() as u64 + nodes * size_of::<Node<C, V>>() as u64

@@ -6,7 +6,7 @@ use super::figures::{Column, Tiling};
 use super::frame::Frame;
 use super::structures::{ACROSS, FINER, Method};
 use crate::accel::{Accel, AccelSpec, BuildError, build};
-use crate::bench::measure::{Answers, BenchError, interleaved};
+use crate::bench::measure::{Answers, BenchError, time_interleaved};
 use crate::camera::flight::Pose;
 use crate::geom::TriangleSource;
 use crate::simd::Isa;
@@ -67,7 +67,7 @@ impl Bench<'_> {
     }
 
     /// The figures of structures over all pictures in tiles, and the share of rays that hit.
-    pub fn columns(
+    pub fn measure_columns(
         &self,
         across: u32,
         accels: &[(&str, &dyn Accel)],
@@ -82,20 +82,20 @@ impl Bench<'_> {
                 number + 1
             ));
             let frame = Frame::new(pose, self.settings.resolution, across);
-            let expected = frame.hits(accels[0].1);
+            let expected = frame.trace_hits(accels[0].1);
             hits += expected.iter().filter(|hit| hit.is_hit()).count();
             all += expected.len();
             let expected = Answers::Closest(expected);
             for (spec, accel) in &accels[1..] {
-                frame.answers(*accel).check(&expected, spec, accels[0].0, "primary")?;
+                frame.trace(*accel).check(&expected, spec, accels[0].0, "primary")?;
             }
             for (column, (_, accel)) in columns.iter_mut().zip(accels) {
-                column.add(&frame.work(*accel));
+                column.add(&frame.count_work(*accel));
             }
             // Pools are as large as earlier pictures have left them.
             let mut tracers: Vec<_> = accels.iter().map(|(_, accel)| accel.tracer()).collect();
-            let seconds = interleaved(accels.len(), self.settings.rounds, |i| {
-                Ok::<_, BenchError>(frame.seconds(&mut *tracers[i]))
+            let seconds = time_interleaved(accels.len(), self.settings.rounds, |i| {
+                Ok::<_, BenchError>(frame.time(&mut *tracers[i]))
             })?;
             for (column, seconds) in columns.iter_mut().zip(seconds) {
                 column.seconds.push(seconds);
@@ -106,15 +106,15 @@ impl Bench<'_> {
 
     /// Seconds a picture to compress paths for the screen and its tiles: by iteration and by
     /// recursion.
-    pub fn compressing(&self, built: &[Named]) -> Result<[f64; 2], BenchError> {
+    pub fn time_compressing(&self, built: &[Named]) -> Result<[f64; 2], BenchError> {
         let (_, recursive) = self.build("bvh-path-compression", "pc=recursive")?;
         let mut tracers = [built[Method::Compressed.index()].1.tracer(), recursive.tracer()];
         let mut sums = [0.0; 2];
         for pose in &self.flight {
             let frame = Frame::new(pose, self.settings.resolution, ACROSS);
             // Short, hence often.
-            let seconds = interleaved(2, 8 * self.settings.rounds, |i| {
-                Ok::<_, BenchError>(frame.entering_seconds(&mut *tracers[i]))
+            let seconds = time_interleaved(2, 8 * self.settings.rounds, |i| {
+                Ok::<_, BenchError>(frame.time_entering(&mut *tracers[i]))
             })?;
             sums = [sums[0] + seconds[0], sums[1] + seconds[1]];
         }
@@ -122,7 +122,7 @@ impl Bench<'_> {
     }
 
     /// Entry points by tiles.
-    pub fn tilings(
+    pub fn measure_tilings(
         &self,
         built: &[Named],
         columns: &[Column],
@@ -133,7 +133,7 @@ impl Bench<'_> {
         let fixed = FINER.map(|across| (Tiling::Fixed(across), across, borrowed(&built[at])));
         let all = fixed.into_iter().chain([(Tiling::Adaptive, ACROSS, borrowed(&adaptive))]);
         for (tiling, across, accel) in all {
-            let (mut columns, _) = self.columns(across, &[packet, accel])?;
+            let (mut columns, _) = self.measure_columns(across, &[packet, accel])?;
             tilings.extend(columns.pop().map(|column| (tiling, column)));
         }
         Ok(tilings)

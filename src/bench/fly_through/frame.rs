@@ -77,39 +77,39 @@ impl Frame {
         });
     }
 
-    fn room(&self) -> Vec<ClosestHit> {
+    fn allocate_answers(&self) -> Vec<ClosestHit> {
         vec![ClosestHit::MISS; self.rays.len()]
     }
 
     /// The nearest hits.
-    pub fn hits(&self, accel: &dyn Accel) -> Vec<ClosestHit> {
-        let mut hits = self.room();
+    pub fn trace_hits(&self, accel: &dyn Accel) -> Vec<ClosestHit> {
+        let mut hits = self.allocate_answers();
         self.shoot(&mut *accel.tracer(), &mut hits);
         hits
     }
 
     /// The same, to be compared.
-    pub fn answers(&self, accel: &dyn Accel) -> Answers {
-        Answers::Closest(self.hits(accel))
+    pub fn trace(&self, accel: &dyn Accel) -> Answers {
+        Answers::Closest(self.trace_hits(accel))
     }
 
     /// Seconds for a pass, on this thread.
-    pub fn seconds(&self, tracer: &mut dyn Tracer) -> f64 {
-        let mut hits = self.room();
+    pub fn time(&self, tracer: &mut dyn Tracer) -> f64 {
+        let mut hits = self.allocate_answers();
         let start = Instant::now();
         self.shoot(tracer, &mut hits);
         start.elapsed().as_secs_f64()
     }
 
     /// The work of a pass.
-    pub fn work(&self, accel: &dyn Accel) -> Work {
+    pub fn count_work(&self, accel: &dyn Accel) -> Work {
         let mut tracer = accel.counting_tracer();
-        self.shoot(&mut *tracer, &mut self.room());
+        self.shoot(&mut *tracer, &mut self.allocate_answers());
         Work { counts: tracer.counts(), pool: pool_use(&mut *tracer) }
     }
 
     /// Seconds in which the regions of the screen and of all tiles are entered, and left again.
-    pub fn entering_seconds(&self, tracer: &mut dyn Tracer) -> f64 {
+    pub fn time_entering(&self, tracer: &mut dyn Tracer) -> f64 {
         let simd = crate::simd::baseline();
         let shafts: Vec<_> = (self.tiles.iter())
             .map(|tile| Shaft::of_rays(simd, &self.rays[tile.rays.clone()], tile.width as usize))

@@ -9,7 +9,7 @@ use super::{node_worth, paper};
 use crate::accel::Event;
 
 /// All figures, the paper's among them.
-pub fn json(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Value {
+pub fn to_json(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Value {
     json!({
         "resolution": [settings.resolution.0, settings.resolution.1],
         "frames": settings.frames,
@@ -50,7 +50,7 @@ fn scene_json(scene: &Scene) -> Value {
         "bytes": bytes,
         "visit_ratios": { "entry_point": entry, "compressed": compressed },
         "pool_percent": { "mean": mean, "max": most, "pool": pool },
-        "worth": node_worth::json(scene),
+        "worth": node_worth::to_json(scene),
         "iterative_s": scene.compressing[0],
         "recursive_s": scene.compressing[1],
         "columns": columns.collect::<Vec<_>>(),

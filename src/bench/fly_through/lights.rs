@@ -9,7 +9,7 @@ use super::figures::{Column, Light};
 use super::frame::{Frame, in_region};
 use super::structures::{ACROSS, LIGHT_STRUCTURES, LightKind, Region, STRUCTURES};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, Tracer};
-use crate::bench::measure::{Answers, BenchError, interleaved};
+use crate::bench::measure::{Answers, BenchError, time_interleaved};
 use crate::bench::ray_sets::Random;
 use crate::geom::Shaft;
 use crate::math::{Aabb, Ray, Vec3};
@@ -54,13 +54,13 @@ fn measure_light(
     let mut lamp = None;
     for pose in &bench.flight {
         let frame = Frame::new(pose, bench.settings.resolution, ACROSS);
-        let hits = frame.hits(accels[0].1);
+        let hits = frame.trace_hits(accels[0].1);
         // The first picture says where it hangs.
         let lamp = lamp.get_or_insert_with(|| Lamp::new(kind, &frame, &hits));
         let shadows = lamp.shadows(&frame, &hits);
         rays += shadows.rays.iter().filter(|ray| **ray != Ray::MISS).count();
         let answers = |(_, accel, region): &(&str, &dyn Accel, Region)| {
-            let mut answers = shadows.room();
+            let mut answers = shadows.allocate_answers();
             shadows.shoot(&mut *accel.tracer(), lamp.region(*region), &mut answers);
             Answers::Any(answers)
         };
@@ -70,12 +70,12 @@ fn measure_light(
         }
         for (column, (_, accel, region)) in columns.iter_mut().zip(accels) {
             let mut tracer = accel.counting_tracer();
-            shadows.shoot(&mut *tracer, lamp.region(*region), &mut shadows.room());
+            shadows.shoot(&mut *tracer, lamp.region(*region), &mut shadows.allocate_answers());
             column.counts = column.counts + tracer.counts();
         }
-        let seconds = interleaved(accels.len(), bench.settings.rounds, |i| {
+        let seconds = time_interleaved(accels.len(), bench.settings.rounds, |i| {
             let (_, accel, region) = &accels[i];
-            let (mut tracer, mut answers) = (accel.tracer(), shadows.room());
+            let (mut tracer, mut answers) = (accel.tracer(), shadows.allocate_answers());
             let start = Instant::now();
             shadows.shoot(&mut *tracer, lamp.region(*region), &mut answers);
             Ok::<_, BenchError>(start.elapsed().as_secs_f64())
@@ -161,7 +161,7 @@ impl Lamp {
 }
 
 impl Shadows {
-    fn room(&self) -> Vec<AnyHit> {
+    fn allocate_answers(&self) -> Vec<AnyHit> {
         vec![AnyHit(false); self.rays.len()]
     }
 

@@ -37,9 +37,9 @@ pub fn measure(
     let built = STRUCTURES.map(|(_, id, options)| bench.build(id, options));
     let built = built.into_iter().collect::<Result<Vec<Named>, _>>()?;
     let (columns, covered) =
-        bench.columns(ACROSS, &built.iter().map(borrowed).collect::<Vec<_>>())?;
-    let compressing = bench.compressing(&built)?;
-    let tilings = bench.tilings(&built, &columns)?;
+        bench.measure_columns(ACROSS, &built.iter().map(borrowed).collect::<Vec<_>>())?;
+    let compressing = bench.time_compressing(&built)?;
+    let tilings = bench.measure_tilings(&built, &columns)?;
     let lights = lights::measure(&bench, &built)?;
     let memory = built[0].1.memory();
     let nodes = memory.parts.iter().filter(|(part, _)| *part == "nodes").map(|(_, bytes)| bytes);

@@ -24,7 +24,7 @@ const PAIRS: [(&str, Method, Method); 2] = [
 /// Seconds that each event spared has saved, and the share of the time from the root that all of
 /// them would take at that price; `None` where less than a tenth of them was spared, which tells
 /// nothing.
-fn worth([events, seconds]: Cost, [fewer, faster]: Cost) -> Option<[f64; 2]> {
+fn price([events, seconds]: Cost, [fewer, faster]: Cost) -> Option<[f64; 2]> {
     if fewer >= 0.9 * events {
         return None;
     }
@@ -47,16 +47,16 @@ fn theirs(scene: &paper::Scene) -> [Cost; 2] {
 }
 
 /// The work of a packet from the root and over compressed paths, and what a node spared is worth.
-pub fn table(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
+pub fn make_table(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "For each 256 rays: nodes, searched ones among them; bundles of eight rays held \
-                against boxes, and against triangles; exact tests of single rays. Of packets from the \
-                root, and over compressed paths (PC). ns a node: what was gained in time, for each \
-                node spared; share: what all nodes of packets from the root would take at that \
-                price, in per cent of their time. The same by box tests: another reading of the \
-                same gain. A share says how much there is to gain by sparing; where it is below the \
-                paper's (P, by its tables 1 and 2), so are speed-ups. Tests of triangles, as many \
-                either way, and the setting up of packets take the rest. Below zero: the spared \
-                cost less than to find them.";
+                against boxes, and against triangles; exact tests of single rays. Of packets from \
+                the root, and over compressed paths (PC). ns a node: what was gained in time, for \
+                each node spared; share: what all nodes of packets from the root would take at \
+                that price, in per cent of their time. The same by box tests: another reading of \
+                the same gain. A share says how much there is to gain by sparing; where it is \
+                below the paper's (P, by its tables 1 and 2), so are speed-ups. Tests of \
+                triangles, as many either way, and the setting up of packets take the rest. Below \
+                zero: the spared cost less than to find them.";
     let heading = [
         "",
         "nodes",
@@ -101,7 +101,7 @@ fn ours(scene: &Scene, [from, with]: [&Column; 2]) -> Vec<String> {
 }
 
 /// What nodes and box tests are worth, in seconds and as a share; `null` where that is not known.
-pub fn json(scene: &Scene) -> Value {
+pub fn to_json(scene: &Scene) -> Value {
     let object = |(what, from, with): (&str, Method, Method)| {
         let columns = [from, with].map(|name| scene.column(name));
         let [nodes, boxes] = prices(columns).map(|worth| match worth {
@@ -115,9 +115,9 @@ pub fn json(scene: &Scene) -> Value {
 
 /// What nodes and box tests are worth.
 fn prices([from, with]: [&Column; 2]) -> [Option<[f64; 2]>; 2] {
-    let price = |[many, few]: [f64; 2]| worth([many, from.total()], [few, with.total()]);
+    let of = |[many, few]: [f64; 2]| price([many, from.total()], [few, with.total()]);
     let boxes = [from, with].map(|one| one.counts[Event::BoxTest] as f64);
-    [price([from, with].map(nodes)), price(boxes)]
+    [of([from, with].map(nodes)), of(boxes)]
 }
 
 /// Nodes looked at, of all pictures.
@@ -129,7 +129,7 @@ fn paper_cells(scene: &paper::Scene) -> Vec<String> {
     let [from, with] = theirs(scene);
     let packets = paper::RAYS / RAYS;
     let mut cells: Vec<_> = [from[0], with[0]].map(|nodes| cell(Some(nodes / packets), 1)).into();
-    cells.extend(worth_cells(worth(from, with)));
+    cells.extend(worth_cells(price(from, with)));
     cells
 }
 
@@ -139,15 +139,15 @@ mod tests {
 
     #[test]
     fn half_of_the_nodes_for_a_quarter_of_the_time_are_half_of_it() {
-        let [each, share] = worth([1000.0, 4e-3], [500.0, 3e-3]).expect("many are spared");
+        let [each, share] = price([1000.0, 4e-3], [500.0, 3e-3]).expect("many are spared");
         assert!((each - 2e-6).abs() < 1e-12 && (share - 0.5).abs() < 1e-9, "{each} {share}");
-        assert_eq!(worth([1000.0, 4e-3], [950.0, 3e-3]), None);
+        assert_eq!(price([1000.0, 4e-3], [950.0, 3e-3]), None);
     }
 
     #[test]
     fn nodes_took_a_third_of_the_papers_time_in_its_city() {
         let city = paper::Scene::of(9_200).expect("is in the paper");
-        let [each, share] = worth(theirs(city)[0], theirs(city)[1]).expect("many are spared");
+        let [each, share] = price(theirs(city)[0], theirs(city)[1]).expect("many are spared");
         // 137.3 thousand nodes and 25.8 ms less, of 199 thousand in 119 ms.
         assert!((each * 1e9 - 188.0).abs() < 1.0 && (share - 0.314).abs() < 1e-3, "{each} {share}");
     }

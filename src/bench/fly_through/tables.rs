@@ -5,17 +5,24 @@ use super::figures::{Column, Scene};
 use super::node_worth;
 use super::paper::{self, MACHINE};
 use super::structures::{LIGHT_STRUCTURES, Method};
-use crate::bench::bars::bars;
+use crate::bench::bars::draw_bars;
 use crate::bench::table::{Table, cell};
 
 /// Tables 1 to 4, what nodes are worth, entry points by tiles, and rays to lights.
-pub fn tables(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Vec<Table> {
-    let titles: [fn(&[Scene], &FlyThroughBenchSettings) -> Table; 7] =
-        [visits, rates, memory, partition, node_worth::table, tilings, to_lights];
+pub fn make_tables(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Vec<Table> {
+    let titles: [fn(&[Scene], &FlyThroughBenchSettings) -> Table; 7] = [
+        table_visits,
+        table_rates,
+        table_memory,
+        table_partition,
+        node_worth::make_table,
+        table_tilings,
+        table_lights,
+    ];
     titles.map(|table| table(scenes, settings)).into()
 }
 
-fn theirs<const N: usize>(
+fn paper_cells<const N: usize>(
     scene: &Scene,
     figures: impl Fn(&paper::Scene) -> [f64; N],
     decimals: [usize; N],
@@ -33,7 +40,7 @@ fn pictures(settings: &FlyThroughBenchSettings) -> String {
     format!("{width}x{height} pixels, up to {} pictures of a flight", settings.frames)
 }
 
-fn visits(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
+fn table_visits(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Thousands of nodes a picture, leaves among them: those that packets enter, and (searched) \
          those that are held against the shafts of the screen and of 8x8 tiles. EP: entry points, \
@@ -70,7 +77,7 @@ fn visits(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
         let ratios = [entry_ratio, ratio, ratio / entry_ratio.max(1e-12)].map(|x| (x, 2));
         let mut row = vec![scene.label()];
         row.extend(cells(counts.into_iter().chain(ratios)));
-        row.extend(theirs(
+        row.extend(paper_cells(
             scene,
             |p| {
                 let [packets, entry, compressed] = p.visits;
@@ -84,7 +91,7 @@ fn visits(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     table
 }
 
-fn rates(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
+fn table_rates(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Millions of rays a second on one thread, searches included, rays made before. S: speed-up \
          over packets from the root, and the highest of a picture. each: one more tree for each \
@@ -130,7 +137,7 @@ fn rates(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
         row.extend(cells(rates.map(|rate| (rate, 2))));
         row.extend(cells([(rates[0] / rates[4].max(1e-12), 2)]));
         row.extend(cells(speed_ups.into_iter().map(|x| (x, 2))));
-        row.extend(theirs(
+        row.extend(paper_cells(
             scene,
             |p| {
                 let [packets, entry, compressed] = p.rates;
@@ -144,7 +151,7 @@ fn rates(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     table
 }
 
-fn memory(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
+fn table_memory(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Compressed paths in per cent of the hierarchy's nodes (its triangles not counted): in use \
          at once, in the mean picture and at most, and the thread's pool as it has grown. \
@@ -189,17 +196,17 @@ fn memory(scenes: &[Scene], settings: &FlyThroughBenchSettings) -> Table {
             let [mean, most, pool] = p.pool;
             [p.megabytes, mean, most, pool, paper::ITERATIVE]
         };
-        row.extend(theirs(scene, figures, [2, 2, 2, 2, 1]));
+        row.extend(paper_cells(scene, figures, [2, 2, 2, 2, 1]));
         table.rows.push(row);
     }
     table
 }
 
-fn partition(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
+fn table_partition(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = format!(
         "Millions of rays a second. Partitioned packets from the root, and over compressed paths \
-         with one more tree for each packet; bvh2 ray by ray from the root, and over the compressed \
-         paths of tiles. P: {MACHINE}."
+         with one more tree for each packet; bvh2 ray by ray from the root, and over the \
+         compressed paths of tiles. P: {MACHINE}."
     );
     let heading = [
         "",
@@ -227,13 +234,13 @@ fn partition(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
             row.extend(cells([scene.rate(from), scene.rate(with), mean, most].map(|x| (x, 2))));
         }
         let figures = |p: &paper::Scene| [p.partition[0], p.partition[1], p.partition_speed_up];
-        row.extend(theirs(scene, figures, [2, 2, 2]));
+        row.extend(paper_cells(scene, figures, [2, 2, 2]));
         table.rows.push(row);
     }
     table
 }
 
-fn tilings(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
+fn table_tilings(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "bvh-entry-point with so many tiles a picture, and kd-entry-point, which cuts the \
                 8x8 tiles where the scene is complex. Thousands of nodes a picture, \
                 searched and in all; S: speed-up over packets from the root by 8x8 tiles.";
@@ -259,12 +266,12 @@ fn tilings(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     table
 }
 
-fn to_lights(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
+fn table_lights(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
     let note = "The paper's open questions (5.2). Shadow rays from what the pictures show to a \
                 light of limited range, and to one that shines into a pyramid: millions of rays a \
                 second, and nodes a ray, searched ones included. PC a light: compressed once for \
-                the light's region, then for each tile; bvh2 PC: ray by ray below that. Area light: \
-                256 rays from a pixel are a packet, and paths are compressed for each.";
+                the light's region, then for each tile; bvh2 PC: ray by ray below that. Area \
+                light: 256 rays from a pixel are a packet, and paths are compressed for each.";
     let columns = LIGHT_STRUCTURES.map(|(name, ..)| name);
     let nodes = columns.map(|name| format!("{name} nodes"));
     let mut table = Table::new("Rays to lights", note, &[""]);
@@ -285,7 +292,7 @@ fn to_lights(scenes: &[Scene], _: &FlyThroughBenchSettings) -> Table {
 }
 
 /// Speed-ups and visits as bars, the paper's beside ours: stems of files, and pictures.
-pub fn plots(scenes: &[Scene]) -> Vec<(String, String)> {
+pub fn draw_plots(scenes: &[Scene]) -> Vec<(String, String)> {
     let series = ["ours", "P"];
     let mut speed_ups = Vec::new();
     let mut visits = Vec::new();
@@ -305,7 +312,7 @@ pub fn plots(scenes: &[Scene]) -> Vec<(String, String)> {
         add(&mut visits, "PC", compressed, paper.map(|p| p.ratios[1]));
     }
     vec![
-        ("speed-ups".to_owned(), bars("Speed-ups", "times", &series, &speed_ups)),
-        ("visits".to_owned(), bars("Nodes visited", "over packets", &series, &visits)),
+        ("speed-ups".to_owned(), draw_bars("Speed-ups", "times", &series, &speed_ups)),
+        ("visits".to_owned(), draw_bars("Nodes visited", "over packets", &series, &visits)),
     ]
 }

@@ -37,7 +37,7 @@ fn scene() -> Scene {
 fn every_table_has_its_rows_and_no_row_is_too_long() {
     let mut scene = scene();
     scene.triangles = 644_000;
-    let tables = tables(&[scene], &SETTINGS);
+    let tables = make_tables(&[scene], &SETTINGS);
     let rows: Vec<_> = tables.iter().map(|table| table.rows.len()).collect();
     assert_eq!(rows, [1, 1, 1, 1, 3, 1 + FINER.len() + 2, 1 + LightKind::ALL.len()]);
     for table in &tables {
@@ -77,7 +77,7 @@ fn work_is_counted_and_pools_are_found_empty_again() {
     let accel = build(&spec, cloud(2000), Isa::Portable).expect("builds");
     let mut tracer = accel.tracer();
     for _ in 0..3 {
-        frame.seconds(&mut *tracer);
+        frame.time(&mut *tracer);
         assert!(frame::pool_use(&mut *tracer).peak > 0);
         assert_eq!(frame::pool_use(&mut *tracer).peak, 0, "all regions were left");
     }
@@ -86,7 +86,7 @@ fn work_is_counted_and_pools_are_found_empty_again() {
 #[test]
 fn json_and_plots_hold_every_structure() {
     let scenes = [scene()];
-    let text = json(&scenes, &SETTINGS).to_string();
+    let text = to_json(&scenes, &SETTINGS).to_string();
     let read: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let of_scene = &read["scenes"][0];
     assert_eq!(of_scene["columns"].as_array().map(Vec::len), Some(STRUCTURES.len()));
@@ -95,7 +95,7 @@ fn json_and_plots_hold_every_structure() {
     let worth = &of_scene["worth"]["packets"]["node"];
     assert!(worth.is_null() || worth["share"].is_number(), "{worth}");
     assert_eq!(of_scene["columns"][0]["seconds"].as_array().map(Vec::len), Some(2));
-    assert!(plots(&scenes).iter().all(|(_, svg)| svg.contains("cloud: PC")));
+    assert!(draw_plots(&scenes).iter().all(|(_, svg)| svg.contains("cloud: PC")));
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn a_flight_is_thinned_out_evenly() {
 #[test]
 fn an_empty_scene_is_measured_too_and_a_large_one_refused() {
     let scene = measure("empty", &cloud(0), &flight(), &SETTINGS, &|_| {}).expect("all agree");
-    let tables = tables(&[scene], &SETTINGS);
+    let tables = make_tables(&[scene], &SETTINGS);
     assert_eq!(tables.len(), 7);
     let text: String = tables.iter().map(Table::markdown).collect();
     assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");

@@ -10,10 +10,11 @@ use crate::accel::Event;
 use crate::bench::measure::hit_rate;
 
 /// All figures, the paper's among them.
-pub fn json(scenes: &[Scene], settings: &MbvhBenchSettings) -> Value {
-    let caches = paper::CACHES.map(
-        |(megabytes, hits, krays)| json!({ "mb": megabytes, "hit_rate": hits / 100.0, "mrays_s": krays * 1e-3 }),
-    );
+pub fn to_json(scenes: &[Scene], settings: &MbvhBenchSettings) -> Value {
+    let caches = paper::CACHES.map(|(megabytes, hits, krays)| {
+        let (hit_rate, rate) = (hits / 100.0, krays * 1e-3);
+        json!({ "mb": megabytes, "hit_rate": hit_rate, "mrays_s": rate })
+    });
     json!({
         "rays": settings.rays,
         "rounds": settings.rounds,
@@ -34,6 +35,7 @@ fn scene_json(scene: &Scene) -> Value {
         .caches
         .iter()
         .map(|cache| json!({ "mb": cache.megabytes, "closest": rates_json(&cache.closest) }));
+    let structures = scene.structures.iter().map(|one| structure_json(scene, one));
     let incoherence = scene.incoherence.iter().map(|row| {
         let rates = INCOHERENT.iter().zip(&row.rates);
         let rates = rates.map(|(id, &rate)| ((*id).to_owned(), rate.into()));
@@ -43,7 +45,7 @@ fn scene_json(scene: &Scene) -> Value {
         "name": scene.name,
         "triangles": scene.triangles,
         "paper_scene": paper::Scene::of(scene.triangles).map(|paper| paper.name),
-        "structures": scene.structures.iter().map(|one| structure_json(scene, one)).collect::<Vec<_>>(),
+        "structures": structures.collect::<Vec<_>>(),
         "caches": caches.collect::<Vec<_>>(),
         "incoherence": incoherence.collect::<Vec<_>>(),
     })

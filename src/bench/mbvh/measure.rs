@@ -6,7 +6,7 @@ use super::figures::{Cache, Incoherence, Rates, Scene, Structure};
 use super::paper;
 use super::structures::{AUTO, INCOHERENCE, INCOHERENT, Mode, PACKETS, STRUCTURES};
 use crate::accel::{Accel, AccelSpec, BuildError, build};
-use crate::bench::measure::{Ask, BenchError, Measured, Shots, interleaved};
+use crate::bench::measure::{Ask, BenchError, Measured, Shots, time_interleaved};
 use crate::bench::ray_sets::{RaySet, Target};
 use crate::geom::TriangleSource;
 use crate::simd::Isa;
@@ -72,7 +72,7 @@ pub fn measure(
     let shoot = |set: RaySet, ask: Ask, accels: &[(String, &dyn Accel)]| {
         let rays = target.rays(set, settings.rays, 1);
         tell(&format!("{name}: {} rays", set.name()));
-        rates(&Shots::new(&rays, ask, SLICE), set.name(), accels, settings.rounds)
+        measure_rates(&Shots::new(&rays, ask, SLICE), set.name(), accels, settings.rounds)
     };
     let of_table: Vec<_> = STRUCTURES
         .iter()
@@ -94,45 +94,53 @@ pub fn measure(
     let structures = structures.collect();
     let packets = built(PACKETS, "triangles=inline")?;
     tell(&format!("{name}: packets"));
-    let incoherence = incoherence(&target, &accels, &*packets, settings)?;
+    let incoherence = measure_incoherence(&target, &accels, &*packets, settings)?;
     drop(packets);
 
-    let mut rows = Vec::new();
-    if caches {
-        let sized = paper::CACHES.map(|(megabytes, ..)| {
-            let accel = built("mbvh4", &format!("triangles=cache,cache={megabytes}MB"))?;
-            Ok((format!("mbvh4:cache={megabytes}MB"), accel))
-        });
-        let sized = sized.into_iter().collect::<Result<Vec<_>, BuildError>>()?;
-        let sized: Vec<_> = sized.iter().map(|(spec, accel)| (spec.clone(), &**accel)).collect();
-        let rates = shoot(RaySet::Random, Ask::Closest, &sized)?;
-        rows = (paper::CACHES.iter().zip(rates))
-            .map(|(&(megabytes, ..), closest)| Cache { megabytes, closest })
-            .collect();
-    }
+    let caches = if caches { measure_caches(&built, &shoot)? } else { Vec::new() };
     let (name, triangles) = (name.to_owned(), source.len());
-    Ok(Scene { name, triangles, structures, caches: rows, incoherence })
+    Ok(Scene { name, triangles, structures, caches, incoherence })
 }
 
+/// Table 3, by functions that build a structure with some options and that shoot rays at several.
+fn measure_caches(
+    build: &dyn Fn(&str, &str) -> Result<Box<dyn Accel>, BuildError>,
+    shoot: &ShootFn<'_>,
+) -> Result<Vec<Cache>, BenchError> {
+    let sized = paper::CACHES.map(|(megabytes, ..)| {
+        let accel = build("mbvh4", &format!("triangles=cache,cache={megabytes}MB"))?;
+        Ok((format!("mbvh4:cache={megabytes}MB"), accel))
+    });
+    let sized = sized.into_iter().collect::<Result<Vec<_>, BuildError>>()?;
+    let sized: Vec<_> = sized.iter().map(|(spec, accel)| (spec.clone(), &**accel)).collect();
+    let rates = shoot(RaySet::Random, Ask::Closest, &sized)?;
+    let rows = paper::CACHES.iter().zip(rates);
+    Ok(rows.map(|(&(megabytes, ..), closest)| Cache { megabytes, closest }).collect())
+}
+
+/// Shoots a set of rays at structures, given with their names.
+type ShootFn<'a> =
+    dyn Fn(RaySet, Ask, &[(String, &dyn Accel)]) -> Result<Vec<Rates>, BenchError> + 'a;
+
 /// Compares all to the first, counts their work and times them, by slices and ray by ray.
-fn rates(
+fn measure_rates(
     shots: &Shots<'_>,
     set: &'static str,
     accels: &[(String, &dyn Accel)],
     rounds: usize,
 ) -> Result<Vec<Rates>, BenchError> {
-    let expected = shots.answers(accels[0].1);
+    let expected = shots.trace(accels[0].1);
     for (spec, accel) in &accels[1..] {
-        shots.answers(*accel).check(&expected, spec, &accels[0].0, set)?;
+        shots.trace(*accel).check(&expected, spec, &accels[0].0, set)?;
     }
     let single = Shots { slice: 1, ..*shots };
     let time = |shots: &Shots<'_>| {
-        interleaved(accels.len(), rounds, |i| Ok::<_, BenchError>(shots.seconds(accels[i].1)))
+        time_interleaved(accels.len(), rounds, |i| Ok::<_, BenchError>(shots.time(accels[i].1)))
     };
     let (by_slices, ray_by_ray) = (time(shots)?, time(&single)?);
     let rates = accels.iter().zip(by_slices.into_iter().zip(ray_by_ray));
     let rates = rates.map(|((_, accel), (slices, ray_by_ray))| {
-        let counts = single.counts(*accel);
+        let counts = single.count_work(*accel);
         let of = |seconds| Measured { counts, rays: shots.rays.len(), seconds };
         Rates { single: of(ray_by_ray), slices: of(slices) }
     });
@@ -140,7 +148,7 @@ fn rates(
 }
 
 /// Figure 4.
-fn incoherence(
+fn measure_incoherence(
     target: &Target<'_>,
     accels: &[Box<dyn Accel>],
     packet: &dyn Accel,
@@ -161,12 +169,12 @@ fn incoherence(
     for factor in INCOHERENCE {
         let rays = target.packets(factor, packets, size, 1);
         let shots = Shots { grid: Some(PACKET), ..Shots::new(&rays, Ask::Closest, size) };
-        let expected = shots.answers(accels[0]);
+        let expected = shots.trace(accels[0]);
         for (id, accel) in INCOHERENT.iter().zip(accels).skip(1) {
-            shots.answers(accel).check(&expected, id, INCOHERENT[0], "packet")?;
+            shots.trace(accel).check(&expected, id, INCOHERENT[0], "packet")?;
         }
-        let seconds = interleaved(accels.len(), settings.rounds, |i| {
-            Ok::<_, BenchError>(shots.seconds(accels[i]))
+        let seconds = time_interleaved(accels.len(), settings.rounds, |i| {
+            Ok::<_, BenchError>(shots.time(accels[i]))
         })?;
         let rate = |seconds: f64| rays.len() as f64 * 1e-6 / seconds.max(1e-9);
         rows.push(Incoherence { factor, rates: seconds.into_iter().map(rate).collect() });

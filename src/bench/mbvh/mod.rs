@@ -3,7 +3,8 @@
 //!
 //! All on the calling thread, in a pool of one. The rays run between random points of the scene's
 //! box. The structures of a scene are built first and held against `bvh2`; then passes are timed by
-//! turns ([`interleaved`]), each with a fresh tracer, so that caches begin empty.
+//! turns ([`super::measure::time_interleaved`]), each with a fresh tracer, so that caches begin
+//! empty.
 
 mod figures;
 mod json;
@@ -15,6 +16,6 @@ mod tables;
 mod tests;
 
 pub use figures::Scene;
-pub use json::json;
+pub use json::to_json;
 pub use measure::{MbvhBenchSettings, measure};
-pub use tables::{incoherence_plot, scaling_plot, tables};
+pub use tables::{draw_incoherence, draw_scaling, make_tables};

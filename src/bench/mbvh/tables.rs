@@ -6,14 +6,14 @@ use super::paper::{self, MACHINE};
 use super::structures::{AUTO, INCOHERENT, Mode};
 use crate::accel::Event;
 use crate::bench::measure::{hit_rate, speed_up};
-use crate::bench::plot::{Curve, lines};
+use crate::bench::plot::{Curve, draw_curves};
 use crate::bench::table::{Table, cell};
 
 /// Tables 1 to 4 and figure 4 as one.
-pub fn tables(scenes: &[Scene], settings: &MbvhBenchSettings) -> Vec<Table> {
-    let mut tables = vec![build(scenes, settings), rates(scenes)];
-    tables.extend(scenes.iter().filter(|scene| !scene.caches.is_empty()).map(caches));
-    tables.extend([widths(scenes), incoherence(scenes)]);
+pub fn make_tables(scenes: &[Scene], settings: &MbvhBenchSettings) -> Vec<Table> {
+    let mut tables = vec![table_builds(scenes, settings), table_rates(scenes)];
+    tables.extend(scenes.iter().filter(|scene| !scene.caches.is_empty()).map(table_caches));
+    tables.extend([table_widths(scenes), table_incoherence(scenes)]);
     tables
 }
 
@@ -35,13 +35,14 @@ fn thousands(count: usize) -> String {
     format!("{:.1}", count as f64 * 1e-3)
 }
 
-fn build(scenes: &[Scene], settings: &MbvhBenchSettings) -> Table {
+fn table_builds(scenes: &[Scene], settings: &MbvhBenchSettings) -> Table {
     let refined = if settings.refine { ", refined" } else { "" };
     let note = format!(
-        "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, wide nodes written, \
-         layout: to write out the rest, one thread. N_L: thousands of leaves, N_E: thousands of places for children left empty \
-         (the paper: empty leaves). L: mean leaf, D: mean depth. `cache`: leaves hold references \
-         (of bvh2, too, four places a leaf); /bvh2: memory over that of bvh2 in the same mode. \
+        "All but auto: build={}{refined}. T_B: seconds for the binary tree, T_C: to collapse it, \
+         wide nodes written, layout: to write out the rest, one thread. N_L: thousands of leaves, \
+         N_E: thousands of places for children left empty (the paper: empty leaves). L: mean leaf, \
+         D: mean depth. `cache`: leaves hold references (of bvh2, too, four places a leaf); /bvh2: \
+         memory over that of bvh2 in the same mode. \
          C_T is {} for all. P: {MACHINE}.",
         settings.build,
         crate::accel::bvh::sah::TRAVERSAL_COST
@@ -92,7 +93,7 @@ fn build_row(scene: &Scene, structure: &Structure) -> Vec<String> {
     row
 }
 
-fn rates(scenes: &[Scene]) -> Table {
+fn table_rates(scenes: &[Scene]) -> Table {
     let note = format!(
         "Random rays, one thread. tests: tests of a block of triangles, triangles: those in them, \
          boxes: tests of a node's boxes, each per ray; H: per cent of look-ups in a cache of 100 \
@@ -159,7 +160,7 @@ fn rates_row(scene: &Scene, structure: &Structure, shadow: bool) -> Vec<String> 
     row
 }
 
-fn caches(scene: &Scene) -> Table {
+fn table_caches(scene: &Scene) -> Table {
     let note = format!(
         "mbvh4:triangles=cache, nearest hits, a cache that is empty at first: few rays do not \
          fill it. H in per cent, counted ray by ray. P: the car of 4,304,391 triangles; {MACHINE}."
@@ -181,7 +182,7 @@ fn caches(scene: &Scene) -> Table {
     table
 }
 
-fn widths(scenes: &[Scene]) -> Table {
+fn table_widths(scenes: &[Scene]) -> Table {
     let note = format!(
         "Nearest hits, triangles in the leaves: krays/s of bvh2, and the rates of the others over \
          it, native vectors. P: krays/s of a BVH, and what the paper simulated without vectors, \
@@ -227,7 +228,7 @@ fn widths(scenes: &[Scene]) -> Table {
     table
 }
 
-fn incoherence(scenes: &[Scene]) -> Table {
+fn table_incoherence(scenes: &[Scene]) -> Table {
     let note = "krays/s of packets of 16 by 16 rays between two points, either end jittered in \
                 the scene's box times I; triangles in the leaves.";
     let mut table = Table::new("Figure 4: incoherence", note, &["I"]);
@@ -244,17 +245,17 @@ fn incoherence(scenes: &[Scene]) -> Table {
 }
 
 /// Figure 4 of a scene.
-pub fn incoherence_plot(scene: &Scene) -> String {
+pub fn draw_incoherence(scene: &Scene) -> String {
     let curve = |(column, id): (usize, &&str)| {
         let point = |row: &Incoherence| (f64::from(row.factor), row.rates[column]);
         Curve { name: (*id).to_owned(), points: scene.incoherence.iter().map(point).collect() }
     };
     let curves: Vec<_> = INCOHERENT.iter().enumerate().map(curve).collect();
-    lines(&format!("Packets, {}", scene.label()), "incoherence I", "Mrays/s", &curves)
+    draw_curves(&format!("Packets, {}", scene.label()), "incoherence I", "Mrays/s", &curves)
 }
 
 /// How rates fall with the number of triangles: nearest hits by slices, triangles in the leaves.
-pub fn scaling_plot(scenes: &[Scene]) -> String {
+pub fn draw_scaling(scenes: &[Scene]) -> String {
     let mut scenes: Vec<_> = scenes.iter().collect();
     scenes.sort_by_key(|scene| scene.triangles);
     let ids = scenes.first().into_iter().flat_map(|scene| scene.structures_of(Mode::Inline));
@@ -266,5 +267,5 @@ pub fn scaling_plot(scenes: &[Scene]) -> String {
         Curve { name: id.to_owned(), points: scenes.iter().filter_map(point).collect() }
     };
     let curves: Vec<_> = ids.map(|one| curve(one.id)).collect();
-    lines("Random rays, nearest hits, by slices", "triangles", "Mrays/s", &curves)
+    draw_curves("Random rays, nearest hits, by slices", "triangles", "Mrays/s", &curves)
 }

@@ -22,7 +22,7 @@ fn scene() -> Scene {
 #[test]
 fn every_table_has_its_rows_and_the_papers_columns() {
     let scenes = [scene()];
-    let tables = tables(&scenes, &SETTINGS);
+    let tables = make_tables(&scenes, &SETTINGS);
     let rows: Vec<_> = tables.iter().map(|table| table.rows.len()).collect();
     let figure = 1 + INCOHERENCE.len();
     assert_eq!(rows, [1 + STRUCTURES.len(), 1 + 2 * STRUCTURES.len(), 5, 1, figure]);
@@ -42,7 +42,7 @@ fn the_papers_figures_stand_beside_a_scene_of_its_size() {
     scene.triangles = 334_080;
     scene.caches.clear();
     let text: String =
-        tables(&[scene], &SETTINGS).iter().map(crate::bench::table::Table::markdown).collect();
+        make_tables(&[scene], &SETTINGS).iter().map(crate::bench::table::Table::markdown).collect();
     assert!(!text.contains("Table 3"));
     for theirs in ["(P: Mirror)", " 8.4 ", " 6.6 ", " 0.79 ", " 99.8 ", " 423 ", " 2.06 ", " 2.52 "]
     {
@@ -75,7 +75,7 @@ fn figures_are_consistent() {
 #[test]
 fn json_and_plots_hold_every_structure() {
     let scenes = [scene()];
-    let text = json(&scenes, &SETTINGS).to_string();
+    let text = to_json(&scenes, &SETTINGS).to_string();
     let read: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let of_scene = &read["scenes"][0];
     assert_eq!(of_scene["structures"].as_array().map(Vec::len), Some(STRUCTURES.len()));
@@ -86,14 +86,14 @@ fn json_and_plots_hold_every_structure() {
     assert_eq!(of_scene["caches"].as_array().map(Vec::len), Some(5));
     assert!(of_scene["structures"][1]["closest"]["hit_rate"].as_f64().is_some_and(|h| h > 0.5));
     assert_eq!(read["paper"]["scenes"].as_array().map(Vec::len), Some(4));
-    assert!((INCOHERENT.iter()).all(|id| incoherence_plot(&scenes[0]).contains(id)));
-    assert!(["bvh2", "mbvh16"].iter().all(|id| scaling_plot(&scenes).contains(id)));
+    assert!((INCOHERENT.iter()).all(|id| draw_incoherence(&scenes[0]).contains(id)));
+    assert!(["bvh2", "mbvh16"].iter().all(|id| draw_scaling(&scenes).contains(id)));
 }
 
 #[test]
 fn a_scene_without_triangles_is_measured_too() {
     let scene = measure("empty", &cloud(0), false, &SETTINGS, &|_| {}).expect("all agree");
-    assert!(tables(&[scene], &SETTINGS).len() == 4);
+    assert!(make_tables(&[scene], &SETTINGS).len() == 4);
 }
 
 #[test]

@@ -19,7 +19,7 @@ use crate::generate::Generator;
 /// take turns, compare well. First all answers are compared to those of bvh2.
 ///
 /// Without a file, the scene is the kitchen of 103,000 triangles that `dapple generate` makes.
-/// --markdown prints what the README has.
+/// --markdown prints the table of docs/structures.md.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -73,12 +73,12 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     let rows = input::run_on_threads(1, || structures::measure(&source, pose, &settings, &tell))??;
     let results = Results {
         name: "accels",
-        tables: vec![structures::table(&rows, &scene.name(), source.len())],
-        json: structures::json(&rows, &scene.name(), source.len()),
+        tables: vec![structures::make_table(&rows, &scene.name(), source.len())],
+        json: structures::to_json(&rows, &scene.name(), source.len()),
         plots: Vec::new(),
     };
     if args.markdown {
-        let text = structures::markdown(&rows, &scene.name(), source.len());
+        let text = structures::to_markdown(&rows, &scene.name(), source.len());
         return Ok(text::print(&text)?);
     }
     results.publish(&args.output)

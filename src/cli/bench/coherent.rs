@@ -102,19 +102,19 @@ pub fn run(args: &CoherentArgs) -> Result<(), CliError> {
             let (name, source, flight) = load()?;
             Ok::<_, CliError>(fly_through::measure(&name, &source, &flight, &settings, &tell)?)
         };
-        scenes(args).into_iter().map(measure).collect::<Result<Vec<_>, _>>()
+        plan_scenes(args).into_iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let results = Results {
         name: "coherent",
-        tables: fly_through::tables(&measured, &settings),
-        json: fly_through::json(&measured, &settings),
-        plots: fly_through::plots(&measured),
+        tables: fly_through::make_tables(&measured, &settings),
+        json: fly_through::to_json(&measured, &settings),
+        plots: fly_through::draw_plots(&measured),
     };
     results.publish(&args.output)
 }
 
 /// How each scene is loaded.
-fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> + '_>> {
+fn plan_scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> + '_>> {
     let quiet = args.quiet;
     if args.files.is_empty() {
         let pairs = MADE.into_iter().zip(paper::SCENES);
@@ -132,14 +132,14 @@ fn scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliError> +
         let (scene, path) = (BenchScene::File(file.clone()), path.clone());
         Box::new(move || {
             // What is short first.
-            let flight = read(&path)?;
+            let flight = read_flight(&path)?;
             Ok((scene.name(), scene.with_file(|path| input::load_triangles(path, quiet))?, flight))
         }) as Box<dyn Fn() -> _>
     };
     args.files.iter().zip(&args.path).map(load).collect()
 }
 
-fn read(path: &Path) -> Result<Vec<Pose>, CliError> {
+fn read_flight(path: &Path) -> Result<Vec<Pose>, CliError> {
     let shown = path.display();
     let text = fs::read_to_string(path)
         .map_err(|error| CliError::Input(format!("{shown}: cannot be read: {error}")))?;

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::options::{MachineArgs, ray_bytes};
 use super::output::{OutputArgs, Results};
 use super::scenes::BenchScene;
-use crate::bench::bars::bars;
+use crate::bench::bars::draw_bars;
 use crate::bench::kd::{self, KdBenchSettings, Row, SETS};
 use crate::bench::kd_growth::{self, Growth};
 use crate::bench::measure::Measured;
@@ -45,41 +45,46 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     let source = input::load_triangles(&args.scene, args.quiet)?;
     let (isa, memory) = (args.machine.isa()?, args.machine.memory_limit());
     let settings = KdBenchSettings { rays: args.rays as usize, memory, isa };
-    let walks = kd::walks(&source, &settings)?;
-    let builds = kd::builds_and_layouts(&source, &settings)?;
+    let walks = kd::measure_walks(&source, &settings)?;
+    let builds = kd::measure_builds_and_layouts(&source, &settings)?;
     let name = args.scene.display();
     let count = source.len();
     let titles = [
         format!("Kd-tree walks, {name}, {count} triangles"),
         format!("Builds and layouts, kd-stack-direction, {name}"),
     ];
-    let growth = if args.output.reports() { growth(&settings, args.quiet)? } else { Vec::new() };
+    let growth = if args.output.wants_report() {
+        measure_growth(&settings, args.quiet)?
+    } else {
+        Vec::new()
+    };
     let object = |rows: &[Row]| rows.iter().map(Row::json).collect::<Vec<_>>();
     let mut results = Results {
         name: "kd",
-        tables: [kd::tables(&titles[0], &walks), kd::tables(&titles[1], &builds)].concat(),
+        tables: [kd::make_tables(&titles[0], &walks), kd::make_tables(&titles[1], &builds)]
+            .concat(),
         json: json!({
             "scene": name.to_string(),
             "triangles": count,
             "rays": args.rays,
             "walks": object(&walks),
             "builds": object(&builds),
-            "growth": kd_growth::json(&growth),
+            "growth": kd_growth::to_json(&growth),
         }),
         plots: vec![
-            ("walks".to_owned(), chart(&titles[0], &walks)),
-            ("builds".to_owned(), chart(&titles[1], &builds)),
+            ("walks".to_owned(), draw_chart(&titles[0], &walks)),
+            ("builds".to_owned(), draw_chart(&titles[1], &builds)),
         ],
     };
     if !growth.is_empty() {
-        results.tables.push(kd_growth::table(&growth));
-        results.plots.push(("growth".to_owned(), kd_growth::plot(&growth)));
+        results.tables.push(kd_growth::make_table(&growth));
+        results.plots.push(("growth".to_owned(), kd_growth::draw_plot(&growth)));
     }
     results.publish(&args.output)
 }
 
 /// Builds over machines of growing size.
-fn growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
+fn measure_growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliError> {
     let measure = |size: u64| {
         let source = BenchScene::Made(Generator::Assembly, size)
             .with_file(|path| input::load_triangles(path, quiet))?;
@@ -88,10 +93,10 @@ fn growth(settings: &KdBenchSettings, quiet: Quiet) -> Result<Vec<Growth>, CliEr
     kd_growth::sizes(settings).map(measure).collect()
 }
 
-fn chart(title: &str, rows: &[Row]) -> String {
+fn draw_chart(title: &str, rows: &[Row]) -> String {
     let rows: Vec<_> = rows
         .iter()
         .map(|row| (row.spec.clone(), row.sets.iter().map(Measured::rate).collect()))
         .collect();
-    bars(title, "Mrays/s", &SETS.map(RaySet::name), &rows)
+    draw_bars(title, "Mrays/s", &SETS.map(RaySet::name), &rows)
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::options::{MachineArgs, parse_builder, ray_bytes};
 use super::output::{OutputArgs, Results};
-use super::scenes::scenes;
+use super::scenes::choose_scenes;
 use crate::bench::mbvh::{self, MbvhBenchSettings};
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
@@ -78,7 +78,7 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
         ));
     }
     let mut loaded = Vec::new();
-    for scene in scenes(&args.files) {
+    for scene in choose_scenes(&args.files) {
         tell(&format!("{}: loading", scene.name()));
         let source = scene.with_file(|path| input::load_triangles(path, args.quiet))?;
         loaded.push((scene.name(), source));
@@ -96,13 +96,13 @@ pub fn run(args: &MbvhArgs) -> Result<(), CliError> {
         loaded.iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let plot = |scene: &mbvh::Scene| {
-        (format!("incoherence-{}", scene.name), mbvh::incoherence_plot(scene))
+        (format!("incoherence-{}", scene.name), mbvh::draw_incoherence(scene))
     };
-    let plots = std::iter::once(("scaling".to_owned(), mbvh::scaling_plot(&measured)));
+    let plots = std::iter::once(("scaling".to_owned(), mbvh::draw_scaling(&measured)));
     let results = Results {
         name: "mbvh",
-        tables: mbvh::tables(&measured, &settings),
-        json: mbvh::json(&measured, &settings),
+        tables: mbvh::make_tables(&measured, &settings),
+        json: mbvh::to_json(&measured, &settings),
         plots: plots.chain(measured.iter().map(plot)).collect(),
     };
     results.publish(&args.output)

@@ -24,7 +24,7 @@ pub struct OutputArgs {
 
 impl OutputArgs {
     /// Whether there is to be a report.
-    pub fn reports(&self) -> bool {
+    pub fn wants_report(&self) -> bool {
         self.report.is_some()
     }
 
@@ -60,24 +60,24 @@ impl Results {
     pub fn publish(&self, args: &OutputArgs) -> Result<(), CliError> {
         let object = format!("{:#}\n", self.json);
         if let Some(folder) = &args.report {
-            write(folder, &format!("{}.md", self.name), &self.markdown())?;
+            write(folder, &format!("{}.md", self.name), &self.to_markdown())?;
             write(folder, &format!("{}.json", self.name), &object)?;
             for (stem, svg) in &self.plots {
                 write(folder, &format!("{}-{stem}.svg", self.name), svg)?;
             }
         }
-        Ok(text::print(&if args.json { object } else { self.text() })?)
+        Ok(text::print(&if args.json { object } else { self.to_text() })?)
     }
 
-    fn markdown(&self) -> String {
+    fn to_markdown(&self) -> String {
         let tables: Vec<_> = self.tables.iter().map(Table::markdown).collect();
         let picture = |(stem, _): &(String, String)| format!("\n![]({}-{stem}.svg)\n", self.name);
         tables.join("\n") + &self.plots.iter().map(picture).collect::<String>()
     }
 
-    fn text(&self) -> String {
+    fn to_text(&self) -> String {
         let text = |one: &Table| {
-            let note = wrapped(&one.note);
+            let note = wrap(&one.note);
             format!("{}\n{note}\n{}", one.title, text::align_columns(&one.lines()))
         };
         self.tables.iter().map(text).collect::<Vec<_>>().join("\n")
@@ -85,7 +85,7 @@ impl Results {
 }
 
 /// A paragraph in lines of at most a hundred characters, where words allow it.
-fn wrapped(paragraph: &str) -> String {
+fn wrap(paragraph: &str) -> String {
     const WIDTH: usize = 100;
     let (mut text, mut width) = (String::new(), 0);
     for word in paragraph.split_whitespace() {
@@ -116,8 +116,8 @@ mod tests {
     #[test]
     fn paragraphs_are_wrapped_at_words() {
         let words = ["abcd"; 41].join(" ");
-        let lines: Vec<_> = wrapped(&words).lines().map(str::len).collect();
+        let lines: Vec<_> = wrap(&words).lines().map(str::len).collect();
         assert_eq!(lines, [99, 99, 4]);
-        assert_eq!(wrapped(""), "");
+        assert_eq!(wrap(""), "");
     }
 }

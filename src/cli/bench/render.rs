@@ -7,9 +7,9 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::output::{OutputArgs, Results};
-use super::scenes::{BenchScene, scenes};
+use super::scenes::{BenchScene, choose_scenes};
 use crate::accel::{Accel, AccelSpec, build};
-use crate::bench::bars::bars;
+use crate::bench::bars::draw_bars;
 use crate::bench::renders::{self, Rendered, Scene};
 use crate::cli::error::CliError;
 use crate::cli::flags::{Quiet, parse_accels};
@@ -76,7 +76,7 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
     args.output.probe()?;
     let measured = input::run_on_threads(args.threads, || {
         let measure = |scene: &BenchScene| measure(args, &specs, scene);
-        scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
+        choose_scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let how = format!(
         "{} pixels, {} samples a pixel, depth {DEPTH}, {} threads",
@@ -89,7 +89,7 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
     );
     let results = Results {
         name: "render",
-        tables: vec![renders::table(&measured, &how)],
+        tables: vec![renders::make_table(&measured, &how)],
         json: json!({
             "resolution": args.resolution,
             "spp": args.spp,
@@ -98,7 +98,7 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
             "rounds": args.rounds,
             "scenes": measured.iter().map(Scene::json).collect::<Vec<_>>(),
         }),
-        plots: vec![("speed-ups".to_owned(), chart(&measured))],
+        plots: vec![("speed-ups".to_owned(), draw_chart(&measured))],
     };
     results.publish(&args.output)
 }
@@ -137,12 +137,12 @@ fn measure(
     let name = (scene.name(), job.first.world.triangles.len());
     let scene = renders::measure(name, &structures, args.rounds, |which| {
         tell(&format!("rendering by {}", structures[which].0));
-        rendered(&job, &*accels[which])
+        render_once(&job, &*accels[which])
     });
     Ok(scene?)
 }
 
-fn rendered(job: &Job, accel: &dyn Accel) -> Rendered {
+fn render_once(job: &Job, accel: &dyn Accel) -> Rendered {
     let control = Control { cancel: &AtomicBool::new(false), progress: &|_| {} };
     let rendered = render(&job.first.world, &job.first.camera, accel, &job.settings, &control);
     Rendered {
@@ -153,10 +153,10 @@ fn rendered(job: &Job, accel: &dyn Accel) -> Rendered {
 }
 
 /// Speed-ups by scene.
-fn chart(scenes: &[Scene]) -> String {
+fn draw_chart(scenes: &[Scene]) -> String {
     let names: Vec<&str> =
         scenes.first().into_iter().flat_map(|scene| &scene.rows).map(|row| &*row.spec).collect();
     let speed_ups = |scene: &Scene| scene.rows.iter().map(|row| scene.speed_up(row)).collect();
     let rows: Vec<_> = scenes.iter().map(|scene| (scene.name.clone(), speed_ups(scene))).collect();
-    bars("Whole renders", "speed-up over the first", &names, &rows)
+    draw_bars("Whole renders", "speed-up over the first", &names, &rows)
 }

@@ -18,7 +18,7 @@ pub enum BenchScene {
 }
 
 /// The files, or else the machines.
-pub fn scenes(files: &[PathBuf]) -> Vec<BenchScene> {
+pub fn choose_scenes(files: &[PathBuf]) -> Vec<BenchScene> {
     if files.is_empty() {
         let sizes = paper::SCENES.map(|scene| scene.triangles as u64);
         return sizes.map(|triangles| BenchScene::Made(Generator::Assembly, triangles)).into();
@@ -89,8 +89,9 @@ mod tests {
 
     #[test]
     fn without_files_the_papers_sizes_are_made() {
-        assert_eq!(scenes(&[]).len(), 4);
-        let names: Vec<_> = scenes(&["a/b.glb".into()]).iter().map(BenchScene::name).collect();
+        assert_eq!(choose_scenes(&[]).len(), 4);
+        let names: Vec<_> =
+            choose_scenes(&["a/b.glb".into()]).iter().map(BenchScene::name).collect();
         assert_eq!(names, ["b"]);
     }
 }

@@ -38,9 +38,9 @@ impl Report<'_> {
             "memory",
             format!(
                 "meshes {}, textures {}, structure about {}",
-                bytes(survey.mesh_bytes),
-                bytes(survey.texture_bytes),
-                bytes(self.structure_bytes())
+                format_bytes(survey.mesh_bytes),
+                format_bytes(survey.texture_bytes),
+                format_bytes(self.structure_bytes())
             ),
         );
         if survey.emitting_triangles > 0 {
@@ -52,20 +52,20 @@ impl Report<'_> {
             let sun = if environment.sun().is_some() { ", with a sun" } else { "" };
             line("around", format!("{kind}{sun}, {r} {g} {b} in the mean"));
         }
-        list(&mut text, "scenes", &numbered(scene.contents.scenes.iter().map(String::as_str)));
+        push_list(&mut text, "scenes", &number_names(&scene.contents.scenes));
         self.list_cameras_and_lights(&mut text);
         self.list_materials_and_textures(&mut text);
-        list(&mut text, "variants", &numbered(scene.contents.variants.iter().map(String::as_str)));
+        push_list(&mut text, "variants", &number_names(&scene.contents.variants));
         let extensions = scene.contents.extensions.iter().map(|extension| {
             let honoured = if extension.honoured { "" } else { ": not honoured" };
             format!("{}{honoured}", extension.name)
         });
-        list(&mut text, "extensions", &extensions.collect::<Vec<_>>());
+        push_list(&mut text, "extensions", &extensions.collect::<Vec<_>>());
         let notices = scene.notices.iter();
         let notices = notices.map(|notice| format!("{}: {}", notice.place, notice.message));
-        list(&mut text, "not honoured, or odd", &notices.collect::<Vec<_>>());
+        push_list(&mut text, "not honoured, or odd", &notices.collect::<Vec<_>>());
         let faults: Vec<_> = self.faults.iter().map(|(_, message)| message.clone()).collect();
-        list(&mut text, "to look at", &faults);
+        push_list(&mut text, "to look at", &faults);
         text
     }
 
@@ -81,45 +81,48 @@ impl Report<'_> {
                 Projection::Panorama => "all around".to_owned(),
             };
             let kind = kind_of_camera(&named.camera.projection);
-            format!("{}: {kind}, {size}", label(number, &named.name))
+            format!("{}: {kind}, {size}", format_label(number, &named.name))
         });
-        list(text, "cameras", &cameras.collect::<Vec<_>>());
+        push_list(text, "cameras", &cameras.collect::<Vec<_>>());
         let lights = self.scene.lights.iter().enumerate().map(|(number, light)| {
             let [r, g, b] = light.intensity.to_array().map(|x| format_figure(x.into()));
             let (kind, unit) = (kind_of_light(light), unit_of_light(light));
             format!("{number}: {kind}, {r} {g} {b} {unit}")
         });
-        list(text, "lights", &lights.collect::<Vec<_>>());
+        push_list(text, "lights", &lights.collect::<Vec<_>>());
     }
 
     fn list_materials_and_textures(&self, text: &mut String) {
         let materials = self.scene.materials.iter().enumerate().map(|(number, material)| {
             let traits = traits(material).join(", ");
             let colon = if traits.is_empty() { "" } else { ": " };
-            format!("{}{colon}{traits}", label(number, &material.name))
+            format!("{}{colon}{traits}", format_label(number, &material.name))
         });
-        list(text, "materials", &materials.collect::<Vec<_>>());
+        push_list(text, "materials", &materials.collect::<Vec<_>>());
         let textures = self.scene.textures.iter().enumerate().map(|(number, texture)| {
             let ([width, height], image) = (texture.size(), texture.image());
             let space = name_of_space(texture.color_space());
             let bits = bits(image.texels());
-            format!("{}: {width}x{height}, {bits} bit, {space}", label(number, texture.name()))
+            format!(
+                "{}: {width}x{height}, {bits} bit, {space}",
+                format_label(number, texture.name())
+            )
         });
-        list(text, "textures", &textures.collect::<Vec<_>>());
+        push_list(text, "textures", &textures.collect::<Vec<_>>());
     }
 }
 
 /// A number with a name, if there is one.
-fn label(number: usize, name: &str) -> String {
+fn format_label(number: usize, name: &str) -> String {
     if name.is_empty() { number.to_string() } else { format!("{number} {name:?}") }
 }
 
-fn numbered<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    names.enumerate().map(|(number, name)| label(number, name)).collect()
+fn number_names(names: &[String]) -> Vec<String> {
+    names.iter().enumerate().map(|(number, name)| format_label(number, name)).collect()
 }
 
 /// A heading and lines below it; nothing where there are none.
-fn list(text: &mut String, heading: &str, lines: &[String]) {
+fn push_list(text: &mut String, heading: &str, lines: &[String]) {
     if lines.is_empty() {
         return;
     }
@@ -133,7 +136,7 @@ fn list(text: &mut String, heading: &str, lines: &[String]) {
 }
 
 /// As people say it.
-fn bytes(count: u64) -> String {
+fn format_bytes(count: u64) -> String {
     match count {
         0..1_000 => format!("{count} B"),
         1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
@@ -149,16 +152,16 @@ mod tests {
     #[test]
     fn long_lists_are_cut() {
         let mut text = String::new();
-        list(&mut text, "none", &[]);
+        push_list(&mut text, "none", &[]);
         assert_eq!(text, "");
-        list(&mut text, "many", &vec!["a".to_owned(); 50]);
+        push_list(&mut text, "many", &vec!["a".to_owned(); 50]);
         assert_eq!(text.lines().count(), 42);
         assert!(text.ends_with("… and 10 more (--json)\n"));
     }
 
     #[test]
     fn sizes_are_rounded() {
-        let sizes = [999, 1_500, 2_340_000, 7_200_000_000].map(bytes);
+        let sizes = [999, 1_500, 2_340_000, 7_200_000_000].map(format_bytes);
         assert_eq!(sizes, ["999 B", "1.5 kB", "2.3 MB", "7.20 GB"]);
     }
 }

@@ -72,7 +72,7 @@ impl Job {
         }
         notices.extend(describe_empty_scene(&scene, &file));
         let (camera, aspect) = view::choose(&scene, &args, &mut notices)?;
-        let settings = settings(&args, aspect)?;
+        let settings = choose_settings(&args, aspect)?;
         args.resolution = Some(settings.resolution);
         let world = scene::build_world(scene, &args)?;
         let first = Moment { world, camera, notices, elapsed: start.elapsed() };
@@ -130,8 +130,8 @@ impl Job {
     }
 }
 
-/// The library's settings, for a camera of such an aspect.
-fn settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
+/// Chooses the library's settings, for a camera of such an aspect.
+fn choose_settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
     let resolution = args.resolution.unwrap_or_else(|| {
         let height = (DEFAULT_WIDTH as f32 / aspect).round().clamp(1.0, 16_384.0);
         (DEFAULT_WIDTH, height as u32)

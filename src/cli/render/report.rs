@@ -39,12 +39,12 @@ pub fn print_lost(rendered: &Rendered, words: &[String]) {
     }
     say(&format!("warning: {} samples were not finite and are left out:", rendered.lost_count));
     for lost in &rendered.lost {
-        say(&format!("  {}", replay_command(lost, words)));
+        say(&format!("  {}", format_replay_command(lost, words)));
     }
 }
 
 /// The flag comes before all others: nothing is one after a `--`.
-fn replay_command(lost: &LostSample, words: &[String]) -> String {
+fn format_replay_command(lost: &LostSample, words: &[String]) -> String {
     let place = format!("{},{},{}", lost.x, lost.y, lost.sample);
     let (command, rest) = words.split_at(words.len().min(1));
     let (command, rest) = (shell::join(command), shell::join(rest));
@@ -68,7 +68,7 @@ pub fn print_unfinished(job: &Job, outcome: &Outcome) {
 }
 
 /// The last line: what it took.
-pub fn summary(job: &Job, outcome: &Outcome) -> String {
+pub fn summarize(job: &Job, outcome: &Outcome) -> String {
     let Outcome { rendered, loaded, built, .. } = outcome;
     let (width, height) = job.settings.resolution;
     let seconds = rendered.elapsed.as_secs_f64();
@@ -98,7 +98,7 @@ pub fn summary(job: &Job, outcome: &Outcome) -> String {
 }
 
 /// The same as a JSON object.
-pub fn summary_json(job: &Job, outcome: &Outcome) -> String {
+pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
     let Outcome { rendered, loaded, built, moments, .. } = outcome;
     json!({
         "scene": job.args.scene_file,
@@ -129,7 +129,7 @@ mod tests {
     fn the_command_that_follows_a_lost_sample_is_fit_for_a_shell() {
         let lost = LostSample { x: 3, y: 4, sample: 5 };
         let words = ["render", "-o", "it's.exr", "--", "my scene.gltf"].map(str::to_owned);
-        let command = replay_command(&lost, &words);
+        let command = format_replay_command(&lost, &words);
         let expected = r"render --debug-sample 3,4,5 -o 'it'\''s.exr' -- 'my scene.gltf'";
         assert_eq!(command, format!("dapple {expected}"));
     }

@@ -63,10 +63,10 @@ fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<Exi
     report::print_lost(&outcome.rendered, &words);
     write(&job.args, &outcome.rendered.picture)?;
     if !job.args.quiet {
-        say(&report::summary(job, &outcome));
+        say(&report::summarize(job, &outcome));
     }
     if job.args.json {
-        text::print(&format!("{}\n", report::summary_json(job, &outcome)))?;
+        text::print(&format!("{}\n", report::summarize_as_json(job, &outcome)))?;
     }
     if !outcome.rendered.cancelled {
         return Ok(ExitCode::SUCCESS);

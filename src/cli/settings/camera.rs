@@ -1,6 +1,8 @@
 //! Settings: from where the scene is seen, and for how long.
 
-use super::parse::{CameraModel, choice, choices, field_of_view, name, positive, vector, whole};
+use super::parse::{
+    CameraModel, choice, choices, field_of_view, from_str, positive, vector, whole,
+};
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 
@@ -17,7 +19,7 @@ pub static CAMERA: [Setting; 10] = [
         example: "0",
         help: "A camera of the scene, by name or number from 0",
         conflicts: &["look-from"],
-        read: Reader::Text(|word| assign(name(word), |args| &mut args.camera)),
+        read: Reader::Text(|word| assign(from_str::<String>(word), |args| &mut args.camera)),
         write: |args| args.camera.to_toml(),
         ..VIEW
     },

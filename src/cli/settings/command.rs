@@ -62,15 +62,15 @@ impl Table {
             .long_about(LONG_ABOUT)
             .after_help(EXAMPLES)
             .arg(scene)
-            .args(self.settings().map(flag))
+            .args(self.settings().map(make_flag))
     }
 
     /// What a command line gives, as clap has read it.
-    pub fn typed(&self, matches: &ArgMatches) -> Typed {
+    pub fn read_matches(&self, matches: &ArgMatches) -> Typed {
         let given = self
             .settings()
             .filter(|setting| matches.value_source(setting.name) == Some(ValueSource::CommandLine));
-        let given = given.filter_map(|setting| Some((setting, assignment(setting, matches)?)));
+        let given = given.filter_map(|setting| Some((setting, read_assignment(setting, matches)?)));
         Typed { scene_file: matches.get_one::<PathBuf>(SCENE).cloned(), given: given.collect() }
     }
 
@@ -90,7 +90,7 @@ impl Table {
             let text = text.split("\n\n").next().unwrap_or_default();
             text.strip_prefix("error: ").unwrap_or(text).to_owned()
         })?;
-        Ok(self.typed(&matches))
+        Ok(self.read_matches(&matches))
     }
 }
 
@@ -118,7 +118,7 @@ impl clap::Args for Typed {
 
 impl FromArgMatches for Typed {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        Ok(Table::default().typed(matches))
+        Ok(Table::default().read_matches(matches))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -128,7 +128,7 @@ impl FromArgMatches for Typed {
 }
 
 /// The flag of a setting.
-fn flag(setting: &'static Setting) -> Arg {
+fn make_flag(setting: &'static Setting) -> Arg {
     let mut arg = Arg::new(setting.name)
         .long(setting.name)
         .help(setting.summary())
@@ -152,10 +152,10 @@ fn flag(setting: &'static Setting) -> Arg {
         Form::List => arg = arg.action(ArgAction::Append),
         Form::Word => {}
     }
-    arg.value_name(setting.value).value_parser(value_parser(setting))
+    arg.value_name(setting.value).value_parser(make_parser(setting))
 }
 
-fn value_parser(setting: &'static Setting) -> ValueParser {
+fn make_parser(setting: &'static Setting) -> ValueParser {
     let Some(choices) = setting.choices else {
         let parser = OsStringValueParser::new();
         return parser.try_map(|word| setting.parse(&word)).into();
@@ -165,7 +165,7 @@ fn value_parser(setting: &'static Setting) -> ValueParser {
 }
 
 /// The value that was typed for a setting.
-fn assignment(setting: &'static Setting, matches: &ArgMatches) -> Option<Assignment> {
+fn read_assignment(setting: &'static Setting, matches: &ArgMatches) -> Option<Assignment> {
     let read = |word: &str| setting.parse(OsStr::new(word)).ok();
     match setting.form {
         Form::Switch => read("true"),

@@ -1,6 +1,6 @@
 //! Settings: what is read.
 
-use super::parse::{MissingTextureArg, choice, choices, finite, name, switch};
+use super::parse::{MissingTextureArg, choice, choices, finite, from_str, switch};
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 
@@ -24,7 +24,7 @@ pub static INPUT: [Setting; 7] = [
         example: "0",
         help: "Which of a glTF file's scenes, by name or number from 0",
         advanced: true,
-        read: Reader::Text(|word| assign(name(word), |args| &mut args.scene)),
+        read: Reader::Text(|word| assign(from_str::<String>(word), |args| &mut args.scene)),
         write: |args| args.scene.to_toml(),
         ..SCENE
     },
@@ -34,7 +34,7 @@ pub static INPUT: [Setting; 7] = [
         example: "midnight",
         help: "A variant of a glTF file's materials, by name or number from 0",
         advanced: true,
-        read: Reader::Text(|word| assign(name(word), |args| &mut args.variant)),
+        read: Reader::Text(|word| assign(from_str::<String>(word), |args| &mut args.variant)),
         write: |args| args.variant.to_toml(),
         ..SCENE
     },
@@ -46,7 +46,7 @@ pub static INPUT: [Setting; 7] = [
         help: "Which of a glTF file's animations --time poses, by name or number from 0",
         advanced: true,
         requires: &["time"],
-        read: Reader::Text(|word| assign(name(word), |args| &mut args.animation)),
+        read: Reader::Text(|word| assign(from_str::<String>(word), |args| &mut args.animation)),
         write: |args| args.animation.to_toml(),
         ..SCENE
     },

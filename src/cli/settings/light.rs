@@ -77,6 +77,7 @@ pub static LIGHT: [Setting; 13] = [
         example: "0.1,0.2,0.3",
         help: "The environment light: a latitude-longitude image (.hdr, .exr, …) or a colour",
         conflicts: &["sky"],
+        names_file: |word| matches!(word.parse(), Ok(EnvironmentSource::File(_))),
         read: Reader::Text(|word| {
             assign(from_str::<EnvironmentSource>(word), |args| &mut args.env)
         }),

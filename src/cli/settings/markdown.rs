@@ -15,7 +15,7 @@ impl Table {
             text.push_str("| setting | what it does | default | example | changes the picture |\n");
             text.push_str("|---|---|---|---|---|\n");
             for setting in self.settings().filter(|setting| setting.group == group) {
-                text.push_str(&row(setting));
+                text.push_str(&format_row(setting));
             }
             text.push('\n');
         }
@@ -27,17 +27,17 @@ impl Table {
     }
 }
 
-fn row(setting: &Setting) -> String {
+fn format_row(setting: &Setting) -> String {
     let short = setting.short.map_or(String::new(), |short| format!("`-{short}`, "));
     let mut what = setting.help.to_owned();
     if !setting.details.is_empty() {
         what = format!("{what}. {}", setting.details.trim_end_matches('.'));
     }
     if !setting.requires.is_empty() {
-        what = format!("{what}. Needs {}", flags(setting.requires, " or "));
+        what = format!("{what}. Needs {}", format_flags(setting.requires, " or "));
     }
     if !setting.conflicts.is_empty() {
-        what = format!("{what}. Excludes {}", flags(setting.conflicts, ", "));
+        what = format!("{what}. Excludes {}", format_flags(setting.conflicts, ", "));
     }
     let default = match setting.default {
         Some(word) => format!("`{word}`"),
@@ -55,6 +55,6 @@ fn row(setting: &Setting) -> String {
     format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
 }
 
-fn flags(names: &[&str], joint: &str) -> String {
+fn format_flags(names: &[&str], joint: &str) -> String {
     names.iter().map(|name| format!("`--{name}`")).collect::<Vec<_>>().join(joint)
 }

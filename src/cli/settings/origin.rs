@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::table::Table;
 use crate::cli::error::CliError;
 use crate::film::exr;
-use crate::formats::EnvironmentSource;
 use crate::formats::toml::{self, Setting as Line, SettingValue};
 use crate::scene::Notice;
 
@@ -31,7 +31,7 @@ pub struct Header {
 ///
 /// # Errors
 /// If it is no picture of dapple's.
-pub fn read_header(picture: &Path) -> Result<Header, CliError> {
+pub fn read_header(table: &Table, picture: &Path) -> Result<Header, CliError> {
     let mut strings = exr::read(picture)?.strings;
     let mut take = |name: &str| strings.remove(&format!("dapple/{name}"));
     let (Some(settings), Some(scene)) = (take("settings"), take("scene")) else {
@@ -39,11 +39,11 @@ pub fn read_header(picture: &Path) -> Result<Header, CliError> {
         return Err(CliError::Input(format!("{}: {message}", picture.display())));
     };
     let mut settings = toml::settings_of_text(picture, &settings)?;
-    for Line { value, .. } in settings.iter_mut().filter(|line| line.key == "env") {
+    for Line { key, value, .. } in &mut settings {
         if let SettingValue::Word(word) = value
-            && let Ok(EnvironmentSource::File(file)) = word.parse()
+            && table.names_file(key, word)
         {
-            *word = locate(&file, picture).display().to_string();
+            *word = locate(Path::new(word), picture).display().to_string();
         }
     }
     let (digest, version) = (take("scene-digest"), take("version"));

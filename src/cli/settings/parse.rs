@@ -77,11 +77,6 @@ pub(super) fn choices<T: ValueEnum>() -> Vec<PossibleValue> {
     T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect()
 }
 
-/// A name, or a number that stands for one.
-pub(super) fn name(text: &str) -> Result<String, String> {
-    Ok(text.to_owned())
-}
-
 /// Whether a switch is on.
 pub(super) fn switch(text: &str) -> Result<bool, String> {
     text.parse().map_err(|_| "is either given or not: true or false".to_owned())
@@ -190,11 +185,12 @@ pub(super) fn sample_id(text: &str) -> Result<(u32, u32, u64), String> {
     Ok((side(x)?, side(y)?, sample))
 }
 
-/// Sides of up to 65,536: beyond, two pixels would share their random numbers.
+/// Sides of up to 65,536, with an `x` between them, or a comma as in TOML's `[640, 480]`. Beyond,
+/// two pixels would share their random numbers.
 pub fn resolution(text: &str) -> Result<(u32, u32), String> {
     const MOST_PIXELS: u64 = 1 << 28;
     let form = || "expected width and height in pixels, as in 640x480".to_owned();
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
+    let (width, height) = text.split_once(['x', 'X', ',']).ok_or_else(form)?;
     let side = |text: &str| text.parse::<u32>().map_err(|_| form());
     let (width, height) = (side(width)?, side(height)?);
     if !(1..=65_536).contains(&width) || !(1..=65_536).contains(&height) {

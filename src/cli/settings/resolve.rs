@@ -52,7 +52,7 @@ pub(super) fn resolve_by(table: &Table, typed: &Typed) -> Result<Request, CliErr
         |setting: &Setting| typed.given.iter().any(|(typed, _)| table.replaces(typed, setting));
     let (source, from) = match &args.from {
         Some(picture) => {
-            let header = origin::read_header(picture)?;
+            let header = origin::read_header(table, picture)?;
             let mut origin = header.origin;
             // Another scene is what was asked for.
             if typed.given.iter().any(|(setting, _)| setting.role == Role::Scene) {
@@ -66,7 +66,8 @@ pub(super) fn resolve_by(table: &Table, typed: &Typed) -> Result<Request, CliErr
         }
         None if toml::is_toml(&args.scene_file) => {
             let file = &args.scene_file;
-            (Source::read(table, file, toml::settings(file)?, &replaced)?, None)
+            let lines = toml::settings(file, &|key, word| table.names_file(key, word))?;
+            (Source::read(table, file, lines, &replaced)?, None)
         }
         None => (Source::default(), None),
     };
@@ -119,7 +120,7 @@ impl Source {
                 continue;
             }
             let assignment = read(setting, &value).map_err(|message| fault(line, message))?;
-            if let Some(other) = values.iter().find(|it| table.conflict(it.setting, setting)) {
+            if let Some(other) = values.iter().find(|it| it.setting.excludes(setting)) {
                 let (first, second) = (other.setting.usage(), setting.usage());
                 let message = format!("the argument '{first}' cannot be used with '{second}'");
                 return Err(fault(other.line, message));

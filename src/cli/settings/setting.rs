@@ -47,6 +47,9 @@ pub struct Setting {
     pub requires: &'static [&'static str],
     /// The settings that cannot be given with it. It is enough that one of two names the other.
     pub conflicts: &'static [&'static str],
+    /// Whether a value names a file, which is then looked for beside the scene or picture that says
+    /// so; for settings that are read from files.
+    pub names_file: fn(&str) -> bool,
     /// Reads a value.
     pub read: Reader,
     /// Writes its value as TOML; `None` where it has none.
@@ -196,6 +199,7 @@ impl Setting {
             advanced: false,
             requires: &[],
             conflicts: &[],
+            names_file: |_| false,
             read: Reader::Text(|_| Err("cannot be read".to_owned())),
             write: |_| None,
         }
@@ -213,6 +217,11 @@ impl Setting {
         } else {
             format!("--{} <{}>", self.name, self.value)
         }
+    }
+
+    /// Whether the two cannot be given together.
+    pub fn excludes(&self, other: &Setting) -> bool {
+        self.conflicts.contains(&other.name) || other.conflicts.contains(&self.name)
     }
 
     /// Whether the flag is followed by a value.

@@ -14,20 +14,33 @@ use super::speed::SPEED;
 
 /// All settings, in the order of the help.
 #[derive(Clone, Debug)]
-pub struct Table(Vec<&'static Setting>);
+pub struct Table {
+    settings: Vec<&'static Setting>,
+    /// The values that all settings have unless others are given.
+    defaults: RenderArgs,
+}
 
 impl Default for Table {
     /// The settings of `dapple render`.
     fn default() -> Self {
         let groups: [&[Setting]; 7] = [&OUTPUT, &IMAGE, &LIGHT, &CAMERA, &INPUT, &SPEED, &MESSAGES];
-        Self(groups.into_iter().flatten().collect())
+        Self::new(groups.into_iter().flatten().collect())
     }
 }
 
 impl Table {
+    fn new(settings: Vec<&'static Setting>) -> Self {
+        let mut defaults = RenderArgs::default();
+        for (setting, word) in settings.iter().filter_map(|it| Some((it, it.default?))) {
+            let value = setting.parse(word.as_ref()).expect("a test reads all defaults");
+            value.apply(&mut defaults);
+        }
+        Self { settings, defaults }
+    }
+
     /// All settings.
     pub fn settings(&self) -> impl Iterator<Item = &'static Setting> + '_ {
-        self.0.iter().copied()
+        self.settings.iter().copied()
     }
 
     /// The setting of a name.
@@ -35,25 +48,20 @@ impl Table {
         self.settings().find(|setting| setting.name == name)
     }
 
-    /// The values that all settings have unless others are given.
-    pub fn defaults(&self) -> RenderArgs {
-        let mut args = RenderArgs::default();
-        for (setting, default) in self.settings().filter_map(|it| Some((it, it.default?))) {
-            let value = setting.parse(default.as_ref()).expect("a test reads all defaults");
-            value.apply(&mut args);
-        }
-        args
+    /// Whether the word that a setting is set to names a file.
+    pub fn names_file(&self, name: &str, word: &str) -> bool {
+        self.find(name).is_some_and(|setting| (setting.names_file)(word))
     }
 
-    /// Whether two settings cannot be given together.
-    pub fn conflict(&self, a: &Setting, b: &Setting) -> bool {
-        a.conflicts.contains(&b.name) || b.conflicts.contains(&a.name)
+    /// The values that all settings have unless others are given.
+    pub fn defaults(&self) -> RenderArgs {
+        self.defaults.clone()
     }
 
     /// Whether the command line's `typed` takes the place of a file's `other`: the two are the same
     /// setting, or they conflict, or `other` is of no use without what `typed` replaces.
     pub fn replaces(&self, typed: &Setting, other: &Setting) -> bool {
-        let clashes = |it: &Setting| self.conflict(typed, it);
+        let clashes = |it: &Setting| typed.excludes(it);
         let needed: Vec<_> = other.requires.iter().filter_map(|name| self.find(name)).collect();
         typed.name == other.name
             || clashes(other)
@@ -62,7 +70,7 @@ impl Table {
 
     /// Whether a setting has another value than by default.
     fn is_set(&self, setting: &Setting, args: &RenderArgs) -> bool {
-        (setting.write)(args) != (setting.write)(&self.defaults())
+        (setting.write)(args) != (setting.write)(&self.defaults)
     }
 
     /// Whether one of the settings that a setting needs is set, if it needs any.
@@ -88,8 +96,8 @@ impl Table {
     /// Adds a setting at the end.
     #[cfg(test)]
     pub fn with(mut self, setting: &'static Setting) -> Self {
-        self.0.push(setting);
-        self
+        self.settings.push(setting);
+        Self::new(self.settings)
     }
 }
 
@@ -102,7 +110,7 @@ mod tests {
     fn entries_are_complete_and_in_the_order_of_their_groups() {
         let table = Table::default();
         let order = |setting: &Setting| Group::ALL.iter().position(|it| *it == setting.group);
-        assert!(table.0.is_sorted_by_key(|setting| order(setting)));
+        assert!(table.settings.is_sorted_by_key(|setting| order(setting)));
         for setting in table.settings() {
             let name = setting.name;
             let same = table.settings().filter(|it| it.name == name || it.help == setting.help);

@@ -78,7 +78,7 @@ fn each_setting_comes_back_from_a_scene_and_from_a_header_as_it_was_typed() {
         assert_eq!(table.to_toml(&from_scene.expect("its own words")), typed);
 
         let mut made = Picture::new(Window::of_size(1, 1), Window::of_size(1, 1));
-        made.set_layer("", "RGB", &[[0.0; 3]]);
+        made.set_aov("", "RGB", &[[0.0; 3]]);
         made.strings.insert("dapple/settings".to_owned(), typed.clone());
         made.strings.insert("dapple/scene".to_owned(), "no.gltf".to_owned());
         exr::write(&picture, &made).expect("written");
@@ -99,7 +99,7 @@ static WALLPAPER: Setting = Setting {
     help: "What is on the walls",
     requires: &["time"],
     conflicts: &["sky"],
-    read: Reader::Text(|word| assign(parse::name(word), |args| &mut args.variant)),
+    read: Reader::Text(|word| assign(parse::from_str::<String>(word), |args| &mut args.variant)),
     write: |args| args.variant.to_toml(),
     ..Setting::new(Group::Light, Role::Scene)
 };

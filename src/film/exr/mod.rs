@@ -21,8 +21,8 @@ mod tests {
         let mut picture = Picture::new(Window::of_size(64, 32), crop);
         let values: Vec<_> =
             (0..100).map(|i| [i as f32, 0.5 - i as f32, 1.0 / (i + 1) as f32]).collect();
-        picture.set_layer("", "RGB", &values);
-        picture.set_layer("normal", "XYZ", &values);
+        picture.set_aov("", "RGB", &values);
+        picture.set_aov("normal", "XYZ", &values);
         picture.set_channel("A", vec![1.0; 100]);
         picture.set_channel("depth.Z", vec![f32::INFINITY; 100]);
         picture.strings.insert("dapple/seed".to_owned(), "17".to_owned());

@@ -1,4 +1,4 @@
-//! Renders held against golden pictures, and golden pictures made anew.
+//! Compares renders with golden pictures, and makes new golden pictures.
 
 use super::{GoldenScene, Limits, Rule};
 use crate::film::compare::{FlipKind, Named, compare};
@@ -22,24 +22,24 @@ pub struct RenderError {
 impl RenderError {
     /// An error, and the exit status that a command would end with for it.
     pub fn new(exit_code: u8, error: &dyn Error) -> Self {
-        Self { message: chain(error), exit_code }
+        Self { message: describe_chain(error), exit_code }
     }
 }
 
 /// How far a render is from its golden picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figures {
-    /// The part of pixels that are off.
+    /// The share of pixels that are off.
     pub pixels_off: f64,
     /// Mean FLIP (HDR).
     pub flip: f64,
     /// Mean of `(a - b)² / (b² + 0.01)`.
     pub relmse: f64,
-    /// The part of tiles with |z| > 5, where variances are known.
+    /// The share of tiles with |z| > 5, where variances are known.
     pub bad_tiles: Option<f64>,
 }
 
-/// What became of a scene.
+/// The result for a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -58,7 +58,7 @@ pub enum Verdict {
 pub struct Outcome {
     /// The scene's name.
     pub name: String,
-    /// What became of it.
+    /// The result.
     pub verdict: Verdict,
     /// The figures, if there were two pictures of one size.
     pub figures: Option<Figures>,
@@ -78,17 +78,17 @@ impl Outcome {
         Self { exit_code: error.exit_code(), ..Self::not_done(scene, error) }
     }
 
-    fn not_rendered(scene: &GoldenScene, error: &RenderError) -> Self {
+    fn render_failed(scene: &GoldenScene, error: &RenderError) -> Self {
         Self { exit_code: error.exit_code, ..Self::not_done(scene, error) }
     }
 
     fn not_done(scene: &GoldenScene, error: &dyn Error) -> Self {
-        Self::of(scene, Verdict::Failed, None, chain(error))
+        Self::of(scene, Verdict::Failed, None, describe_chain(error))
     }
 }
 
 /// An error and its sources, in one line.
-fn chain(error: &dyn Error) -> String {
+fn describe_chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(error) = source {
@@ -98,7 +98,7 @@ fn chain(error: &dyn Error) -> String {
     text
 }
 
-/// A render and the golden picture that it was held against.
+/// A render and its golden picture.
 #[derive(Debug)]
 pub struct Pair {
     /// What was rendered.
@@ -107,9 +107,9 @@ pub struct Pair {
     pub golden: Picture,
 }
 
-/// Renders a scene and holds it against its golden picture; both come back where there are both.
+/// Renders a scene and compares it with its golden picture. Returns both where there are both.
 pub fn check(scene: &GoldenScene, render: &RenderFn<'_>) -> (Outcome, Option<Pair>) {
-    // Looked for first: without it there is nothing to render for.
+    // Without it there is no need to render.
     if !scene.golden.exists() {
         let reason = format!("{} is missing", scene.golden.display());
         return (Outcome::of(scene, Verdict::New, None, reason), None);
@@ -120,7 +120,7 @@ pub fn check(scene: &GoldenScene, render: &RenderFn<'_>) -> (Outcome, Option<Pai
     };
     match render(scene) {
         Ok(picture) => (judge(scene, &picture, &golden), Some(Pair { picture, golden })),
-        Err(error) => (Outcome::not_rendered(scene, &error), None),
+        Err(error) => (Outcome::render_failed(scene, &error), None),
     }
 }
 
@@ -131,7 +131,7 @@ pub fn update(scene: &GoldenScene, render: &RenderFn<'_>) -> Outcome {
     let old = if scene.golden.exists() { Some(exr::read(&scene.golden)) } else { None };
     let mut picture = match render(scene) {
         Ok(picture) => picture,
-        Err(error) => return Outcome::not_rendered(scene, &error),
+        Err(error) => return Outcome::render_failed(scene, &error),
     };
     picture.retain_channels(|name| {
         matches!(name, "R" | "G" | "B" | "A") || name.starts_with("variance.")
@@ -167,7 +167,7 @@ fn same_pixels(a: &Picture, b: &Picture) -> bool {
 fn judge(scene: &GoldenScene, picture: &Picture, golden: &Picture) -> Outcome {
     match measure(scene, picture, golden) {
         Ok((figures, not_finite)) => {
-            let reason = exceeded(&scene.limits, &figures, not_finite);
+            let reason = describe_excess(&scene.limits, &figures, not_finite);
             let verdict = if reason.is_empty() { Verdict::Same } else { Verdict::Changed };
             Outcome::of(scene, verdict, Some(figures), reason)
         }
@@ -200,8 +200,8 @@ fn measure(
     Ok((figures, found.not_finite.only_one))
 }
 
-/// What exceeds the limits, in words; empty if nothing does.
-fn exceeded(limits: &Limits, figures: &Figures, not_finite: usize) -> String {
+/// Which figures exceed the limits; empty if none does.
+fn describe_excess(limits: &Limits, figures: &Figures, not_finite: usize) -> String {
     let mut reasons = Vec::new();
     let mut hold = |name: &str, value: f64, limit: f64| {
         // NaN, which no pixel that is finite gives, is within no limit but an infinite one.
@@ -235,9 +235,9 @@ mod tests {
         let mut picture = Picture::new(Window::of_size(50, 40), Window::of_size(50, 40));
         let mut colours = vec![[value; 3]; 2000];
         colours[..off].fill([value + 2e-4; 3]);
-        picture.set_layer("", "RGB", &colours);
-        picture.set_layer("variance", "RGB", &vec![[1e-6; 3]; 2000]);
-        picture.set_layer("albedo", "RGB", &colours);
+        picture.set_aov("", "RGB", &colours);
+        picture.set_aov("variance", "RGB", &vec![[1e-6; 3]; 2000]);
+        picture.set_aov("albedo", "RGB", &colours);
         picture.strings.insert("dapple/render-time".into(), "3 s".into());
         picture
     }
@@ -323,7 +323,7 @@ mod tests {
         let small = Picture::new(Window::of_size(2, 2), Window::of_size(2, 2));
         let resized = check(&scene, &move |_| {
             let mut small = small.clone();
-            small.set_layer("", "RGB", &[[0.0; 3]; 4]);
+            small.set_aov("", "RGB", &[[0.0; 3]; 4]);
             Ok(small)
         });
         assert_eq!((resized.verdict, resized.figures), (Verdict::Changed, None));

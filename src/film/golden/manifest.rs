@@ -15,11 +15,11 @@ const MAX_BYTES: u64 = 1 << 20;
 /// One entry of a manifest, with paths that can be opened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoldenScene {
-    /// What tables and `--only` call it.
+    /// Its name in tables and for `--only`.
     pub name: String,
     /// The scene.
     pub file: PathBuf,
-    /// The picture that renders are held against.
+    /// The picture that renders are compared with.
     pub golden: PathBuf,
     /// Arguments of `dapple render`; `{folder}` in the manifest is its folder here.
     pub render: Vec<String>,
@@ -27,7 +27,7 @@ pub struct GoldenScene {
     pub limits: Limits,
 }
 
-/// How two pictures are held against each other.
+/// How two pictures are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rule {
@@ -45,13 +45,13 @@ pub struct Limits {
     pub rule: Rule,
     /// A pixel is off if a channel differs by more than this times `max(1, |golden|)`.
     pub tolerance: f64,
-    /// The greatest part of pixels that may be off.
+    /// The greatest share of pixels that may be off.
     pub pixels_off: f64,
     /// The greatest mean FLIP (HDR), of either rule.
     pub flip: f64,
     /// The greatest relMSE, of either rule.
     pub relmse: f64,
-    /// For the z-test: the greatest part of tiles with |z| > 5.
+    /// For the z-test: the greatest share of tiles with |z| > 5.
     pub bad_tiles: f64,
 }
 
@@ -81,7 +81,7 @@ struct SomeLimits {
 }
 
 impl SomeLimits {
-    fn over(self, base: Limits) -> Limits {
+    fn override_limits(self, base: Limits) -> Limits {
         let rule = self.rule.unwrap_or(base.rule);
         // Other samples look different: FLIP only limits the z-test where it is asked to.
         let flip = if rule == Rule::Ztest && base.rule != rule { f64::INFINITY } else { base.flip };
@@ -131,7 +131,7 @@ pub fn load(folder: &Path) -> Result<Vec<GoldenScene>, FilmError> {
         String::from_utf8(bytes).map_err(|_| FilmError::invalid(&path, "is not text in UTF-8"))?;
     let manifest: ManifestFile = toml::from_str(&text)
         .map_err(|error| FilmError::invalid(&path, error.to_string().trim_end()))?;
-    let limits = manifest.limits.over(Limits::default());
+    let limits = manifest.limits.override_limits(Limits::default());
     let mut names = HashSet::new();
     for scene in &manifest.scene {
         if scene.name.is_empty() || !names.insert(scene.name.clone()) {
@@ -149,7 +149,7 @@ pub fn load(folder: &Path) -> Result<Vec<GoldenScene>, FilmError> {
         file: folder.join(&scene.file),
         golden: folder.join(scene.golden.unwrap_or_else(|| format!("{}.exr", scene.name).into())),
         render: manifest.render.iter().cloned().chain(scene.render).map(argument).collect(),
-        limits: scene.limits.over(limits),
+        limits: scene.limits.override_limits(limits),
         name: scene.name,
     });
     Ok(scenes.collect())

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::de::{DeArray, DeValue};
 
 use super::root::with_root;
-use crate::formats::{EnvironmentSource, LoadError, read_file, uri};
+use crate::formats::{LoadError, read_file, uri};
 
 /// A setting by the name of its flag.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,27 +27,37 @@ pub enum SettingValue {
     Word(String),
 }
 
+/// Whether the word that a key is set to names a file.
+pub type NamesFile<'a> = dyn Fn(&str, &str) -> bool + 'a;
+
 /// The settings in the table `[render]` of a TOML scene; files are named from its folder.
 ///
 /// # Errors
 /// [`LoadError`] with the line.
-pub fn settings(path: &Path) -> Result<Vec<Setting>, LoadError> {
+pub fn settings(path: &Path, names_file: &NamesFile<'_>) -> Result<Vec<Setting>, LoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    read(path, folder, &read_file(path)?)
+    read(path, folder, &read_file(path)?, names_file)
 }
 
 /// The same of a file's contents; `path` is for messages.
-pub(super) fn read(path: &Path, folder: &Path, bytes: &[u8]) -> Result<Vec<Setting>, LoadError> {
+pub(super) fn read(
+    path: &Path,
+    folder: &Path,
+    bytes: &[u8],
+    names_file: &NamesFile<'_>,
+) -> Result<Vec<Setting>, LoadError> {
     with_root(path, bytes, |root| {
         let Some(table) = root.table("render")? else { return Ok(Vec::new()) };
         let mut settings = Vec::new();
         for (key, line, value) in table.entries() {
-            let mut value = setting(key, value).ok_or_else(|| {
+            let mut value = setting(value).ok_or_else(|| {
                 table.fault_at(key, "must be text, a number, numbers or a switch")
             })?;
-            if key == "env" {
-                value = within(folder, value)
-                    .map_err(|reason| LoadError::line(path, line, format!("env: {reason}")))?;
+            if let SettingValue::Word(word) = &mut value
+                && names_file(key, word)
+            {
+                *word = within(folder, word)
+                    .map_err(|reason| LoadError::line(path, line, format!("{key}: {reason}")))?;
             }
             settings.push(Setting { key: key.to_owned(), line, value });
         }
@@ -62,7 +72,7 @@ pub(super) fn read(path: &Path, folder: &Path, bytes: &[u8]) -> Result<Vec<Setti
 /// [`LoadError`] with the line of the text.
 pub fn settings_of_text(path: &Path, text: &str) -> Result<Vec<Setting>, LoadError> {
     with_root(path, text.as_bytes(), |root| {
-        let read = |(key, line, value): (&str, usize, &DeValue)| match setting(key, value) {
+        let read = |(key, line, value): (&str, usize, &DeValue)| match setting(value) {
             Some(value) => Ok(Setting { key: key.to_owned(), line, value }),
             None => Err(LoadError::line(path, line, format!("{key} is no setting"))),
         };
@@ -70,28 +80,24 @@ pub fn settings_of_text(path: &Path, text: &str) -> Result<Vec<Setting>, LoadErr
     })
 }
 
-/// A file of surroundings, from the scene's folder and within it.
-fn within(folder: &Path, value: SettingValue) -> Result<SettingValue, String> {
-    let SettingValue::Word(word) = &value else { return Ok(value) };
-    let Ok(EnvironmentSource::File(_)) = word.parse() else { return Ok(value) };
+/// A file in the scene's folder or below it.
+fn within(folder: &Path, word: &str) -> Result<String, String> {
     let path = uri::file(folder, word).map_err(|reason| format!("{word:?}: {reason}"))?;
-    let path = path.into_os_string().into_string();
-    path.map(SettingValue::Word).map_err(|_| "its path is not in UTF-8".to_owned())
+    path.into_os_string().into_string().map_err(|_| "its path is not in UTF-8".to_owned())
 }
 
-/// As on a command line: numbers in a row between commas, but for a resolution.
-fn setting(key: &str, value: &DeValue) -> Option<SettingValue> {
-    let joint = if key == "resolution" { "x" } else { "," };
+/// As on a command line: numbers in a row between commas.
+fn setting(value: &DeValue) -> Option<SettingValue> {
     Some(match value {
         DeValue::Boolean(switch) => SettingValue::Switch(*switch),
-        DeValue::Array(array) => SettingValue::Word(joined(array, joint)?),
+        DeValue::Array(array) => SettingValue::Word(joined(array)?),
         value => SettingValue::Word(word(value)?),
     })
 }
 
-fn joined(array: &DeArray, joint: &str) -> Option<String> {
+fn joined(array: &DeArray) -> Option<String> {
     let words: Option<Vec<String>> = array.iter().map(|value| word(value.get_ref())).collect();
-    Some(words?.join(joint))
+    Some(words?.join(","))
 }
 
 fn word(value: &DeValue) -> Option<String> {
