@@ -11,12 +11,12 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use fearless_simd::{Level, Simd, SimdBase, SimdMask, f32x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use rayon::prelude::*;
 
 use super::{
-    Batch, BuildInput, BuildReport, Counters, Event, MemoryReport, PreparedRay, Query, RayContext,
-    SliceContext, Structure, Traverse, Variant,
+    Batch, BuildInput, BuildReport, Built, Counters, Event, MemoryReport, PreparedRay, Query,
+    RayContext, SliceContext, Structure, Traverse, Variant,
 };
 use crate::geom::{TriangleSource, own_box};
 use crate::math::TriangleId;
@@ -44,8 +44,7 @@ struct Boxes([[f32; 8]; 6]);
 pub struct Brute {
     source: Arc<dyn TriangleSource>,
     boxes: Vec<Boxes>,
-    level: Level,
-    report: BuildReport,
+    built: Built,
 }
 
 impl Brute {
@@ -62,7 +61,11 @@ impl Brute {
             sah_cost: count as f64,
             ..BuildReport::default()
         };
-        Self { source: Arc::clone(&input.source), boxes, level: input.level, report }
+        Self {
+            source: Arc::clone(&input.source),
+            boxes,
+            built: Built { level: input.level, report },
+        }
     }
 
     /// Tests blocks `first..first + blocks.len()` of boxes.
@@ -153,16 +156,12 @@ impl Structure for Brute {
 
     fn scratch(&self) {}
 
-    fn level(&self) -> Level {
-        self.level
+    fn built(&self) -> &Built {
+        &self.built
     }
 
     fn memory(&self) -> MemoryReport {
         MemoryReport::new([("boxes", size_of_val(&*self.boxes))])
-    }
-
-    fn report(&self) -> &BuildReport {
-        &self.report
     }
 }
 
@@ -181,7 +180,7 @@ impl Traverse for Brute {
             .map(|(group, (rays, answers))| {
                 let mut counters = C::default();
                 let batch = Batch::new(rays).with_filter(filter);
-                crate::simd::vectorized!(self.level, simd => {
+                crate::simd::vectorized!(self.built.level, simd => {
                     let counters = &mut counters;
                     let slice = &mut SliceContext::<_, Q, _> { simd, batch, answers, counters };
                     self.trace_group(slice, group * RAYS);

@@ -58,6 +58,6 @@ pub use interface::{Accel, Regions, Tracer};
 pub use options::{OptionSpec, Options, Value, Values};
 pub use query::{Any, Closest, HitCriteria, PreparedRay, Query};
 pub use report::{BuildReport, MemoryReport, Phases, PoolUse};
-pub use traverse::{Structure, Traverse, WalkRay};
+pub use traverse::{Built, Structure, Traverse, WalkRay};
 pub use variant::{BuildInput, Variant};
 pub use variants::{AccelSpec, VARIANTS, build};

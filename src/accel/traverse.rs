@@ -15,14 +15,20 @@ pub trait Structure: Send + Sync {
     /// Makes scratch for one thread.
     fn scratch(&self) -> Self::Scratch;
 
-    /// The instruction set to walk with, chosen when the structure was built.
-    fn level(&self) -> Level;
+    /// What was settled when the structure was built.
+    fn built(&self) -> &Built;
 
     /// See [`Accel::memory`].
     fn memory(&self) -> MemoryReport;
+}
 
-    /// See [`Accel::report`].
-    fn report(&self) -> &BuildReport;
+/// What is settled when a structure is built, whatever the structure.
+#[derive(Clone, Debug)]
+pub struct Built {
+    /// The instruction set to walk with.
+    pub level: Level,
+    /// How it was built.
+    pub report: BuildReport,
 }
 
 /// A structure that slices of rays are traced through.
@@ -82,7 +88,7 @@ impl<T: Traverse> Accel for T {
     }
 
     fn level(&self) -> Level {
-        Structure::level(self)
+        self.built().level
     }
 
     fn memory(&self) -> MemoryReport {
@@ -90,7 +96,7 @@ impl<T: Traverse> Accel for T {
     }
 
     fn report(&self) -> &BuildReport {
-        Structure::report(self)
+        &self.built().report
     }
 }
 
@@ -109,7 +115,7 @@ impl<T: Traverse> TraceSlice for Worker<'_, T, NotCounted> {
     fn trace_slice<Q: Query>(&mut self, batch: &Batch<'_>, answers: &mut [Q::Answer]) {
         assert_eq!(batch.rays().len(), answers.len(), "one answer a ray");
         let Self { structure, scratch, counters } = self;
-        crate::simd::vectorized!(structure.level(), simd => {
+        crate::simd::vectorized!(structure.built().level, simd => {
             let slice = &mut SliceContext::<_, Q, _> { simd, batch: *batch, answers, counters };
             structure.trace(slice, scratch);
         });

@@ -6,15 +6,15 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Level, Simd, SimdBase, f32x4};
+use fearless_simd::{Simd, SimdBase, f32x4};
 
 use super::build::{BUILD, REFINE, build_tree_by};
 use super::leaves::{CACHE, Fetch, Fetched, TRIANGLES, fetch_triangles, pad_ids};
 use super::link::Link;
 use super::{BinaryTree, Parts, sah};
 use crate::accel::{
-    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
-    RayContext, Structure, Variant, WalkRay,
+    BuildError, BuildInput, BuildReport, Built, Counters, Event, MemoryReport, Phases, PreparedRay,
+    Query, RayContext, Structure, Variant, WalkRay,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, TriangleId, Vec3, larger};
@@ -53,8 +53,7 @@ pub struct Bvh2 {
     fetch: Option<Fetch>,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
     pub(super) parts: Option<Parts>,
-    level: Level,
-    report: BuildReport,
+    built: Built,
 }
 
 /// What leaves hold; one of the two is empty.
@@ -87,8 +86,9 @@ impl Bvh2 {
         let (links, nodes, leaves) = lay_out(&tree, &*input.source, fetch.is_none());
         phases.end("layout");
         let report = BuildReport { phases: phases.ended(), ..report };
-        let (root, parts, level) = (links.first().copied(), tree.parts, input.level);
-        Ok(Self { root, nodes, leaves, fetch, parts, level, report })
+        let built = Built { level: input.level, report };
+        let (root, parts) = (links.first().copied(), tree.parts);
+        Ok(Self { root, nodes, leaves, fetch, parts, built })
     }
 }
 
@@ -248,7 +248,7 @@ impl Bvh2 {
         mut context: RayContext<'_, impl Simd, Q, C>,
         fetched: &mut Fetched<WIDTH>,
     ) {
-        for leaf in 0..self.report.leaves {
+        for leaf in 0..self.built.report.leaves {
             let block = self.visit_leaf(leaf, fetched, context.counters);
             if context.test_each(block).is_break() {
                 return;
@@ -261,13 +261,13 @@ impl Structure for Bvh2 {
     type Scratch = Scratch;
 
     fn scratch(&self) -> Scratch {
-        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.report.leaves));
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.built.report.leaves));
         let stack = Box::new([(Link(0), 0.0); STACK]);
         Scratch { stack, fetched: fetched.unwrap_or_else(Fetched::none) }
     }
 
-    fn level(&self) -> Level {
-        self.level
+    fn built(&self) -> &Built {
+        &self.built
     }
 
     fn memory(&self) -> MemoryReport {
@@ -277,10 +277,6 @@ impl Structure for Bvh2 {
             ("leaves", size_of_val(&*self.leaves.blocks))
         };
         MemoryReport::new([("nodes", size_of_val(&*self.nodes)), leaves])
-    }
-
-    fn report(&self) -> &BuildReport {
-        &self.report
     }
 }
 

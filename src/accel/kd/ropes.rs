@@ -15,91 +15,43 @@ struct RopedLeaf {
     ropes: [[NodeId; 2]; 3],
 }
 
-/// Ropes, or neighbour links: one node a face, the deepest that covers all of it. A leaf is a
-/// direct rope, an inner node an indirect one.
+/// Ropes, or neighbour links: one node a face, the deepest that covers all of it. A leaf is a direct
+/// rope, an inner node an indirect one.
 ///
 /// - D. MacDonald, K. Booth, "Heuristics for ray tracing using space subdivision", 1990.
 /// - V. Havran, J. Bittner, J. Žára, "Ray tracing with rope trees", 1998.
-/// - S. Popov et al., "Stackless kd-tree traversal for high performance GPU ray tracing", 2007:
-///   made on the way down, each rope pushed down as far as it goes.
-#[derive(Debug)]
-pub struct Ropes {
-    leaves: Vec<RopedLeaf>,
-}
-
-impl Next for Ropes {
-    const EVENT: Option<Event> = None;
-
-    fn new(tree: &KdTree) -> Self {
-        Self { leaves: make_ropes(tree, Covering::Deepest) }
-    }
-
-    #[inline(always)]
-    fn nodes<'a>(&'a self, main: &'a Compact) -> &'a Compact {
-        main
-    }
-
-    #[inline(always)]
-    fn cell(&self, leaf: LeafId) -> &Aabb {
-        &self.leaves[leaf.index()].cell
-    }
-
-    #[inline(always)]
-    fn behind(&self, leaf: LeafId, axis: usize, side: usize) -> NodeId {
-        self.leaves[leaf.index()].ropes[axis][side]
-    }
-
-    fn memory(&self) -> Vec<(&'static str, usize)> {
-        vec![("ropes", size_of_val(&*self.leaves))]
-    }
-}
+/// - S. Popov et al., "Stackless kd-tree traversal for high performance GPU ray tracing", 2007: made
+///   on the way down, each rope pushed down as far as it goes.
+pub type Ropes = RopesTo<false>;
 
 /// Rope trees: each indirect rope replaced by a tree of those leaves only that touch the face.
 ///
 /// - V. Havran, J. Bittner, J. Žára, "Ray tracing with rope trees", 1998.
 ///
-/// The planes of such a tree are those of the kd-tree that cross the face, so it has two axes.
-/// The first nodes of the array are the leaves themselves, for direct ropes to lead to.
+/// The planes of such a tree are those of the kd-tree that cross the face, so it has two axes. The
+/// first nodes of the array are the leaves themselves, for direct ropes to lead to.
+pub type RopeTrees = RopesTo<true>;
+
+/// Ropes to nodes of the tree, or to trees of their own.
 #[derive(Debug)]
-pub struct RopeTrees {
+pub struct RopesTo<const TREES: bool> {
     leaves: Vec<RopedLeaf>,
+    /// Empty if ropes lead to nodes of the tree.
     trees: Compact,
 }
 
-impl Next for RopeTrees {
+impl<const TREES: bool> Next for RopesTo<TREES> {
     const EVENT: Option<Event> = None;
 
     fn new(tree: &KdTree) -> Self {
         let mut leaves = make_ropes(tree, Covering::Deepest);
-        let pack_leaf = |node: &Node| match *node {
-            Node::Leaf(leaf) => Some(Packed::leaf(leaf)),
-            Node::Inner { .. } => None,
-        };
-        let mut nodes: Vec<Packed> = tree.nodes.iter().filter_map(pack_leaf).collect();
-        for leaf in &mut leaves {
-            for axis in 0..3 {
-                for side in 0..2 {
-                    let rope = &mut leaf.ropes[axis][side];
-                    if *rope != NodeId::NONE {
-                        *rope = match tree.nodes[rope.index()] {
-                            Node::Leaf(leaf) => NodeId::from_index(leaf.index()),
-                            Node::Inner { .. } => {
-                                let face = Face { cell: leaf.cell, axis, side };
-                                let root = NodeId::from_index(nodes.len());
-                                face.add_touching(tree, *rope, &mut nodes);
-                                root
-                            }
-                        };
-                    }
-                }
-            }
-        }
-        Self { leaves, trees: Compact::from_packed(nodes) }
+        let trees = if TREES { make_trees(tree, &mut leaves) } else { Vec::new() };
+        Self { leaves, trees: Compact::from_packed(trees) }
     }
 
     #[inline(always)]
-    fn nodes<'a>(&'a self, _: &'a Compact) -> &'a Compact {
-        &self.trees
+    fn nodes<'a>(&'a self, main: &'a Compact) -> &'a Compact {
+        if TREES { &self.trees } else { main }
     }
 
     #[inline(always)]
@@ -113,8 +65,39 @@ impl Next for RopeTrees {
     }
 
     fn memory(&self) -> Vec<(&'static str, usize)> {
-        vec![("ropes", size_of_val(&*self.leaves)), ("rope trees", self.trees.bytes())]
+        let mut memory = vec![("ropes", size_of_val(&*self.leaves))];
+        if TREES {
+            memory.push(("rope trees", self.trees.bytes()));
+        }
+        memory
     }
+}
+
+/// Makes the trees of the leaves that touch each face, and ties the ropes to them.
+fn make_trees(tree: &KdTree, leaves: &mut [RopedLeaf]) -> Vec<Packed> {
+    let pack_leaf = |node: &Node| match *node {
+        Node::Leaf(leaf) => Some(Packed::leaf(leaf)),
+        Node::Inner { .. } => None,
+    };
+    let mut nodes: Vec<Packed> = tree.nodes.iter().filter_map(pack_leaf).collect();
+    for RopedLeaf { cell, ropes } in leaves {
+        for (axis, ropes) in ropes.iter_mut().enumerate() {
+            for (side, rope) in ropes.iter_mut().enumerate() {
+                if *rope == NodeId::NONE {
+                    continue;
+                }
+                *rope = match tree.nodes[rope.index()] {
+                    Node::Leaf(leaf) => NodeId::from_index(leaf.index()),
+                    Node::Inner { .. } => {
+                        let root = NodeId::from_index(nodes.len());
+                        Face { cell: *cell, axis, side }.add_touching(tree, *rope, &mut nodes);
+                        root
+                    }
+                };
+            }
+        }
+    }
+    nodes
 }
 
 /// Ropes for packets: one node a face, all that lies behind it, not pushed down at all.

@@ -125,6 +125,13 @@ fn read_entries(options: &Options) -> usize {
     options.integer("entries") as usize
 }
 
+/// A row's walk by packets.
+macro_rules! packets {
+    ($algorithm:expr) => {
+        |tree, options, level| build_packets(tree, $algorithm, options, level)
+    };
+}
+
 /// Declares rows: the constants that [`crate::accel::VARIANTS`] lists, and the same by id for
 /// those who have a tree already.
 macro_rules! rows {
@@ -236,7 +243,7 @@ rows! {
         "Benthin et al. 2006; Bittner et al. 2009; review, 6.4";
     /// Rays side by side walk together; a node is decided on once for all. For primary rays.
     PACKET: "kd-packet", &WITH_SIZE,
-        |tree, options, level| build_packets(tree, Algorithm::Packet, options, level),
+        packets!(Algorithm::Packet),
         "kd-tree, packets of up to 16 by 16 rays side by side",
         "Wald et al. 2001; review, 4.2 and 4.6";
     /// The same without a stack: links to all that is behind a face, where packets regroup.
@@ -248,30 +255,22 @@ rows! {
         "Popov et al. 2007; review, 5.3";
     /// Packets of rays that go any way; no early end.
     OMNIDIRECTIONAL: "kd-omnidirectional", &WITH_SIZE,
-        |tree, options, level| {
-            build_packets(tree, Algorithm::Mixed { by_origin: false }, options, level)
-        },
+        packets!(Algorithm::Mixed { by_origin: false }),
         "kd-tree, packets of rays that go any way, near and far by each ray's direction",
         "Reshetov 2006; review, 4.7";
     /// The same for rays that fan out from one point.
     OMNIDIRECTIONAL_ORIGIN: "kd-omnidirectional-origin", &WITH_SIZE,
-        |tree, options, level| {
-            build_packets(tree, Algorithm::Mixed { by_origin: true }, options, level)
-        },
+        packets!(Algorithm::Mixed { by_origin: true }),
         "kd-tree, packets of rays that go any way, near and far by each ray's origin",
         "Tsakok et al. 2008; review, 4.7";
     /// Four corners go through the tree for all rays of a packet that starts at one point.
     LCTS: "kd-lcts", &WITH_SIZE,
-        |tree, options, level| {
-            build_packets(tree, Algorithm::Sequence { culls: false }, options, level)
-        },
+        packets!(Algorithm::Sequence { culls: false }),
         "kd-tree, packets behind their four corners, along the longest common traversal sequence",
         "Havran and Bittner 2000; review, 4.1";
     /// The same, and triangles that the corners show to be missed are not tested.
     RELEVANT_TRIANGLES: "kd-relevant-triangles", &WITH_SIZE,
-        |tree, options, level| {
-            build_packets(tree, Algorithm::Sequence { culls: true }, options, level)
-        },
+        packets!(Algorithm::Sequence { culls: true }),
         "kd-tree, packets behind their four corners, which cull triangles as well",
         "Dmitriev et al. 2004; review, 4.3";
     /// Packets start at the deepest node that holds all leaves that matter.

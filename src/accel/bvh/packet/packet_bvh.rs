@@ -1,14 +1,12 @@
 //! A binary hierarchy for many rays at a time.
 
-use fearless_simd::Level;
-
 use super::place::{Place, Places};
 use super::walk::PacketWalk;
 use crate::accel::bvh::binary::{self, Bvh2};
 use crate::accel::narrowing::{BranchPool, Narrowing, Start, Step};
 use crate::accel::packet::RayLists;
 use crate::accel::{
-    BuildError, BuildInput, BuildReport, MemoryReport, OptionSpec, Structure, Value, Values,
+    BuildError, BuildInput, Built, MemoryReport, OptionSpec, Structure, Value, Values,
 };
 use crate::math::Ray;
 
@@ -115,15 +113,11 @@ impl Structure for PacketBvh {
         }
     }
 
-    fn level(&self) -> Level {
-        Structure::level(&self.bvh)
+    fn built(&self) -> &Built {
+        self.bvh.built()
     }
 
     fn memory(&self) -> MemoryReport {
         Structure::memory(&self.bvh)
-    }
-
-    fn report(&self) -> &BuildReport {
-        Structure::report(&self.bvh)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Simd;
 
 use super::arena::{Arena, BLOCK, Stripes};
 use super::shape::{Shape, Source};
@@ -15,8 +15,8 @@ use crate::accel::bvh::link::Link;
 use crate::accel::bvh::prims::make_prims;
 use crate::accel::bvh::sah::{self, Costs, Fill, TRAVERSAL_COST};
 use crate::accel::{
-    BuildError, BuildInput, BuildReport, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
-    RayContext, Structure,
+    BuildError, BuildInput, BuildReport, Built, Counters, Event, MemoryReport, Phases, PreparedRay,
+    Query, RayContext, Structure,
 };
 use crate::geom::BlockRef;
 use crate::simd::order::key_limit;
@@ -36,8 +36,7 @@ pub struct WideBvh<const W: usize> {
     pub parts: Option<Parts>,
     /// Row of the first leaf.
     first_leaf: usize,
-    level: Level,
-    report: BuildReport,
+    built: Built,
 }
 
 /// Rays in flight; 12 to 32 are equal.
@@ -105,11 +104,13 @@ where
             by_octant,
             parts: shape.parts,
             first_leaf: shape.first_leaf(),
-            level: input.level,
-            report: BuildReport {
-                phases: phases.ended(),
-                triangles: input.source.len(),
-                ..shape.report.clone()
+            built: Built {
+                level: input.level,
+                report: BuildReport {
+                    phases: phases.ended(),
+                    triangles: input.source.len(),
+                    ..shape.report.clone()
+                },
             },
         })
     }
@@ -173,7 +174,7 @@ where
     ) {
         let (stripes, of_leaf) =
             (self.arena.stripes(), if self.fetch.is_some() { 1 } else { BLOCK });
-        for leaf in 0..self.report.leaves {
+        for leaf in 0..self.built.report.leaves {
             let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
             let block = self.visit_leaf(stripes, link, fetched, context.counters);
             if context.test_each(block).is_break() {
@@ -236,21 +237,17 @@ where
 
     fn scratch(&self) -> Scratch<W> {
         let stacks = (0..RAYS).map(|_| Stack::new()).collect();
-        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.report.leaves));
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.built.report.leaves));
         Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none) }
     }
 
-    fn level(&self) -> Level {
-        self.level
+    fn built(&self) -> &Built {
+        &self.built
     }
 
     fn memory(&self) -> MemoryReport {
         let nodes = self.first_leaf * size_of::<[f32; W]>();
         let leaves = if self.fetch.is_some() { "references" } else { "leaves" };
         MemoryReport::new([("nodes", nodes), (leaves, self.arena.bytes() - nodes)])
-    }
-
-    fn report(&self) -> &BuildReport {
-        &self.report
     }
 }

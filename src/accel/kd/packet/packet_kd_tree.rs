@@ -14,7 +14,7 @@ use crate::accel::kd::walk::front_to_back::{ByDirection, FrontToBack};
 use crate::accel::kd::walk::todo::Full;
 use crate::accel::narrowing::{BranchPool, Narrowing, Start};
 use crate::accel::packet::RayLists;
-use crate::accel::{BuildError, BuildReport, MemoryReport, Structure};
+use crate::accel::{BuildError, Built, MemoryReport, Structure};
 use crate::math::Ray;
 
 /// The walk of a single ray.
@@ -138,8 +138,8 @@ impl Structure for PacketKdTree {
         }
     }
 
-    fn level(&self) -> Level {
-        Structure::level(&self.single)
+    fn built(&self) -> &Built {
+        self.single.built()
     }
 
     fn memory(&self) -> MemoryReport {
@@ -148,9 +148,5 @@ impl Structure for PacketKdTree {
             memory.parts.extend(ropes.memory());
         }
         memory
-    }
-
-    fn report(&self) -> &BuildReport {
-        Structure::report(&self.single)
     }
 }

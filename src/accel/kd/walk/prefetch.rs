@@ -21,8 +21,8 @@ use crate::accel::kd::layout::{Compact, Layout, Nodes, View};
 use crate::accel::kd::ray::{Crossing, KdRay, Span};
 use crate::accel::kd::tree::{Base, KdTree, LeafId};
 use crate::accel::{
-    BuildError, BuildReport, Counters, Event, MemoryReport, PreparedRay, Query, SliceContext,
-    Structure, Traverse,
+    BuildError, Built, Counters, Event, MemoryReport, PreparedRay, Query, SliceContext, Structure,
+    Traverse,
 };
 use crate::math::NodeId;
 
@@ -31,8 +31,7 @@ pub struct Prefetch {
     base: Arc<Base>,
     layout: Compact,
     rays: usize,
-    level: Level,
-    report: BuildReport,
+    built: Built,
 }
 
 impl Prefetch {
@@ -48,8 +47,7 @@ impl Prefetch {
             base: Arc::clone(&tree.base),
             layout: Compact::new(tree),
             rays,
-            level,
-            report: tree.report.clone(),
+            built: Built { level, report: tree.report.clone() },
         })
     }
 
@@ -255,18 +253,14 @@ impl Structure for Prefetch {
         robust::Todo::default()
     }
 
-    fn level(&self) -> Level {
-        self.level
+    fn built(&self) -> &Built {
+        &self.built
     }
 
     fn memory(&self) -> MemoryReport {
         let mut parts = vec![("nodes", self.layout.bytes())];
         parts.extend(self.base.leaves.memory());
         MemoryReport::new(parts)
-    }
-
-    fn report(&self) -> &BuildReport {
-        &self.report
     }
 }
 

@@ -8,20 +8,23 @@ use super::interface::Walk;
 use super::robust;
 use super::visit::{Visit, With};
 use crate::accel::kd::tree::{Base, KdTree};
-use crate::accel::{BuildReport, Counters, MemoryReport, Query, RayContext, Structure, WalkRay};
+use crate::accel::{Built, Counters, MemoryReport, Query, RayContext, Structure, WalkRay};
 
 /// A tree with a way through it: what the table's rows build.
 pub struct Walked<W> {
     base: Arc<Base>,
     walk: W,
-    level: Level,
-    report: BuildReport,
+    built: Built,
 }
 
 impl<W: Walk> Walked<W> {
     /// Joins a tree and a walk.
     pub fn new(tree: &KdTree, walk: W, level: Level) -> Self {
-        Self { base: Arc::clone(&tree.base), walk, level, report: tree.report.clone() }
+        Self {
+            base: Arc::clone(&tree.base),
+            walk,
+            built: Built { level, report: tree.report.clone() },
+        }
     }
 
     /// The way.
@@ -42,8 +45,8 @@ impl<W: Walk> Structure for Walked<W> {
         (self.walk.scratch(), robust::Todo::default())
     }
 
-    fn level(&self) -> Level {
-        self.level
+    fn built(&self) -> &Built {
+        &self.built
     }
 
     fn memory(&self) -> MemoryReport {
@@ -51,10 +54,6 @@ impl<W: Walk> Structure for Walked<W> {
         parts.extend(self.base.leaves.memory());
         parts.extend(self.walk.memory());
         MemoryReport::new(parts)
-    }
-
-    fn report(&self) -> &BuildReport {
-        &self.report
     }
 }
 

@@ -30,7 +30,7 @@ use crate::accel::kd::ray::{KdRay, Span};
 use crate::accel::kd::tree::{Base, KdTree};
 use crate::accel::kd::wide_nodes::{Block, Child, Target, WIDTH, WideNode, WideNodes};
 use crate::accel::{
-    BuildError, BuildReport, Counters, Event, MemoryReport, Query, RayContext, Structure, WalkRay,
+    BuildError, Built, Counters, Event, MemoryReport, Query, RayContext, Structure, WalkRay,
 };
 use crate::simd::pick;
 
@@ -40,8 +40,7 @@ pub struct WideWalk {
     wide: WideNodes,
     /// For rays that are not tame.
     nodes: Compact,
-    level: Level,
-    report: BuildReport,
+    built: Built,
 }
 
 impl WideWalk {
@@ -58,8 +57,7 @@ impl WideWalk {
             base: Arc::clone(&tree.base),
             wide: WideNodes::new(tree)?,
             nodes: Compact::new(tree),
-            level,
-            report: tree.report.clone(),
+            built: Built { level, report: tree.report.clone() },
         })
     }
 }
@@ -240,8 +238,8 @@ impl Structure for WideWalk {
         (Stack([nothing; ENTRIES]), robust::Todo::default())
     }
 
-    fn level(&self) -> Level {
-        self.level
+    fn built(&self) -> &Built {
+        &self.built
     }
 
     fn memory(&self) -> MemoryReport {
@@ -249,10 +247,6 @@ impl Structure for WideWalk {
         parts.extend(self.wide.memory());
         parts.extend(self.base.leaves.memory());
         MemoryReport::new(parts)
-    }
-
-    fn report(&self) -> &BuildReport {
-        &self.report
     }
 }
 
