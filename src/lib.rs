@@ -36,8 +36,8 @@
 //!   stands before it only filters.
 //! - **batch**: a slice of rays that are shot together, with a filter of hits and with hints, which
 //!   never change a hit (Embree: a stream).
-//! - **bundle**: eight rays side by side in the lanes of a vector (Embree: a packet); a *packet* here
-//!   is up to 256 rays that walk together.
+//! - **bundle**: eight rays side by side in the lanes of a vector (Embree: a packet); a *packet*
+//!   here is up to 256 rays that walk together.
 //! - **world**: a [`Scene`] with its triangles numbered, its lights tabled and its materials
 //!   resolved as far as they are the same everywhere.
 //! - **own box**: the box of one triangle, in which each of its hits lies.

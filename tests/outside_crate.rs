@@ -38,8 +38,8 @@ fn library(folder: &Path) -> PathBuf {
     let entries = fs::read_dir(folder).expect("a folder of dependencies");
     let paths = entries.map(|entry| entry.expect("readable").path());
     let libraries = paths.filter(|path| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        name.starts_with("libdapple-") && name.ends_with(".rlib")
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        name.starts_with("libdapple-") && path.extension().is_some_and(|ending| ending == "rlib")
     });
     libraries.max_by_key(modified).expect("the library was built")
 }

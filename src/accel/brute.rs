@@ -78,7 +78,7 @@ impl Brute {
     ) -> ControlFlow<()> {
         for (i, boxes) in blocks.iter().enumerate() {
             context.counters.count(Event::BoxTest);
-            let mut lanes = boxes.entered(context.simd, context.ray, context.query.t_max());
+            let mut lanes = boxes.enter(context.simd, context.ray, context.query.t_max());
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
@@ -137,7 +137,7 @@ fn pack(source: &dyn TriangleSource, block: usize) -> Boxes {
 impl Boxes {
     /// Bit `i` is set if the ray enters box `i` at or before `t_max`.
     #[inline(always)]
-    fn entered<S: Simd>(&self, simd: S, prepared: &PreparedRay<'_>, t_max: f32) -> u32 {
+    fn enter<S: Simd>(&self, simd: S, prepared: &PreparedRay<'_>, t_max: f32) -> u32 {
         let slab = &prepared.slab;
         let plane = |axis: usize, upper: usize, inverse: f32| {
             let planes = f32x8::load_array_ref(simd, &self.0[upper * 3 + axis]);

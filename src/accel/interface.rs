@@ -6,6 +6,24 @@ use super::{AnyHit, Batch, BuildReport, ClosestHit, Counts, MemoryReport, PoolUs
 use crate::geom::Shaft;
 
 /// A built structure: plain data, shared by all threads, never changed.
+///
+/// # Examples
+/// ```
+/// use std::sync::Arc;
+///
+/// use dapple::geom::{Triangle, TriangleList};
+/// use dapple::math::{Ray, Vec3};
+/// use dapple::{AccelSpec, Batch, ClosestHit, Isa};
+///
+/// let triangle = Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
+/// let source = Arc::new(TriangleList(vec![triangle]));
+/// let accel = dapple::build(&AccelSpec::default(), source, Isa::Auto)?;
+/// let rays = [Ray::new(Vec3::new(0.25, 0.5, 2.0), -Vec3::Z, 0.0, f32::INFINITY)];
+/// let mut hits = [ClosestHit::MISS];
+/// accel.tracer().closest_hits(&Batch::new(&rays), &mut hits);
+/// assert_eq!((hits[0].t, hits[0].u, hits[0].v), (2.0, 0.25, 0.5));
+/// # Ok::<(), dapple::BuildError>(())
+/// ```
 pub trait Accel: Send + Sync {
     /// A tracer for one worker thread; it owns stacks, caches and pools.
     fn tracer(&self) -> Box<dyn Tracer + '_>;
@@ -60,5 +78,5 @@ pub trait Regions {
     fn leave(&mut self);
 
     /// Bytes of the pool.
-    fn pool_use(&mut self) -> PoolUse;
+    fn take_pool_use(&mut self) -> PoolUse;
 }

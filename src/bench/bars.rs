@@ -20,7 +20,7 @@ pub fn draw_bars(title: &str, unit: &str, series: &[&str], rows: &[(String, Vec<
          font-family=\"sans-serif\" font-size=\"10\">\n<rect width=\"100%\" height=\"100%\" \
          fill=\"white\"/>\n<text x=\"8\" y=\"16\" font-size=\"13\">{} ({unit})</text>\n",
         LABEL + WIDTH + 70.0,
-        escaped(title),
+        escape(title),
     );
     for (i, name) in series.iter().enumerate() {
         let x = LABEL + 90.0 * i as f64;
@@ -31,13 +31,13 @@ pub fn draw_bars(title: &str, unit: &str, series: &[&str], rows: &[(String, Vec<
             "<rect x=\"{x}\" y=\"26\" width=\"9\" height=\"9\" fill=\"{colour}\"/>\
              <text x=\"{}\" y=\"34\">{}</text>",
             x + 13.0,
-            escaped(name)
+            escape(name)
         );
     }
     for (i, (label, values)) in rows.iter().enumerate() {
         let y = top + group * i as f64;
         let middle = y + BAR * series.len() as f64 / 2.0 + 3.0;
-        let label = escaped(label);
+        let label = escape(label);
         let _ = writeln!(
             svg,
             "<text x=\"{}\" y=\"{middle}\" text-anchor=\"end\">{label}</text>",
@@ -60,7 +60,7 @@ pub fn draw_bars(title: &str, unit: &str, series: &[&str], rows: &[(String, Vec<
 }
 
 /// For the text of an element.
-pub(super) fn escaped(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -14,7 +14,6 @@ pub enum BenchError {
     /// A structure answers otherwise than the first.
     #[error("{spec} disagrees with {first} on {rays} of {count} {set} rays; nothing was timed")]
     Disagrees {
-        /// Which.
         spec: String,
         /// With which.
         first: String,
@@ -28,7 +27,6 @@ pub enum BenchError {
     /// A structure makes another picture than the first.
     #[error("{scene}: {spec} and {first} render {pixels} pixels differently")]
     Differs {
-        /// Which.
         spec: String,
         /// From which.
         first: String,

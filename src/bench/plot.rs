@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::bars::{COLOURS, escaped};
+use super::bars::{COLOURS, escape};
 
 /// A curve: its name, and points from left to right.
 #[derive(Clone, Debug)]
@@ -61,8 +61,8 @@ pub fn draw_curves(title: &str, across: &str, unit: &str, curves: &[Curve]) -> S
          fill=\"white\"/>\n<text x=\"8\" y=\"16\" font-size=\"13\">{} ({})</text>\n",
         LEFT + WIDTH + 30.0,
         TOP + HEIGHT + 44.0,
-        escaped(title),
-        escaped(unit),
+        escape(title),
+        escape(unit),
     );
     // Writing to a string can't fail.
     for i in 0..=5 {
@@ -92,7 +92,7 @@ pub fn draw_curves(title: &str, across: &str, unit: &str, curves: &[Curve]) -> S
         "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
         LEFT + WIDTH / 2.0,
         bottom + 34.0,
-        escaped(across)
+        escape(across)
     );
     for (i, curve) in curves.iter().enumerate() {
         svg += &draw_curve(i, curve, |(x, y)| (axis.place(x), up(y.max(0.0))));
@@ -113,7 +113,7 @@ fn draw_curve(i: usize, curve: &Curve, place: impl Fn((f64, f64)) -> (f64, f64))
          <text x=\"{}\" y=\"35\">{}</text>\n<polyline points=\"{}\" fill=\"none\" \
          stroke=\"{colour}\" stroke-width=\"1.5\"/>",
         x + 13.0,
-        escaped(&curve.name),
+        escape(&curve.name),
         path.join(" ")
     );
     for (x, y) in places {

@@ -27,8 +27,8 @@ pub struct Pose {
 pub enum FlightError {
     /// A line is not a camera.
     #[error(
-        "line {line}: expected ten numbers: eye, target and up (three each), and the angle of view in \
-         degrees; found {found:?}"
+        "line {line}: expected ten numbers: eye, target and up (three each), and the angle of view \
+         in degrees; found {found:?}"
     )]
     NotTen {
         /// From 1 on.

@@ -107,7 +107,7 @@ mod tests {
         let mut count = 0;
         each(&all, "dapple", &mut |words, command| {
             let help = command.clone().render_long_help().to_string();
-            assert_eq!(help.matches("Exit").count(), 1, "{words}: {help}");
+            assert_eq!(help.matches("Exit codes:").count(), 1, "{words}: {help}");
             count += 1;
             if command.get_subcommands().next().is_none() {
                 let quiet = command.get_arguments().any(|arg| arg.get_short() == Some('q'));

@@ -9,7 +9,7 @@ pub enum FilmError {
     /// The file is not there or cannot be read.
     #[error("{}: cannot be read", path.display())]
     Read {
-        /// The file.
+        /// As the caller names it.
         path: PathBuf,
         /// The operating system's reason.
         source: io::Error,
@@ -18,6 +18,7 @@ pub enum FilmError {
     #[error("{}: cannot be written", path.display())]
     Write {
         /// The file that was to be written.
+        /// As the caller names it.
         path: PathBuf,
         /// The operating system's reason.
         source: io::Error,
@@ -25,7 +26,7 @@ pub enum FilmError {
     /// The file's contents are damaged, not supported or not what is needed.
     #[error("{}: {message}", path.display())]
     Invalid {
-        /// The file.
+        /// As the caller names it.
         path: PathBuf,
         /// What is wrong with it, and what would do.
         message: String,

@@ -13,7 +13,7 @@ pub enum LoadError {
     /// A file could not be read at all.
     #[error("{file}: {source}")]
     Read {
-        /// The file.
+        /// As the caller or the scene names it.
         file: String,
         /// What the system says.
         source: io::Error,
@@ -22,7 +22,7 @@ pub enum LoadError {
     /// file as a whole is meant.
     #[error("{file}: {}{message}", Prefix(place))]
     Invalid {
-        /// The file.
+        /// As the caller or the scene names it.
         file: String,
         /// A JSON pointer, or empty.
         place: String,
@@ -32,7 +32,7 @@ pub enum LoadError {
     /// The contents of a text file are wrong: `scenes/a.obj:17: …`.
     #[error("{file}:{line}: {message}")]
     Line {
-        /// The file.
+        /// As the caller or the scene names it.
         file: String,
         /// Counted from 1.
         line: usize,
@@ -46,7 +46,7 @@ pub enum LoadError {
         remedy(extensions)
     )]
     Extensions {
-        /// The file.
+        /// As the caller or the scene names it.
         file: String,
         /// Their names.
         extensions: Vec<String>,
@@ -62,7 +62,7 @@ pub enum LoadError {
     /// There is no scene, camera or variant of the name or number asked for.
     #[error("{file}: {}", absent(what, wanted, names))]
     NoSuch {
-        /// The file.
+        /// As the caller or the scene names it.
         file: String,
         /// What was asked for: `scene`, `camera`, `variant`.
         what: &'static str,
@@ -74,7 +74,7 @@ pub enum LoadError {
     /// Neither the ending nor the first bytes tell the format.
     #[error("{file}: not a scene that dapple reads (.gltf, .glb, .obj, .ply, .toml)")]
     UnknownFormat {
-        /// The file.
+        /// As the caller or the scene names it.
         file: String,
     },
     /// `strict` was asked for and there are notices.

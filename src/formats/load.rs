@@ -58,7 +58,7 @@ mod tests {
         let text = "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
         fs::write(place("a.obj"), text).expect("written");
 
-        let scene = load(&place("a.obj"), &LoadOptions::default()).expect("loads");
+        let scene = load(place("a.obj"), &LoadOptions::default()).expect("loads");
         let found = scene.materials.iter().find(|material| material.name == "m");
         let material: &Material = found.expect("it is used");
         let color = |slot: Option<TextureRef>| {
@@ -70,6 +70,6 @@ mod tests {
         let said: Vec<_> = scene.notices.iter().map(|notice| &*notice.message).collect();
         assert!(said.len() == 1 && said[0].starts_with("\"a.exr\" holds values"), "{said:?}");
         let strict = LoadOptions { strict: true, ..LoadOptions::default() };
-        assert!(load(&place("a.obj"), &strict).is_err());
+        assert!(load(place("a.obj"), &strict).is_err());
     }
 }

@@ -20,7 +20,7 @@ pub enum NpyError {
     /// The file cannot be opened or read.
     #[error("{path}: cannot be read")]
     Read {
-        /// The file.
+        /// As the caller names it.
         path: PathBuf,
         /// Why.
         source: io::Error,
@@ -28,7 +28,7 @@ pub enum NpyError {
     /// The file cannot be written.
     #[error("{path}: cannot be written")]
     Write {
-        /// The file.
+        /// As the caller names it.
         path: PathBuf,
         /// Why.
         source: io::Error,
@@ -36,7 +36,7 @@ pub enum NpyError {
     /// It is no `.npy` file, or a broken one.
     #[error("{path}: not a valid .npy file: {problem}")]
     Format {
-        /// The file.
+        /// As the caller names it.
         path: PathBuf,
         /// What is the matter.
         problem: String,
@@ -44,7 +44,7 @@ pub enum NpyError {
     /// It holds an array of another shape or type.
     #[error("{path}: expected shape (N, {columns}) of float32, found {found}")]
     Shape {
-        /// The file.
+        /// As the caller names it.
         path: PathBuf,
         /// The number of columns asked for.
         columns: usize,

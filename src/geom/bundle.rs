@@ -1,7 +1,7 @@
 //! Bundles: eight rays at once against one box or one triangle.
 //!
-//! The box test is the slab test's arithmetic, lane by lane ([`super::slab`]), so it says the same of
-//! each ray. The triangle test is the filter of [`super::block`], with one ray a lane.
+//! The box test is the slab test's arithmetic, lane by lane ([`super::slab`]), so it says the same
+//! of each ray. The triangle test is the filter of [`super::block`], with one ray a lane.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8};
 

@@ -1,7 +1,7 @@
 //! The exact test for eight rays at once: [`super::intersect_triangle()`] with one ray a lane.
 //!
-//! It does the same additions and multiplications in the same order, lane by lane, so it computes the
-//! same bits; a test holds it to that. All rays of a bundle must have the same heading.
+//! It does the same additions and multiplications in the same order, lane by lane, so it computes
+//! the same bits; a test holds it to that. All rays of a bundle must have the same heading.
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, f64x4};
 

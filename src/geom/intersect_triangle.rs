@@ -1,26 +1,26 @@
 //! The exact ray-triangle test.
 //!
 //! Every structure, whatever it filters by, asks this test in the end: [`intersect_triangle`] for
-//! one ray, or its twin for eight ([`super::RayBundle::intersect_triangle`]), which computes the same
-//! bits. Nothing else says whether a triangle is hit and what `t`, `u` and `v` are, so the order of
-//! visits, the width of vectors and the instruction set cannot change a hit.
+//! one ray, or its twin for eight ([`super::RayBundle::intersect_triangle`]), which computes the
+//! same bits. Nothing else says whether a triangle is hit and what `t`, `u` and `v` are, so the
+//! order of visits, the width of vectors and the instruction set cannot change a hit.
 //!
 //! # The test
 //! It is the watertight test of S. Woop, C. Benthin and I. Wald ("Watertight Ray/Triangle
-//! Intersection", JCGT 2013), in f64 on f32 vertices. Vertices are translated to the ray's origin and
-//! sheared so that the ray becomes an axis; each vertex is transformed by itself, so triangles that
-//! share it agree. The sign of an edge function is that of a difference of two products. Rounding is
-//! monotone: the difference may round to zero, but never to the wrong sign, and zero counts as inside
-//! on both sides of an edge. So a ray through the interior of a mesh finds a triangle, at edges and
-//! vertices too. In f64 no fallback for zeros is needed.
+//! Intersection", JCGT 2013), in f64 on f32 vertices. Vertices are translated to the ray's origin
+//! and sheared so that the ray becomes an axis; each vertex is transformed by itself, so triangles
+//! that share it agree. The sign of an edge function is that of a difference of two products.
+//! Rounding is monotone: the difference may round to zero, but never to the wrong sign, and zero
+//! counts as inside on both sides of an edge. So a ray through the interior of a mesh finds a
+//! triangle, at edges and vertices too. In f64 no fallback for zeros is needed.
 //!
-//! It differs from the paper in three points. A triangle that is edge-on to within 2^-30, or flat, is
-//! missed: then the point at `t` is within 2^-20 of the triangle's size from the triangle itself,
-//! however grazing the ray, which a kd-tree with clipped triangles needs. A triangle whose distance
-//! is zero within rounding is missed: a ray that begins on it does not hit it. And the hit must lie in the
-//! triangle's own box as the slab test sees it ([`super::slab`]): `t` is clamped into that interval, so
-//! that all boxes around the own box agree. For that, a ray in a plane of the axes whose hit is more
-//! than 2^36 directions away may have to miss: [`SlabRay::is_beyond`].
+//! It differs from the paper in three points. A triangle that is edge-on to within 2^-30, or flat,
+//! is missed: then the point at `t` is within 2^-20 of the triangle's size from the triangle
+//! itself, however grazing the ray, which a kd-tree with clipped triangles needs. A triangle whose
+//! distance is zero within rounding is missed: a ray that begins on it does not hit it. And the hit
+//! must lie in the triangle's own box as the slab test sees it ([`super::slab`]): `t` is clamped
+//! into that interval, so that all boxes around the own box agree. For that, a ray in a plane of
+//! the axes whose hit is more than 2^36 directions away may have to miss: [`SlabRay::is_beyond`].
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdMask, SimdWiden, f32x4, f64x4, mask64x4};
 

@@ -36,6 +36,7 @@ pub fn is_hidden(world: &World, path: &Path, surface: &Surface) -> bool {
 }
 
 /// Takes a path straight through a surface that does nothing.
+#[inline(never)]
 pub fn pass_hidden(world: &World, path: &mut Path, surface: &Surface) {
     let crossing = if surface.front { Crossing::Enters } else { Crossing::Leaves };
     path.interior = interior_beyond(world, path.interior, surface, crossing);

@@ -92,13 +92,13 @@ impl Anisotropic {
     }
 
     /// From the local frame to that of the brush strokes, whose X runs along them.
-    fn to_brush_frame(&self, w: Vec3) -> Vec3 {
+    fn to_brush_frame(self, w: Vec3) -> Vec3 {
         let Vec2 { x: cos, y: sin } = self.direction;
         Vec3::new(cos * w.x + sin * w.y, cos * w.y - sin * w.x, w.z)
     }
 
     /// From the frame of the brush strokes to the local one.
-    fn to_local_frame(&self, w: Vec3) -> Vec3 {
+    fn to_local_frame(self, w: Vec3) -> Vec3 {
         let Vec2 { x: cos, y: sin } = self.direction;
         Vec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z)
     }

@@ -34,12 +34,12 @@ impl LightSampler {
     /// are chosen by the tree, which is asked as often as their weights together say.
     pub fn new(
         mut weights: Vec<f64>,
-        choice: LightSamplerKind,
+        kind: LightSamplerKind,
         bounds: impl FnOnce() -> Vec<LightBounds>,
     ) -> Self {
         let mut tree = None;
         let mut tree_share = 0.0;
-        if choice == LightSamplerKind::Tree {
+        if kind == LightSamplerKind::Tree {
             let bounds = bounds();
             tree = LightTree::new(&bounds);
             let all: f64 = weights.iter().sum();

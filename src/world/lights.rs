@@ -47,7 +47,7 @@ pub(super) enum ChosenLight {
 
 impl Lights {
     /// The lights of a scene, to be chosen as told.
-    pub fn new(scene: &Scene, triangles: &Triangles, choice: LightSamplerKind) -> Self {
+    pub fn new(scene: &Scene, triangles: &Triangles, kind: LightSamplerKind) -> Self {
         let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
@@ -94,7 +94,7 @@ impl Lights {
             }));
             bounds
         };
-        let sampler = LightSampler::new(weights.clone(), choice, bounds);
+        let sampler = LightSampler::new(weights.clone(), kind, bounds);
         Self { sampler, punctual, environment, first_triangle, triangles: emitters, instances }
     }
 

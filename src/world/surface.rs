@@ -48,8 +48,8 @@ impl Surface {
 ///
 /// The corners are taken as exact: structures intersect the very same rounded triangle, so that
 /// what an instance's transform has rounded away is no error of the point against it. But their
-/// verdict about it rounds too, in f64, however close to zero the coordinates are: `slack` bounds
-/// that.
+/// exact test about it rounds too, in f64, however close to zero the coordinates are: `slack`
+/// bounds that.
 #[inline]
 pub(super) fn triangle_point(triangle: &Triangle, u: f32, v: f32, slack: f32) -> (Vec3, Vec3) {
     let (a, b, c) = (triangle.a * (1.0 - u - v), triangle.b * u, triangle.c * v);

@@ -27,8 +27,8 @@ pub struct World {
     /// What shines in it.
     pub lights: Lights,
     pub(super) materials: Vec<PreparedMaterial>,
-    /// Bounds how far off an exact test in f64 may put a plane of the scene, metres: some 2000 units
-    /// in the last place of the scene's size.
+    /// Bounds how far off an exact test in f64 may put a plane of the scene, metres: some 2000
+    /// units in the last place of the scene's size.
     pub(super) slack: f32,
     pub(super) form: BsdfForm,
     see_through: bool,
@@ -64,7 +64,7 @@ impl World {
     pub fn with_lights(
         scene: impl Into<Arc<Scene>>,
         form: BsdfForm,
-        choice: LightSamplerKind,
+        kind: LightSamplerKind,
     ) -> Result<Self, TooManyTriangles> {
         let scene = scene.into();
         let triangles = Arc::new(Triangles::new(&scene)?);
@@ -73,7 +73,7 @@ impl World {
         for material in materials_with_clear_vertices(&scene) {
             materials[material.index()].opaque = false;
         }
-        let lights = Lights::new(&scene, &triangles, choice);
+        let lights = Lights::new(&scene, &triangles, kind);
         let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
         let slack = bounds(&scene).extent().max_element().max(0.0) * SLACK;

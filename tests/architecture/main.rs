@@ -64,6 +64,18 @@ fn no_file_is_longer_than_one_sitting() {
 }
 
 #[test]
+fn no_line_is_longer_than_100_columns() {
+    let files = sources::all_files(&["src", "tests", "examples", "fuzz/fuzz_targets"]);
+    let long: Vec<String> = files
+        .iter()
+        .flat_map(|(file, text)| text.lines().enumerate().map(move |line| (file, line)))
+        .filter(|(_, (_, line))| line.chars().count() > 100)
+        .map(|(file, (number, _))| format!("{}:{}", file.display(), number + 1))
+        .collect();
+    assert!(long.is_empty(), "longer than 100 columns:\n{}", long.join("\n"));
+}
+
+#[test]
 fn only_the_simd_module_names_instruction_sets() {
     const NAMES: [&str; 7] =
         ["Avx2", "Avx512", "Sse2", "Sse4_2", "core::arch", "std::arch", "target_feature"];

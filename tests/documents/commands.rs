@@ -124,7 +124,9 @@ fn reduction(words: &[String]) -> (&'static [(&'static str, &'static str)], bool
             (&[("--spp", "2"), ("--moments", "2"), ("--resolution", "32x24")], false)
         }
         ["render", ..] => (&[("--spp", "2"), ("--resolution", "32x24")], false),
-        ["golden", _] if has("golden") => (&[("--only", "furnace")], false),
+        ["golden", _] if words.get(2).is_some_and(|word| word == "golden") => {
+            (&[("--only", "furnace")], false)
+        }
         ["generate", _] => (&[("--triangles", "2000")], false),
         ["validate", ..] => (&[("--rays", "2000"), ("--brute-rays", "200")], true),
         ["bench", "accels"] => (&[("--rays", "300"), ("--rounds", "1")], true),
@@ -140,6 +142,11 @@ fn reduction(words: &[String]) -> (&'static [(&'static str, &'static str)], bool
     }
 }
 
+/// Whether a word names a file of one of these endings.
+pub fn has_ending(word: &str, endings: &[&str]) -> bool {
+    Path::new(word).extension().is_some_and(|ending| endings.iter().any(|it| ending == *it))
+}
+
 fn reduced(words: &[String]) -> Vec<String> {
     let (flags, any_scene) = reduction(words);
     let mut words = words.to_vec();
@@ -153,7 +160,7 @@ fn reduced(words: &[String]) -> Vec<String> {
         }
     }
     if any_scene {
-        let large = |word: &&mut String| word.ends_with(".glb") || word.ends_with(".gltf");
+        let large = |word: &&mut String| has_ending(word, &["glb", "gltf"]);
         for word in words.iter_mut().filter(large) {
             "scenes/cornell.gltf".clone_into(word);
         }

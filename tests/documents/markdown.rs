@@ -55,7 +55,7 @@ impl Document {
     pub fn files(&self) -> impl Iterator<Item = (&str, String)> {
         self.blocks().into_iter().filter(|block| block.language == "toml").filter_map(|block| {
             let name = block.lines[0].strip_prefix("# ")?;
-            name.ends_with(".toml").then(|| (name, block.lines.join("\n")))
+            super::commands::has_ending(name, &["toml"]).then(|| (name, block.lines.join("\n")))
         })
     }
 

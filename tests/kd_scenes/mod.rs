@@ -113,22 +113,11 @@ pub fn scenes() -> Vec<(&'static str, Arc<dyn TriangleSource>)> {
 /// planes, from surfaces, from afar, with odd directions and limits.
 pub fn hostile_rays(source: &dyn TriangleSource, count: usize) -> Vec<Ray> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    let some = Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
-    let mut low = Vec3::splat(f32::MAX);
-    let mut high = Vec3::splat(f32::MIN);
     let triangles: Vec<_> =
         (0..source.len()).map(|i| source.triangle(TriangleId::from_index(i))).collect();
-    for t in &triangles {
-        low = low.min(t.bounds().min);
-        high = high.max(t.bounds().max);
-    }
-    let (centre, half) = if triangles.is_empty() {
-        (Vec3::ZERO, 1.0)
-    } else {
-        (low * 0.5 + high * 0.5, (high * 0.5 - low * 0.5).max_element())
-    };
+    let (centre, half) = centre_and_half(&triangles);
     let make = |i: usize, random: &mut Random| {
-        let t = if triangles.is_empty() { some } else { triangles[random.index(triangles.len())] };
+        let t = pick(&triangles, random);
         let spread = [0.5, 1.0, 3.0, 5.5, 7.0, 40.0, 1e9][random.index(7)];
         let from = centre + random.vector() * (half * spread);
         let w = [random.unit(), random.unit()];
@@ -165,14 +154,7 @@ pub fn hostile_rays(source: &dyn TriangleSource, count: usize) -> Vec<Ray> {
                 (from, direction)
             }
             // Between vertices: origins in planes and on edges.
-            8 => {
-                let to = if triangles.is_empty() {
-                    some
-                } else {
-                    triangles[random.index(triangles.len())]
-                };
-                (t.b, to.c - t.b)
-            }
+            8 => (t.b, pick(&triangles, random).c - t.b),
             _ => {
                 let stride = [1e-25, 1e-10, 1e10, 1e25][random.index(4)];
                 (from, (to - from).normalize_or_zero() * stride)
@@ -180,13 +162,40 @@ pub fn hostile_rays(source: &dyn TriangleSource, count: usize) -> Vec<Ray> {
         };
         Ray::new(origin, direction, start, limit)
     };
-    let odd = [
+    odd_rays().into_iter().chain((0..count).map(|i| make(i, &mut random))).take(count).collect()
+}
+
+/// The middle of all triangles, and half of their largest extent.
+fn centre_and_half(triangles: &[Triangle]) -> (Vec3, f32) {
+    let mut low = Vec3::splat(f32::MAX);
+    let mut high = Vec3::splat(f32::MIN);
+    for t in triangles {
+        low = low.min(t.bounds().min);
+        high = high.max(t.bounds().max);
+    }
+    if triangles.is_empty() {
+        (Vec3::ZERO, 1.0)
+    } else {
+        (low * 0.5 + high * 0.5, (high * 0.5 - low * 0.5).max_element())
+    }
+}
+
+/// One of the triangles at random; where there are none, one of its own.
+fn pick(triangles: &[Triangle], random: &mut Random) -> Triangle {
+    if triangles.is_empty() {
+        return Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
+    }
+    triangles[random.index(triangles.len())]
+}
+
+/// Rays that miss everything, each for another reason.
+fn odd_rays() -> [Ray; 6] {
+    [
         Ray::MISS,
         Ray::new(Vec3::splat(f32::NAN), Vec3::X, 0.0, 1.0),
         Ray::new(Vec3::ZERO, Vec3::ZERO, 0.0, 1.0),
         Ray::new(Vec3::ZERO, Vec3::X, 2.0, 1.0),
         Ray::new(Vec3::ZERO, Vec3::X, 0.0, -1.0),
         Ray::new(Vec3::splat(3e38), Vec3::NEG_ONE, 0.0, f32::INFINITY),
-    ];
-    odd.into_iter().chain((0..count).map(|i| make(i, &mut random))).take(count).collect()
+    ]
 }

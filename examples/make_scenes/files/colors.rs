@@ -37,17 +37,7 @@ pub fn films() -> Files {
         let at = [-2.25 + 1.5 * f32::from(k), 0.62, 1.7];
         balls.push((filmed(black, 1.33, [thickness; 2]), at, 0.62));
     }
-    let mut mesh: Option<usize> = None;
-    for (material, centre, radius) in balls {
-        let material = g.push("materials", material);
-        let mesh = match mesh {
-            Some(first) => g.mesh_again(first, material),
-            None => *mesh.insert(g.mesh(&sphere(64), material)),
-        };
-        g.root(json!({
-            "mesh": mesh, "translation": rounded(centre), "scale": rounded([radius; 3]),
-        }));
-    }
+    spheres(&mut g, &sphere(64), &balls);
     g.camera(Vec3::new(0.0, 3.4, 11.5), Vec3::new(0.0, 0.85, 0.0), perspective(31.0, 2.0));
     g.finish()
 }
@@ -90,6 +80,7 @@ pub fn gems() -> Files {
     };
     spheres(
         &mut g,
+        &sphere(80).plain(),
         &[
             (solid_glass([1.0; 3], 1.0, 0.0), [0.0, 1.05, -0.6], 1.05),
             (amber, [0.0, 1.05, -0.6], 0.75),

@@ -5,9 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use dapple::math::Vec3;
 use serde_json::json;
 
-use super::gltf::{Gltf, perspective, rounded};
+use super::gltf::{Gltf, perspective};
 use super::materials::{brushed, cloth, lacquered, matte, metal, plastic};
-use super::rooms::studio;
+use super::rooms::{spheres, studio};
 use super::shapes::sphere;
 
 /// Two rows of balls in a studio. In front a lacquered red, the same over flakes of metal, over
@@ -41,17 +41,7 @@ pub fn finishes() -> Vec<(String, Vec<u8>)> {
         (brushed(steel(), 0.8, 0.0), [1.05, 0.9, -0.5], 0.9),
         (brushed(steel(), 0.8, FRAC_PI_2), [3.1, 0.9, -0.5], 0.9),
     ];
-    let mut mesh: Option<usize> = None;
-    for (material, centre, radius) in balls {
-        let material = g.push("materials", material);
-        let mesh = match mesh {
-            Some(first) => g.mesh_again(first, material),
-            None => *mesh.insert(g.mesh(&sphere(64), material)),
-        };
-        g.root(json!({
-            "mesh": mesh, "translation": rounded(centre), "scale": rounded([radius; 3]),
-        }));
-    }
+    spheres(&mut g, &sphere(64), &balls);
     g.camera(Vec3::new(0.0, 3.4, 11.5), Vec3::new(0.0, 0.85, 0.0), perspective(31.0, 2.0));
     g.finish()
 }

@@ -15,7 +15,11 @@ type Files = Vec<(String, Vec<u8>)>;
 pub fn motion() -> Files {
     let mut g = Gltf::new("motion");
     studio(&mut g, [7.0, 6.7, 6.4], [5.0, 7.5, 12.0]);
-    spheres(&mut g, &[(metal([0.95, 0.93, 0.88], 0.05), [0.3, 0.7, -0.8], 0.7)]);
+    spheres(
+        &mut g,
+        &sphere(80).plain(),
+        &[(metal([0.95, 0.93, 0.88], 0.05), [0.3, 0.7, -0.8], 0.7)],
+    );
 
     let colors = [[0.8, 0.1, 0.05], [0.9, 0.6, 0.05], [0.1, 0.5, 0.2], [0.1, 0.25, 0.7]];
     let half = std::f32::consts::FRAC_1_SQRT_2;

@@ -81,14 +81,15 @@ pub fn furnace() -> Files {
     g.finish()
 }
 
-/// Places spheres that share their triangles: material, centre and radius of each.
-pub fn spheres(g: &mut Gltf, balls: &[(Value, [f32; 3], f32)]) {
+/// Places spheres that share the triangles of one about the origin: material, centre and radius of
+/// each.
+pub fn spheres(g: &mut Gltf, sphere: &Shape, balls: &[(Value, [f32; 3], f32)]) {
     let mut mesh: Option<usize> = None;
     for (material, centre, radius) in balls {
         let material = g.push("materials", material.clone());
         let mesh = match mesh {
             Some(first) => g.mesh_again(first, material),
-            None => *mesh.insert(g.mesh(&sphere(80).plain(), material)),
+            None => *mesh.insert(g.mesh(sphere, material)),
         };
         let scale = [*radius; 3];
         g.root(json!({
@@ -149,7 +150,7 @@ pub fn metals() -> Files {
         let aluminium = metal([0.91, 0.92, 0.92], roughness);
         balls.push((aluminium, [1.35 * step, 0.52, 1.5], 0.52));
     }
-    spheres(&mut g, &balls);
+    spheres(&mut g, &sphere(80).plain(), &balls);
     g.camera(Vec3::new(0.0, 3.4, 11.5), Vec3::new(0.0, 0.85, 0.0), perspective(31.0, 2.0));
     g.finish()
 }

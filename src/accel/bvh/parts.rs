@@ -125,7 +125,7 @@ impl<'a> Cutter<'a> {
 /// A triangle that is cut.
 #[derive(Clone, Copy, Debug)]
 pub struct Whole {
-    /// All of it.
+    /// The triangle that it is a part of.
     pub triangle: Triangle,
     /// How far the box of a part reaches beyond it.
     margin: f32,

@@ -25,8 +25,8 @@
 //!
 //! The point at `t` is inside the leaf's cell, but for the 3u of distances of at most 4: by 12u.
 //! And it is near the winner. The exact test's `t` is that of the point of the triangle which has
-//! the verdict's weights. Were they exact, it would be on the ray; they are off by the rounding of
-//! a difference of products, and as a triangle that is edge-on to within 2^-30 is missed, by at
+//! the exact test's weights. Were they exact, it would be on the ray; they are off by the rounding
+//! of a difference of products, and as a triangle that is edge-on to within 2^-30 is missed, by at
 //! most 3 * 2^-52 * 2^30 = 12u of its size in all, doubled by the shear. Rounding `t` moves the
 //! point by another 4u, and the clamp into the triangle's own box only moves it back towards the
 //! truth, which is in there. The sum, 40u, is less than δ; the rest is for the rounding of boxes

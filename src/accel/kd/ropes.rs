@@ -15,13 +15,13 @@ struct RopedLeaf {
     ropes: [[NodeId; 2]; 3],
 }
 
-/// Ropes, or neighbour links: one node a face, the deepest that covers all of it. A leaf is a direct
-/// rope, an inner node an indirect one.
+/// Ropes, or neighbour links: one node a face, the deepest that covers all of it. A leaf is a
+/// direct rope, an inner node an indirect one.
 ///
 /// - D. MacDonald, K. Booth, "Heuristics for ray tracing using space subdivision", 1990.
 /// - V. Havran, J. Bittner, J. Žára, "Ray tracing with rope trees", 1998.
-/// - S. Popov et al., "Stackless kd-tree traversal for high performance GPU ray tracing", 2007: made
-///   on the way down, each rope pushed down as far as it goes.
+/// - S. Popov et al., "Stackless kd-tree traversal for high performance GPU ray tracing", 2007:
+///   made on the way down, each rope pushed down as far as it goes.
 pub type Ropes = RopesTo<false>;
 
 /// Rope trees: each indirect rope replaced by a tree of those leaves only that touch the face.

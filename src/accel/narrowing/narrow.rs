@@ -34,7 +34,6 @@ pub struct Narrowing<H: Hierarchy> {
     pub tree: H,
     /// Its root.
     pub root: H::Place,
-    /// How.
     pub start: Start,
 }
 
@@ -70,8 +69,8 @@ impl<H: Hierarchy, C: Counters> Regions for EnteredRegions<'_, H, C> {
         self.pool.leave();
     }
 
-    fn pool_use(&mut self) -> PoolUse {
-        self.pool.pool_use()
+    fn take_pool_use(&mut self) -> PoolUse {
+        self.pool.take_pool_use()
     }
 }
 

@@ -79,7 +79,7 @@ impl<P> BranchPool<P> {
     }
 
     /// Bytes in use at most since this was asked last, and bytes taken.
-    pub fn pool_use(&mut self) -> PoolUse {
+    pub fn take_pool_use(&mut self) -> PoolUse {
         let in_use = self.branches.len();
         let peak = std::mem::replace(&mut self.peak, in_use).max(in_use);
         let bytes = size_of::<Branch<P>>();

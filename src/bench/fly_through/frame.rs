@@ -105,7 +105,7 @@ impl Frame {
     pub fn count_work(&self, accel: &dyn Accel) -> Work {
         let mut tracer = accel.counting_tracer();
         self.shoot(&mut *tracer, &mut self.allocate_answers());
-        Work { counts: tracer.counts(), pool: pool_use(&mut *tracer) }
+        Work { counts: tracer.counts(), pool: take_pool_use(&mut *tracer) }
     }
 
     /// Seconds in which the regions of the screen and of all tiles are entered, and left again.
@@ -147,8 +147,8 @@ pub fn in_region(
 }
 
 /// The memory of what a tracer has derived for regions.
-pub fn pool_use(tracer: &mut dyn Tracer) -> PoolUse {
-    tracer.regions().map_or_else(PoolUse::default, |mut regions| regions.pool_use())
+pub fn take_pool_use(tracer: &mut dyn Tracer) -> PoolUse {
+    tracer.regions().map_or_else(PoolUse::default, |mut regions| regions.take_pool_use())
 }
 
 /// Pixels along a side, in as many equal parts.

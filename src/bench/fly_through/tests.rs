@@ -78,8 +78,8 @@ fn work_is_counted_and_pools_are_found_empty_again() {
     let mut tracer = accel.tracer();
     for _ in 0..3 {
         frame.time(&mut *tracer);
-        assert!(frame::pool_use(&mut *tracer).peak > 0);
-        assert_eq!(frame::pool_use(&mut *tracer).peak, 0, "all regions were left");
+        assert!(frame::take_pool_use(&mut *tracer).peak > 0);
+        assert_eq!(frame::take_pool_use(&mut *tracer).peak, 0, "all regions were left");
     }
 }
 

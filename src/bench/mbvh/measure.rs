@@ -102,11 +102,11 @@ pub fn measure(
     Ok(Scene { name, triangles, structures, caches, incoherence })
 }
 
+/// Builds a structure of an id with options.
+type Build<'a> = dyn Fn(&str, &str) -> Result<Box<dyn Accel>, BuildError> + 'a;
+
 /// Table 3, by functions that build a structure with some options and that shoot rays at several.
-fn measure_caches(
-    build: &dyn Fn(&str, &str) -> Result<Box<dyn Accel>, BuildError>,
-    shoot: &ShootFn<'_>,
-) -> Result<Vec<Cache>, BenchError> {
+fn measure_caches(build: &Build<'_>, shoot: &ShootFn<'_>) -> Result<Vec<Cache>, BenchError> {
     let sized = paper::CACHES.map(|(megabytes, ..)| {
         let accel = build("mbvh4", &format!("triangles=cache,cache={megabytes}MB"))?;
         Ok((format!("mbvh4:cache={megabytes}MB"), accel))

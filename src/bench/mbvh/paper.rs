@@ -92,7 +92,7 @@ const fn shot(triangle_tests: f64, box_tests: f64, krays: f64) -> Shot {
     Shot { triangle_tests, box_tests, hit_rate: None, krays }
 }
 
-const fn cached(triangle_tests: f64, box_tests: f64, hit_rate: f64, krays: f64) -> Shot {
+const fn find_cached(triangle_tests: f64, box_tests: f64, hit_rate: f64, krays: f64) -> Shot {
     Shot { hit_rate: Some(hit_rate), ..shot(triangle_tests, box_tests, krays) }
 }
 
@@ -102,8 +102,8 @@ pub const SCENES: [Scene; 4] = [
         name: "Bunny",
         triangles: 69_451,
         built: [bvh(0.4, 21.0, 3.3, 14.6, 1.6), mbvh([0.4, 0.01], [17.0, 8.0], 6.5, 1.3)],
-        shadow: [shot(3.6, 35.9, 364.0), cached(1.5, 9.7, 99.9, 1034.0)],
-        closest: [shot(5.0, 42.9, 295.0), cached(1.7, 11.0, 99.9, 769.0)],
+        shadow: [shot(3.6, 35.9, 364.0), find_cached(1.5, 9.7, 99.9, 1034.0)],
+        closest: [shot(5.0, 42.9, 295.0), find_cached(1.7, 11.0, 99.9, 769.0)],
         simulated: Some([0.75, 0.57, 0.43]),
         potential: Some([3.00, 4.56, 6.88]),
         render_speed_up: 1.19,
@@ -112,8 +112,8 @@ pub const SCENES: [Scene; 4] = [
         name: "Mirror",
         triangles: 334_080,
         built: [bvh(2.7, 116.0, 3.0, 18.4, 8.4), mbvh([2.4, 0.04], [87.0, 43.0], 8.3, 6.6)],
-        shadow: [shot(5.4, 44.8, 286.0), cached(2.2, 12.6, 99.7, 721.0)],
-        closest: [shot(8.4, 58.4, 205.0), cached(3.6, 16.0, 99.8, 423.0)],
+        shadow: [shot(5.4, 44.8, 286.0), find_cached(2.2, 12.6, 99.7, 721.0)],
+        closest: [shot(8.4, 58.4, 205.0), find_cached(3.6, 16.0, 99.8, 423.0)],
         simulated: Some([0.75, 0.57, 0.43]),
         potential: Some([3.00, 4.56, 6.88]),
         render_speed_up: 1.32,
@@ -122,8 +122,8 @@ pub const SCENES: [Scene; 4] = [
         name: "Headlight",
         triangles: 770_534,
         built: [bvh(6.3, 250.0, 3.1, 18.9, 18.2), mbvh([5.8, 0.09], [193.0, 96.0], 8.5, 14.7)],
-        shadow: [shot(5.4, 48.5, 251.0), cached(2.4, 14.5, 99.4, 564.0)],
-        closest: [shot(8.1, 64.4, 183.0), cached(3.8, 19.2, 99.6, 306.0)],
+        shadow: [shot(5.4, 48.5, 251.0), find_cached(2.4, 14.5, 99.4, 564.0)],
+        closest: [shot(8.1, 64.4, 183.0), find_cached(3.8, 19.2, 99.6, 306.0)],
         simulated: Some([0.73, 0.56, 0.40]),
         potential: Some([2.92, 4.48, 6.40]),
         render_speed_up: 1.64,
@@ -135,8 +135,8 @@ pub const SCENES: [Scene; 4] = [
             bvh(43.4, 1401.0, 3.1, 22.4, 102.0),
             mbvh([39.2, 0.48], [1076.0, 539.0], 10.3, 82.1),
         ],
-        shadow: [shot(5.2, 48.8, 239.0), cached(2.0, 13.3, 96.8, 571.0)],
-        closest: [shot(7.9, 64.5, 170.0), cached(3.3, 18.2, 97.3, 333.0)],
+        shadow: [shot(5.2, 48.8, 239.0), find_cached(2.0, 13.3, 96.8, 571.0)],
+        closest: [shot(7.9, 64.5, 170.0), find_cached(3.3, 18.2, 97.3, 333.0)],
         simulated: None,
         potential: None,
         render_speed_up: 2.28,

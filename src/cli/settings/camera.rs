@@ -11,7 +11,7 @@ const MOTION: Setting =
     Setting { form: Form::Number, advanced: true, ..Setting::new(Group::Camera, Role::Scene) };
 
 /// The entries, in the order of the help.
-pub static CAMERA: [Setting; 10] = [
+pub static CAMERA: &[Setting] = &[
     Setting {
         name: "camera",
         value: "NAME|N",

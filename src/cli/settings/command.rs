@@ -17,7 +17,7 @@ const SCENE: &str = "scene_file";
 const LONG_ABOUT: &str = "\
 Render a scene.
 
-A picture is a function of the scene and of the settings under Image, Light, Camera and Input \
+Each sample is a function of the scene and of the settings under Image, Light, Camera and Input \
 alone: any structure, any number of threads and any instruction set give the same bytes. Only the \
 layer `cost` differs.";
 

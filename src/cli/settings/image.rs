@@ -9,7 +9,7 @@ use crate::sampling::SamplePattern;
 const SETTING: Setting = Setting::new(Group::Image, Role::Picture);
 
 /// The entries, in the order of the help.
-pub static IMAGE: [Setting; 7] = [
+pub static IMAGE: &[Setting] = &[
     Setting {
         name: "resolution",
         value: "WxH",
@@ -58,7 +58,6 @@ pub static IMAGE: [Setting; 7] = [
     },
     Setting {
         name: "crop",
-        form: Form::Numbers,
         value: "x0,y0,x1,y1",
         otherwise: "all of it",
         example: "2,1,6,5",

@@ -7,7 +7,7 @@ use super::to_toml::ToToml;
 const SCENE: Setting = Setting::new(Group::Input, Role::Scene);
 
 /// The entries, in the order of the help.
-pub static INPUT: [Setting; 7] = [
+pub static INPUT: &[Setting] = &[
     Setting {
         name: "from",
         role: Role::Run,
@@ -54,7 +54,7 @@ pub static INPUT: [Setting; 7] = [
         name: "time",
         form: Form::Number,
         value: "SECONDS",
-        otherwise: "they are at rest",
+        otherwise: "at rest",
         example: "1.25",
         help: "The time at which animations are posed, in seconds",
         advanced: true,

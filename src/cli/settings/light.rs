@@ -14,7 +14,7 @@ const AROUND: Setting = Setting::new(Group::Light, Role::Scene);
 const SKY: Setting = Setting { form: Form::Number, advanced: true, requires: &["sky"], ..AROUND };
 
 /// The entries, in the order of the help.
-pub static LIGHT: [Setting; 13] = [
+pub static LIGHT: &[Setting] = &[
     Setting {
         name: "max-depth",
         form: Form::Number,

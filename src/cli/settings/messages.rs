@@ -7,7 +7,7 @@ const SETTING: Setting = Setting::new(Group::Messages, Role::Run);
 const SWITCH: Setting = Setting { form: Form::Switch, example: "true", ..SETTING };
 
 /// The entries, in the order of the help.
-pub static MESSAGES: [Setting; 7] = [
+pub static MESSAGES: &[Setting] = &[
     Setting {
         name: "dry-run",
         help: "Loads and builds, estimates memory and time, and stops",
@@ -25,7 +25,6 @@ pub static MESSAGES: [Setting; 7] = [
     },
     Setting {
         name: "debug-sample",
-        form: Form::Numbers,
         value: "x,y,s",
         example: "12,34,0",
         help: "Follows one sample alone and prints its path on standard output",

@@ -10,7 +10,7 @@ const FILE: Setting = Setting::new(Group::Output, Role::Run);
 const LOOK: Setting = Setting::new(Group::Output, Role::Process);
 
 /// The entries, in the order of the help.
-pub static OUTPUT: [Setting; 5] = [
+pub static OUTPUT: &[Setting] = &[
     Setting {
         name: "output",
         short: Some('o'),

@@ -45,15 +45,19 @@ pub enum ProgressStyle {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RouletteDepth(pub Option<u32>);
 
-impl FromStr for RouletteDepth {
-    type Err = String;
+/// A text that is no [`RouletteDepth`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("neither a number nor `off`")]
+pub struct NoDepth;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for RouletteDepth {
+    type Err = NoDepth;
+
+    fn from_str(text: &str) -> Result<Self, NoDepth> {
         if text == "off" {
             return Ok(Self(None));
         }
-        let depth = text.parse().map_err(|_| "neither a number nor `off`".to_owned())?;
-        Ok(Self(Some(depth)))
+        text.parse().map(|depth| Self(Some(depth))).map_err(|_| NoDepth)
     }
 }
 

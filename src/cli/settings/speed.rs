@@ -9,7 +9,7 @@ use crate::simd::Isa;
 const SETTING: Setting = Setting::new(Group::Speed, Role::Process);
 
 /// The entries, in the order of the help.
-pub static SPEED: [Setting; 3] = [
+pub static SPEED: &[Setting] = &[
     Setting {
         name: "threads",
         form: Form::Number,

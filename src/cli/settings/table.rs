@@ -23,7 +23,7 @@ pub struct Table {
 impl Default for Table {
     /// The settings of `dapple render`.
     fn default() -> Self {
-        let groups: [&[Setting]; 7] = [&OUTPUT, &IMAGE, &LIGHT, &CAMERA, &INPUT, &SPEED, &MESSAGES];
+        let groups: [&[Setting]; 7] = [OUTPUT, IMAGE, LIGHT, CAMERA, INPUT, SPEED, MESSAGES];
         Self::new(groups.into_iter().flatten().collect())
     }
 }
@@ -141,6 +141,7 @@ mod tests {
             );
             if let Some(default) = setting.default {
                 read(default).apply(&mut args);
+                assert_eq!((setting.write)(&args), (setting.write)(&defaults), "--{name}");
             }
         }
     }

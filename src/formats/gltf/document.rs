@@ -174,7 +174,7 @@ impl Document {
 
 /// Refuses a document that requires extensions that are not supported.
 fn check_extensions(root: &Object) -> Result<(), Refusal> {
-    match extensions::unsupported(root)? {
+    match extensions::find_unsupported(root)? {
         none if none.is_empty() => Ok(()),
         unsupported => Err(Refusal::Extensions(unsupported)),
     }

@@ -47,7 +47,7 @@ fn consequence(name: &str) -> &'static str {
 }
 
 /// The extensions that the file requires and that are not supported.
-pub fn unsupported(root: &Object) -> Result<Vec<String>, Fault> {
+pub fn find_unsupported(root: &Object) -> Result<Vec<String>, Fault> {
     let mut names = strings(root, "extensionsRequired")?;
     names.retain(|name| !is_supported(name));
     names.dedup();
@@ -185,6 +185,6 @@ mod tests {
         )
         .expect("valid JSON");
         let root = Object::new(&value, String::new()).expect("an object");
-        assert_eq!(unsupported(&root), Ok(vec!["KHR_draco_mesh_compression".to_owned()]));
+        assert_eq!(find_unsupported(&root), Ok(vec!["KHR_draco_mesh_compression".to_owned()]));
     }
 }

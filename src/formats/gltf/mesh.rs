@@ -94,7 +94,7 @@ impl Primitive {
     /// The same with other weights of its morph targets, as a node may ask.
     pub fn pose(&self, weights: &[f32]) -> Self {
         let mut posed = self.clone();
-        posed.geometry.targets = weighted(&self.morphs, weights);
+        posed.geometry.targets = weigh_morphs(&self.morphs, weights);
         posed
     }
 }
@@ -185,7 +185,7 @@ fn primitive(
         colors: attribute("COLOR_0")?,
         indices,
         joints,
-        targets: weighted(&morphs, weights),
+        targets: weigh_morphs(&morphs, weights),
     };
     Ok(Some(Primitive { place: object.place().to_owned(), geometry, material, morphs }))
 }
@@ -234,7 +234,7 @@ fn morphs(
 }
 
 /// The morph targets of some weight.
-fn weighted(morphs: &[Displacements], weights: &[f32]) -> Vec<Target> {
+fn weigh_morphs(morphs: &[Displacements], weights: &[f32]) -> Vec<Target> {
     let all = weights.iter().zip(morphs).filter(|(weight, _)| **weight != 0.0);
     all.map(|(weight, morph)| (weight.to_bits(), *morph)).collect()
 }

@@ -73,7 +73,6 @@ impl Parts {
 /// A node that is drawn, and where.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed {
-    /// Which.
     pub node: usize,
     /// From its space to the world.
     pub to_world: DAffine3,

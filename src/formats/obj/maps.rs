@@ -55,7 +55,7 @@ impl<'a> Maps<'a> {
         let path = confine(self.folder, &map.name).unwrap_or_else(|| PathBuf::from(&map.name));
         let key = (path, usage, map.channel, map.clamp);
         if let Some(&known) = self.by_use.get(&key) {
-            return Some(placed(map, known));
+            return Some(place_map(map, known));
         }
         let texture = match self.image(map, file) {
             Some(image) => {
@@ -70,7 +70,7 @@ impl<'a> Maps<'a> {
         };
         let id = self.push(texture);
         self.by_use.insert(key, id);
-        Some(placed(map, id))
+        Some(place_map(map, id))
     }
 
     /// One texture of two scalars: roughness in green, metalness in blue, as glTF has them. A map
@@ -87,7 +87,7 @@ impl<'a> Maps<'a> {
                 let image = Arc::new(image);
                 let texture = Texture::new(image, ColorSpace::Linear, wrap(map), Filter::Bilinear);
                 let id = self.push(texture.named(&map.name));
-                Some(placed(map, id))
+                Some(place_map(map, id))
             }
             Err(reason) => {
                 self.refuse(map, file, reason.to_string());
@@ -174,7 +174,7 @@ fn wrap(map: &Map) -> [Wrap; 2] {
 
 /// With the map's options. The meshes' v is 1 - v of the file, so `v * s + o` becomes
 /// `(1 - v) * s + o` turned over again.
-fn placed(map: &Map, texture: TextureId) -> TextureRef {
+fn place_map(map: &Map, texture: TextureId) -> TextureRef {
     let offset = Vec2::new(map.offset.x, 1.0 - map.scale.y - map.offset.y);
     TextureRef { scale: map.scale, offset, ..TextureRef::new(texture) }
 }
@@ -317,7 +317,7 @@ mod tests {
 
     #[test]
     fn options_act_in_the_files_coordinates() {
-        let texture = placed(&map("-s 2 3 -o 0.5 0.25 a.png"), TextureId::from_index(0));
+        let texture = place_map(&map("-s 2 3 -o 0.5 0.25 a.png"), TextureId::from_index(0));
         // (u, v) of the file is (u, 1 - v) of the mesh; the image's row is 1 - v again.
         let (u, v) = (0.3, 0.2);
         let expected = Vec2::new(u * 2.0 + 0.5, 1.0 - (v * 3.0 + 0.25));

@@ -205,7 +205,7 @@ impl Reader {
             if field.is_empty() && k > 0 {
                 continue;
             }
-            let number = integer(field).ok_or_else(|| malformed(word))?;
+            let number = integer(field).ok_or_else(|| describe_malformed(word))?;
             let index = if number < 0 { count as i64 + number } else { number - 1 };
             if index < 0 || index >= i64::from(NONE) {
                 let zero = if number == 0 { ": they count from 1" } else { "" };
@@ -217,14 +217,14 @@ impl Reader {
             indices[k] = index as u32;
         }
         if fields.next().is_some() {
-            return Err(malformed(word));
+            return Err(describe_malformed(word));
         }
         let [position, uv, normal] = indices;
         Ok(Corner { position, uv, normal })
     }
 }
 
-fn malformed(word: &[u8]) -> String {
+fn describe_malformed(word: &[u8]) -> String {
     format!("{} is not a corner of a face (v, v/vt, v//vn or v/vt/vn)", lines::quote(word))
 }
 

@@ -20,7 +20,6 @@ pub struct CameraDeclaration<'d> {
 }
 
 impl<'d> CameraDeclaration<'d> {
-    /// Reads one.
     pub fn read(table: Table<'d>) -> Result<Self, LoadError> {
         let point = |key| Ok::<_, LoadError>(table.numbers::<3>(key)?.map(vector));
         let eye = point("look-from")?.ok_or_else(|| table.fault("has no look-from"))?;

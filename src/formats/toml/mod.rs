@@ -9,8 +9,8 @@
 //! - `[sky]`: `turbidity`, `sun-elevation` and `sun-azimuth` or `sun-direction`, `sun-diameter` (0:
 //!   none), `ground-albedo`, `scale`.
 //! - `[sun]`: where it stands as in `[sky]`; `color`, `irradiance`, `diameter`.
-//! - `[[light]]`: `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and spot
-//!   lights), `range`, `inner`, `outer`.
+//! - `[[light]]`: `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and
+//!   spot lights), `range`, `inner`, `outer`.
 //! - `[render]`: the flags of `dapple render` by their names; read by the command line.
 //!
 //! Angles are in degrees, lengths in metres, directions need not be of unit length. Paths are

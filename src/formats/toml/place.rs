@@ -28,7 +28,6 @@ pub struct Placement<'d> {
 }
 
 impl<'d> Placement<'d> {
-    /// Reads one.
     pub fn read(table: Table<'d>) -> Result<Self, LoadError> {
         let name = table.required_text("file")?;
         if ending_of(Path::new(name)).as_deref() == Some("toml") {

@@ -90,12 +90,12 @@ fn within(folder: &Path, word: &str) -> Result<String, String> {
 fn setting(value: &DeValue) -> Option<SettingValue> {
     Some(match value {
         DeValue::Boolean(switch) => SettingValue::Switch(*switch),
-        DeValue::Array(array) => SettingValue::Word(joined(array)?),
+        DeValue::Array(array) => SettingValue::Word(join_words(array)?),
         value => SettingValue::Word(word(value)?),
     })
 }
 
-fn joined(array: &DeArray) -> Option<String> {
+fn join_words(array: &DeArray) -> Option<String> {
     let words: Option<Vec<String>> = array.iter().map(|value| word(value.get_ref())).collect();
     Some(words?.join(","))
 }

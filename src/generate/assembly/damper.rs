@@ -7,7 +7,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Plate, Revolve, RoundedBox, Tube};
 use crate::math::{DVec2, DVec3};
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     for (y, z) in [(-0.24, -0.1), (-0.24, 0.1), (0.23, -0.1), (0.23, 0.1)] {
         let beam = facing(DVec3::new(-0.29, y, z), DVec3::X);

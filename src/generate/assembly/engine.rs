@@ -7,7 +7,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Revolve, RoundedBox, Tube};
 use crate::math::DVec3;
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     let paint = a.random.one_of(&[Finish::Green, Finish::Blue, Finish::Aluminium]);
     let half = DVec3::new(0.25, 0.085, 0.15);

@@ -7,7 +7,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, RoundedBox, Tube};
 use crate::math::DVec3;
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     for x in [-0.22, 0.22] {
         let half = DVec3::new(0.008, 0.24, 0.17);

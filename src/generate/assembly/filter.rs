@@ -7,7 +7,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Bore, Honeycomb, Plate, Profile, RoundedBox};
 use crate::math::{DVec2, DVec3};
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     let paint = a.random.one_of(&[Finish::Grey, Finish::Yellow, Finish::Blue]);
     let rectangle = Profile::rectangle(DVec2::new(0.23, 0.26), 0.02);

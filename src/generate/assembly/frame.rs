@@ -8,7 +8,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Plate, RoundedBox};
 use crate::math::{DVec2, DVec3};
 
-/// Builds it.
 pub fn build(a: &mut Assembly, grid: Grid) {
     a.unit = String::from("frame");
     let size = grid.size();

@@ -10,7 +10,6 @@ use crate::math::DVec3;
 /// Pitch diameter of a gear for each of its teeth.
 const MODULE: f64 = 0.0062;
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     let plate = DVec3::new(0.27, 0.24, 0.012);
     let paint = a.random.one_of(&[Finish::Grey, Finish::Green, Finish::Blue]);

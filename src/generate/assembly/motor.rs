@@ -7,7 +7,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Bore, Honeycomb, Path, Plate, Profile, Revolve, RoundedBox, Tube};
 use crate::math::{DVec2, DVec3};
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     let paint = a.random.one_of(&[Finish::Blue, Finish::Green, Finish::Grey]);
     let radius = 0.15;

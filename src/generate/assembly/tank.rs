@@ -7,7 +7,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Profile, Revolve, RoundedBox, Tube};
 use crate::math::DVec3;
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     let finish = a.random.one_of(&[Finish::Chrome, Finish::Yellow, Finish::Aluminium]);
     let radius = 0.19;

@@ -7,7 +7,6 @@ use crate::generate::model::{at, facing};
 use crate::generate::shape::{Path, Profile, Revolve, RoundedBox, Tube};
 use crate::math::DVec3;
 
-/// Builds it.
 pub fn build(a: &mut Assembly) {
     let half = DVec3::new(0.26, 0.06, 0.09);
     a.put("manifold", Finish::Aluminium, at(0.0, -0.12, 0.0), RoundedBox { half, fillet: 0.008 });

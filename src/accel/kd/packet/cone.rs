@@ -21,7 +21,6 @@
 use crate::geom::{Shaft, Triangle};
 use crate::math::{DVec3, Vec3};
 
-/// What the module describes.
 pub struct Cone {
     origin: Vec3,
     corners: [Vec3; 4],

@@ -11,7 +11,7 @@
 //! from there by itself, with what the corners put aside.
 //!
 //! A termination object, one that all corners hit, would end the sequence of leaves. Ours ends when
-//! every ray has been hit, strictly before the leaf's end: each ray needs the triangle's verdict
+//! every ray has been hit, strictly before the leaf's end: each ray needs the triangle's exact test
 //! for itself in any case, and then it is known, for any object, convex or not. Since leaves are
 //! tested as they come, nothing that lies before it can be missed.
 //!

@@ -46,7 +46,6 @@ struct Planes {
     inverse: [PerRay; 3],
 }
 
-/// What the module describes.
 pub struct Spans {
     planes: Box<[Planes]>,
     /// Where each ray is; infinite if it has ended.

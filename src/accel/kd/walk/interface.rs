@@ -20,7 +20,7 @@ pub trait Walk: Send + Sync {
     /// Fresh scratch for one thread.
     fn scratch(&self) -> Self::Scratch;
 
-    /// Walks.
+    /// Visits the leaves along the ray of `visit` within `span`, until its query is answered.
     fn walk<Q: Query, C: Counters>(
         &self,
         visit: &mut Visit<'_, Q, C>,

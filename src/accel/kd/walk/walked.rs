@@ -27,7 +27,7 @@ impl<W: Walk> Walked<W> {
         }
     }
 
-    /// The way.
+    /// How its rays walk.
     pub fn way(&self) -> &W {
         &self.walk
     }
