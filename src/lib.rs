@@ -20,7 +20,7 @@
 //! | floor | rooms |
 //! |---|---|
 //! | 8 | `cli`: one file a command |
-//! | 7 | [`render`]: tiles, streams of paths · `bench` |
+//! | 7 | [`mod@render`]: tiles, streams of paths · `bench` |
 //! | 6 | [`integrator`]: the algorithm of path tracing |
 //! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
 //! | 4 | [`scene`]: what a scene is · [`generate`]: scenes by rule |

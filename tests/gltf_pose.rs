@@ -121,7 +121,10 @@ fn animated() -> File {
     let places = file.floats(&[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]], "VEC3");
     let turns = file.floats(&[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 0.0]], "VEC4");
     let sampler = |output: usize| json!({"input": times, "output": output});
-    let channel = |sampler: usize, path: &str| json!({"sampler": sampler, "target": {"node": 0, "path": path}});
+    let channel = |sampler: usize, path: &str| {
+        let target = json!({"node": 0, "path": path});
+        json!({"sampler": sampler, "target": target})
+    };
     file.document["nodes"][0]["scale"] = json!([2, 2, 2]);
     file.push(
         "animations",

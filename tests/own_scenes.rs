@@ -62,7 +62,7 @@ fn scenes_load_without_a_word() {
         let name = file(name);
         let time = (name == "motion.gltf").then_some(0.5);
         let strict = LoadOptions { strict: true, time, ..LoadOptions::default() };
-        let scene = load(&folder().join(&name), &strict);
+        let scene = load(folder().join(&name), &strict);
         let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(scene.cameras.len(), usize::from(name != "tower.obj"), "{name}: cameras");
         let survey = Survey::of(&scene);
@@ -91,7 +91,7 @@ fn the_default_build_of_kd_trees_costs_least_on_every_scene() {
         if !Path::new(&name).extension().is_some_and(|ending| ending == "gltf" || ending == "obj") {
             continue;
         }
-        let scene = load(&folder().join(&name), &LoadOptions::default()).expect("loads");
+        let scene = load(folder().join(&name), &LoadOptions::default()).expect("loads");
         let triangles = Triangles::new(&scene).expect("they are few");
         let source: Arc<dyn TriangleSource> = Arc::new(triangles);
         let [sah, binned, minmax] = ["sah", "binned", "minmax"].map(|how| {

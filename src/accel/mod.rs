@@ -22,10 +22,10 @@
 //! [`crate::math::Ray::new`] sees to that, and keeps NaN out of all comparisons.
 //!
 //! # The way of a ray
-//! A caller hands a [`Batch`] to a [`Tracer`]. Its worker ([`traverse`]) chooses the code of the
+//! A caller hands a [`Batch`] to a [`Tracer`]. Its worker (`traverse`) chooses the code of the
 //! instruction set and calls [`Traverse::trace`] with a [`SliceContext`]. Structures that walk ray
 //! by ray ([`WalkRay`]) get a [`RayContext`] for each; structures for packets cut the slice
-//! themselves ([`packet`]). A walk tests leaves by [`RayContext::test_block`], which filters and
+//! themselves (`packet`). A walk tests leaves by [`RayContext::test_block`], which filters and
 //! then asks the exact test.
 //!
 //! # Adding a structure

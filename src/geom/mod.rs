@@ -2,7 +2,7 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | [`intersect_triangle`] | the exact ray-triangle test, for one ray |
+//! | [`mod@intersect_triangle`] | the exact ray-triangle test, for one ray |
 //! | `intersect_bundle` | the same for a bundle of eight rays |
 //! | [`block`] | the filter: many triangles against one ray |
 //! | [`bundle`] | bundles of eight rays: the slab test and the filter |

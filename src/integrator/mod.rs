@@ -2,7 +2,7 @@
 //!
 //! `path` is the algorithm of path tracing, one vertex at a time: a ray and what it hit go in, the
 //! shadow ray to a light and the ray to go on with come out. Who traces them, and how many
-//! together, is decided one floor up, in [`crate::render`].
+//! together, is decided one floor up, in [`mod@crate::render`].
 //!
 //! | file | what it does |
 //! |---|---|

@@ -81,7 +81,7 @@ pub const FLAWS: &[Flaw] = &[
     flaw("MESH_PRIMITIVE_TOO_FEW_TEXCOORDS", "", Warned, &[
         ("/images", concat!(
             r#"[{"uri": "data:image/bmp;base64,Qk06AAAAAAAAADYAAAAoAAAAAQAAAAEAAAABABgA"#,
-            r#"AAAAAQAAAATCwAAEwsAAAAAAAAAAAAA////AA=="}]"#)),
+            r#"AAAAAAQAAAATCwAAEwsAAAAAAAAAAAAA////AA=="}]"#)),
         ("/textures", r#"[{"source": 0}]"#), ("/materials/0/emissiveTexture", r#"{"index": 0}"#)]),
     flaw("MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT", "", Refused, &[
         ("/meshes/0/primitives/0/attributes/NORMAL", "2"), ("/accessors/2", r#"{"bufferView": 0,

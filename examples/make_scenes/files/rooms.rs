@@ -181,6 +181,7 @@ pub fn glass() -> Files {
     let clear = solid_glass([1.0; 3], 1.0, 0.0);
     spheres(
         &mut g,
+        &sphere(80).plain(),
         &[
             (clear, [-2.3, 1.0, -0.6], 1.0),
             (solid_glass([1.0; 3], 1.0, 0.35), [2.3, 1.0, -0.6], 1.0),

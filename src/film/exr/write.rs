@@ -31,7 +31,7 @@ const REC_709: Chromaticities = Chromaticities {
 };
 
 /// Writes a picture: one part, scanlines, ZIP over 16 lines, float32; the display window is the
-/// frame, the data window the crop. The file is whole or not there ([`files::write()`]).
+/// frame, the data window the crop. The file is whole or not there (`files::write`).
 ///
 /// # Errors
 /// [`FilmError::Write`]; [`FilmError::Invalid`] if the crop is empty, a channel is missing or a

@@ -72,7 +72,7 @@ impl<'a, Q: Query, C: Counters> Visit<'a, Q, C> {
         Self { base, ray, kd_ray: KdRay::new(&ray.ray), leaf_test, query, counters }
     }
 
-    /// See [`find_span`].
+    /// See `find_span`.
     #[inline(always)]
     pub fn span(&self) -> Option<Span> {
         find_span(self.base, self.ray, self.query.t_max())
