@@ -54,7 +54,7 @@ impl HitCriteria<'_> {
 }
 
 /// A question to a ray, with the best answer so far.
-pub trait Query: Sized {
+pub trait Query: Copy {
     /// What the caller gets.
     type Answer: Copy + Send;
 

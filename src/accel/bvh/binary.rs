@@ -245,15 +245,20 @@ impl Bvh2 {
     #[inline(never)]
     fn test_all<Q: Query, C: Counters>(
         &self,
-        mut context: RayContext<'_, impl Simd, Q, C>,
+        ray: PreparedRay<'_>,
+        mut query: Q,
+        counters: &mut C,
         fetched: &mut Fetched<WIDTH>,
-    ) {
+    ) -> Q {
+        let mut context =
+            RayContext { simd: crate::simd::baseline(), ray: &ray, query: &mut query, counters };
         for leaf in 0..self.built.report.leaves {
             let block = self.visit_leaf(leaf, fetched, context.counters);
             if context.test_each(block).is_break() {
-                return;
+                break;
             }
         }
+        query
     }
 }
 
@@ -289,7 +294,9 @@ impl WalkRay for Bvh2 {
     ) {
         let Some(root) = self.root else { return };
         if self.parts.is_some_and(|parts| !parts.covers(&context.ray.ray)) {
-            return self.test_all(context.reborrow(), &mut scratch.fetched);
+            *context.query =
+                self.test_all(*context.ray, *context.query, context.counters, &mut scratch.fetched);
+            return;
         }
         let _final = self.walk_below(context, root, scratch);
     }
