@@ -1,5 +1,6 @@
 //! The instruction sets: the only place that names them.
 
+pub mod lanes;
 pub mod order;
 mod pick;
 mod prefetch;
@@ -11,7 +12,7 @@ use crate::names::choices;
 
 pub use pick::pick;
 pub use prefetch::prefetch;
-pub use vectors::{Lanes, Vectors};
+pub use vectors::{Vectors, Width};
 
 /// An instruction set to compute with; never changes a result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

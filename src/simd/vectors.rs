@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdFloat, SimdInt, f32x4, f32x8, f32x16};
 
 /// What [`Vectors`] is implemented on.
-pub struct Lanes;
+pub struct Width;
 
 /// The vector types of `W` lanes.
 pub trait Vectors<const W: usize> {
@@ -16,14 +16,14 @@ pub trait Vectors<const W: usize> {
         >;
 }
 
-impl Vectors<4> for Lanes {
+impl Vectors<4> for Width {
     type Floats<S: Simd> = f32x4<S>;
 }
 
-impl Vectors<8> for Lanes {
+impl Vectors<8> for Width {
     type Floats<S: Simd> = f32x8<S>;
 }
 
-impl Vectors<16> for Lanes {
+impl Vectors<16> for Width {
     type Floats<S: Simd> = f32x16<S>;
 }

@@ -22,7 +22,7 @@ use crate::accel::bvh::link::Link;
 use crate::accel::{Counters, PreparedRay, Query, RayContext, SliceContext, Traverse};
 use crate::math::Ray;
 use crate::simd::order::key_limit;
-use crate::simd::{Lanes, Vectors, is_wide};
+use crate::simd::{Vectors, Width, is_wide};
 
 /// Slices of fewer are walked ray by ray.
 const FEW: usize = 4;
@@ -66,7 +66,7 @@ struct Flight<'a, Q> {
 
 impl<const W: usize> WideBvh<W>
 where
-    Lanes: Vectors<W>,
+    Width: Vectors<W>,
 {
     /// Traces a slice.
     #[inline(always)]
@@ -146,7 +146,7 @@ where
 
 impl<const W: usize> Traverse for WideBvh<W>
 where
-    Lanes: Vectors<W>,
+    Width: Vectors<W>,
 {
     #[inline(always)]
     fn trace<S: Simd, Q: Query, C: Counters>(

@@ -4,9 +4,9 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
 
 use crate::accel::PreparedRay;
 use crate::simd::order::{BIAS, DISTANCE};
-use crate::simd::{Lanes, Vectors};
+use crate::simd::{Vectors, Width};
 
-type Floats<S, const W: usize> = <Lanes as Vectors<W>>::Floats<S>;
+type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
 type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 
 /// The keys of those children that the ray enters before `t_max` (see [`crate::simd::order`]),
@@ -22,7 +22,7 @@ pub fn intersect_children<S: Simd, const W: usize>(
     t_max: f32,
 ) -> ([u32; W], u32)
 where
-    Lanes: Vectors<W>,
+    Width: Vectors<W>,
 {
     let slab = &prepared.slab;
     let distance = |axis: usize, side: usize, inverse: f32| {

@@ -20,7 +20,7 @@ use crate::accel::{
 };
 use crate::geom::BlockRef;
 use crate::simd::order::key_limit;
-use crate::simd::{Lanes, Vectors};
+use crate::simd::{Vectors, Width};
 
 /// A hierarchy of width `W`.
 pub struct WideBvh<const W: usize> {
@@ -52,7 +52,7 @@ pub struct Scratch<const W: usize> {
 
 impl<const W: usize> WideBvh<W>
 where
-    Lanes: Vectors<W>,
+    Width: Vectors<W>,
 {
     /// Builds the tree, binary first or in one pass, and says how long each phase took.
     pub fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
@@ -162,7 +162,7 @@ where
         fetched: &mut Fetched<W>,
     ) -> ControlFlow<()> {
         let block = self.visit_leaf(stripes, link, fetched, context.counters);
-        context.test_block::<<Lanes as Vectors<W>>::Floats<S>, W>(block)
+        context.test_block::<<Width as Vectors<W>>::Floats<S>, W>(block)
     }
 
     /// Tests all triangles: for the few rays that boxes of parts are not good for.
@@ -231,7 +231,7 @@ where
 
 impl<const W: usize> Structure for WideBvh<W>
 where
-    Lanes: Vectors<W>,
+    Width: Vectors<W>,
 {
     type Scratch = Scratch<W>;
 
