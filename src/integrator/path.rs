@@ -125,7 +125,12 @@ impl<'w> PathTracer<'w> {
         Step { shadow, next }
     }
 
-    fn plays_roulette(&self, depth: u32) -> bool {
+    /// Whether paths go on beyond the end of segment number `depth`.
+    pub fn goes_beyond(&self, depth: u32) -> bool {
+        depth < self.transport.max_depth
+    }
+
+    pub(super) fn plays_roulette(&self, depth: u32) -> bool {
         self.transport.roulette_depth.is_some_and(|from| depth >= from)
     }
 }

@@ -15,10 +15,12 @@ use fearless_simd::Level;
 
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::geom::Shaft;
-use crate::integrator::{Path, PathSample, PathTracer};
-use crate::math::{Ray, Vec3};
-use crate::simd::vectorized;
-use crate::world::AlphaFilter;
+use crate::integrator::{Path, PathSample, PathTracer, ShadowRays, Vertices, shade_in_lanes};
+use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes};
+use crate::math::{InstanceId, Ray, Vec3};
+use crate::simd::lanes::Lanes;
+use crate::simd::{in_lanes, vectorized};
+use crate::world::{AlphaFilter, BsdfClass};
 
 /// How many rays were shot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,8 +55,12 @@ pub(super) struct Stream<'w> {
     rays: Vec<Ray>,
     hits: Vec<ClosestHit>,
     paths: Vec<Path>,
-    shadow_rays: Vec<Ray>,
-    shadow_ends: Vec<ShadowEnd>,
+    /// The triangles that were hit, and whether each path goes on.
+    triangles: Vec<(InstanceId, usize)>,
+    alive: Vec<bool>,
+    /// The paths to be shaded together, by class, in order; [`BsdfClass::Other`] first.
+    classes: [Vec<u32>; 3],
+    shadow_rays: ShadowRays,
     blocked: Vec<AnyHit>,
     /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
     keys: Vec<u64>,
@@ -67,14 +73,6 @@ pub(super) struct Stream<'w> {
     /// The raster of pixels whose rays these are, until they have been traced.
     grid: Option<(u32, u32)>,
     counts: RayCounts,
-}
-
-/// What becomes of a shadow ray.
-#[derive(Clone, Copy)]
-struct ShadowEnd {
-    slot: u32,
-    /// Added to the slot's radiance if the ray is free.
-    radiance: Vec3,
 }
 
 impl<'w> Stream<'w> {
@@ -92,8 +90,10 @@ impl<'w> Stream<'w> {
             rays: Vec::new(),
             hits: Vec::new(),
             paths: Vec::new(),
-            shadow_rays: Vec::new(),
-            shadow_ends: Vec::new(),
+            triangles: Vec::new(),
+            alive: Vec::new(),
+            classes: Default::default(),
+            shadow_rays: ShadowRays::default(),
             blocked: Vec::new(),
             keys: Vec::new(),
             samples: Vec::new(),
@@ -161,8 +161,8 @@ impl<'w> Stream<'w> {
     /// Advances all paths by one segment.
     fn bounce(&mut self, depth: u32) {
         self.trace_paths(depth);
-        vectorized!(self.level, _simd => self.shade(depth));
-        self.trace_shadow_rays();
+        self.shade(depth);
+        self.trace_shadow_rays(depth);
     }
 
     /// Finds what all current rays hit.
@@ -185,32 +185,85 @@ impl<'w> Stream<'w> {
     }
 
     /// Lets every path scatter; those that go on move up to the front, in order.
-    #[inline(always)]
     fn shade(&mut self, depth: u32) {
-        let see_through = self.integrator.world().is_see_through();
         self.shadow_rays.clear();
-        self.shadow_ends.clear();
-        self.keys.clear();
+        self.alive.clear();
+        self.alive.resize(self.paths.len(), false);
+        self.sort_by_class(depth);
+        in_lanes!(self.level, lanes => {
+            self.shade_class::<_, LambertLanes<_>>(lanes, BsdfClass::Lambert, depth);
+            self.shade_class::<_, MetallicRoughnessLanes<_>>(
+                lanes,
+                BsdfClass::MetallicRoughness,
+                depth,
+            );
+        });
+        vectorized!(self.level, _simd => self.shade_others(depth));
+        self.close_ranks(depth);
+    }
+
+    /// Lists the paths that can be shaded together.
+    fn sort_by_class(&mut self, depth: u32) {
+        self.classes.iter_mut().for_each(Vec::clear);
+        self.triangles.clear();
+        let world = self.integrator.world();
+        let goes_on = self.integrator.goes_beyond(depth);
+        for (i, (hit, path)) in self.hits.iter().zip(&self.paths).enumerate() {
+            let (mut class, mut triangle) = (BsdfClass::Other, (InstanceId::from_index(0), 0));
+            if goes_on && hit.is_hit() && path.is_in_air() {
+                let (instance, index, found) = world.classify(hit);
+                (class, triangle) = (found, (instance, index));
+            }
+            self.triangles.push(triangle);
+            self.classes[class as usize].push(i as u32);
+        }
+    }
+
+    /// Shades the paths of a class, many at once.
+    #[inline(always)]
+    fn shade_class<L: Lanes, B: BsdfLanes<L>>(&mut self, lanes: L, class: BsdfClass, depth: u32) {
+        let (others, classes) = self.classes.split_first_mut().expect("three classes");
+        let order = &classes[class as usize - 1];
+        let vertices = &mut Vertices {
+            rays: &mut self.rays,
+            hits: &self.hits,
+            triangles: &self.triangles,
+            paths: &mut self.paths,
+            alive: &mut self.alive,
+            samples: &mut self.samples,
+            shadow_rays: &mut self.shadow_rays,
+        };
+        shade_in_lanes::<L, B>(&self.integrator, lanes, depth, order, vertices, others);
+    }
+
+    /// Shades all other paths, one by one.
+    #[inline(always)]
+    fn shade_others(&mut self, depth: u32) {
+        for &i in &self.classes[BsdfClass::Other as usize] {
+            let i = i as usize;
+            let (path, ray) = (&mut self.paths[i], self.rays[i]);
+            let sample = &mut self.samples[path.slot as usize];
+            let step = self.integrator.advance(depth, path, &ray, &self.hits[i], sample);
+            if let Some(shadow) = step.shadow {
+                self.shadow_rays.push(path, shadow);
+            }
+            if let Some(next) = step.next {
+                self.rays[i] = next;
+                self.alive[i] = true;
+            }
+        }
+    }
+
+    /// Moves the paths that go on up to the front, in order.
+    fn close_ranks(&mut self, depth: u32) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let (mut path, ray) = (self.paths[i], self.rays[i]);
-            let slot = path.slot as usize;
-            let sample = &mut self.samples[slot];
-            let step = self.integrator.advance(depth, &mut path, &ray, &self.hits[i], sample);
-            if let Some(shadow) = step.shadow {
-                self.shadow_rays.push(shadow.ray);
-                self.shadow_ends.push(ShadowEnd { slot: path.slot, radiance: shadow.radiance });
-                if see_through {
-                    self.keys.push(ray_key(path.key, 2 * depth + 1));
-                }
-            }
-            match step.next {
-                Some(next) => {
-                    self.paths[kept] = path;
-                    self.rays[kept] = next;
-                    kept += 1;
-                }
-                None => self.segments[slot] = depth,
+            if self.alive[i] {
+                self.paths[kept] = self.paths[i];
+                self.rays[kept] = self.rays[i];
+                kept += 1;
+            } else {
+                self.segments[self.paths[i].slot as usize] = depth;
             }
         }
         self.paths.truncate(kept);
@@ -218,16 +271,20 @@ impl<'w> Stream<'w> {
     }
 
     /// Traces the shadow rays and adds the light of those that nothing blocks.
-    fn trace_shadow_rays(&mut self) {
+    fn trace_shadow_rays(&mut self, depth: u32) {
         let world = self.integrator.world();
+        let ShadowRays { rays, ends, keys } = &mut self.shadow_rays;
         self.blocked.clear();
-        self.blocked.resize(self.shadow_rays.len(), AnyHit(false));
-        let filter = AlphaFilter::new(world, &self.keys);
+        self.blocked.resize(rays.len(), AnyHit(false));
+        for key in keys.iter_mut() {
+            *key = ray_key(*key, 2 * depth + 1);
+        }
+        let filter = AlphaFilter::new(world, keys);
         let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let batch = Batch::new(&self.shadow_rays).with_filter(filter);
+        let batch = Batch::new(rays).with_filter(filter);
         self.tracer.any_hits(&batch, &mut self.blocked);
-        self.counts.shadow += self.shadow_rays.len() as u64;
-        for (end, blocked) in self.shadow_ends.iter().zip(&self.blocked) {
+        self.counts.shadow += rays.len() as u64;
+        for (end, blocked) in ends.iter().zip(&self.blocked) {
             if !blocked.0 {
                 self.samples[end.slot as usize].radiance += end.radiance;
             }

@@ -9,6 +9,7 @@
 //! Data comes as rows of four numbers, since a row is one load: [`Lanes::columns`] turns the rows of
 //! all lanes into four columns, one number a lane each.
 
+mod frame;
 mod scalar;
 #[cfg(test)]
 mod tests;
@@ -17,6 +18,7 @@ mod wide;
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
+pub use frame::FrameLanes;
 pub use scalar::Scalar;
 pub use vec3f::Vec3f;
 pub use wide::{Lanes4, Lanes8, Lanes16};
