@@ -2,8 +2,8 @@
 //!
 //! The steps of [`PathTracer::advance`] in the same order, for paths in air that have met surfaces
 //! of one class: such neither emit nor let light pass, and scatter by one BSDF. Arithmetic is done
-//! for all lanes at once and has the bits of `advance`; a test holds it to that. Paths that turn out
-//! to need more are left to `advance`.
+//! for all lanes at once and has the bits of `advance`; a test holds it to that. Paths that turn
+//! out to need more are left to `advance`.
 
 use super::dimensions::first_dimension;
 use super::path::PathTracer;
@@ -59,8 +59,8 @@ struct VertexLanes<L: Lanes> {
 }
 
 /// Takes paths across the vertices at the ends of their segments number `depth`, as
-/// [`PathTracer::advance`] does: those listed in `order`, which are of one class. Those that are left
-/// to be advanced one by one are added to `rest`.
+/// [`PathTracer::advance`] does: those listed in `order`, which are of one class. Those that are
+/// left to be advanced one by one are added to `rest`.
 #[inline(always)]
 pub fn shade_in_lanes<L: Lanes, B: BsdfLanes<L>>(
     integrator: &PathTracer<'_>,
@@ -188,8 +188,8 @@ impl<L: Lanes> VertexLanes<L> {
         lost
     }
 
-    /// Where light that goes on in a direction stays on the viewer's side, or crosses a surface that
-    /// its shading normal has it cross too; see [`super::crossing::classify_crossing`].
+    /// Where light that goes on in a direction stays on the viewer's side, or crosses a surface
+    /// that its shading normal has it cross too; see [`super::crossing::classify_crossing`].
     #[inline(always)]
     fn stays_on_its_side(&self, lanes: L, direction: Vec3f<L>, wi: Vec3f<L>) -> L::Mask {
         let zero = lanes.float(0.0);

@@ -130,8 +130,8 @@ macro_rules! vectorized {
     }};
 }
 
-/// Runs `$op` compiled for the instruction set of `$level`, with `$lanes` as the numbers that it has
-/// side by side: as many as its vectors hold.
+/// Runs `$op` compiled for the instruction set of `$level`, with `$lanes` as the numbers that it
+/// has side by side: as many as its vectors hold.
 macro_rules! in_lanes {
     ($level:expr, $lanes:ident => $op:expr) => {{
         #[allow(unused_imports)]

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::super::form::BsdfForm;
 use super::super::lambert::Lambert;
-use super::{BSDF_ROWS, BsdfLanes, BsdfRows, BsdfSamples, is_above, or_zero};
+use super::bsdf::{BSDF_ROWS, BsdfLanes, BsdfRows, BsdfSamples, is_above, or_zero};
 use crate::sampling::warp;
 use crate::simd::lanes::{Float, Lanes, Rows, Vec3f};
 

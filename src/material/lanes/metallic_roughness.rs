@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use super::super::energy::Albedos;
 use super::super::form::BsdfForm;
 use super::super::metallic_roughness::{MIN_SPECULAR_PROBABILITY, MetallicRoughness};
-use super::{BSDF_ROWS, BsdfLanes, BsdfSamples, is_above, or_zero};
+use super::bsdf::{BSDF_ROWS, BsdfLanes, BsdfSamples, is_above, or_zero};
 use crate::sampling::warp;
 use crate::simd::lanes::{Float, Lanes, Mask, Rows, Uint, Vec3f};
 
@@ -125,7 +125,7 @@ impl<L: Lanes> MetallicRoughnessLanes<L> {
 
 impl MetallicRoughness {
     /// For [`MetallicRoughnessLanes`].
-    pub(crate) fn rows(&self) -> super::BsdfRows {
+    pub(crate) fn rows(&self) -> super::bsdf::BsdfRows {
         let row = |v: crate::math::Vec3, w: f32| [v.x, v.y, v.z, w];
         [
             row(self.diffuse, self.f90),

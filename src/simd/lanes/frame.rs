@@ -1,6 +1,7 @@
 //! Orthonormal frames, one a lane.
 
-use super::{Float, Lanes, Vec3f};
+use super::traits::{Float, Lanes};
+use super::vec3f::Vec3f;
 
 /// A right-handed orthonormal frame in each lane; with one lane it has the bits of
 /// [`crate::math::Frame`].

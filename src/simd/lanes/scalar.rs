@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use super::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
+use super::traits::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
 
 /// One number.
 #[derive(Clone, Copy, Debug, PartialEq)]

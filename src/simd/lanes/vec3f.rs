@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Float, Lanes, Mask, Scalar, Uint};
+use super::scalar::Scalar;
+use super::traits::{Float, Lanes, Mask, Uint};
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use fearless_simd::{
     i32x8, i32x16, mask32x4, mask32x8, mask32x16, u32x4, u32x8, u32x16,
 };
 
-use super::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
+use super::traits::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
 
 macro_rules! lanes {
     ($name:ident $width:literal $float:ident $int:ident $uint:ident $mask:ident) => {
