@@ -42,7 +42,7 @@ pub struct BsdfSamples<L: Lanes> {
 
 /// See [`super::super::sample::is_above`].
 #[inline(always)]
-fn is_above<L: Lanes>(lanes: L, cos: L::Float) -> L::Mask {
+pub(super) fn is_above<L: Lanes>(lanes: L, cos: L::Float) -> L::Mask {
     cos.gt(lanes.float(1e-7))
 }
 
