@@ -13,6 +13,7 @@ use std::time::Instant;
 
 use fearless_simd::Level;
 
+use super::breakdown::{Breakdown, Stage};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::geom::Shaft;
 use crate::integrator::{Path, PathSample, PathTracer, ShadowRays, Vertices, shade_in_lanes};
@@ -73,6 +74,7 @@ pub(super) struct Stream<'w> {
     /// The raster of pixels whose rays these are, until they have been traced.
     grid: Option<(u32, u32)>,
     counts: RayCounts,
+    breakdown: Breakdown,
 }
 
 impl<'w> Stream<'w> {
@@ -101,13 +103,16 @@ impl<'w> Stream<'w> {
             shares: Vec::new(),
             grid: None,
             counts: RayCounts::default(),
+            breakdown: Breakdown::default(),
         }
     }
 
     /// Follows paths to their ends; the slots of `starts` count from 0. They start from the pixels
     /// of a raster of width and height `grid`, each pixel's paths one after the other.
     pub fn run(&mut self, starts: impl Iterator<Item = (Ray, Path)>, grid: (u32, u32)) {
+        let start = Instant::now();
         vectorized!(self.level, _simd => self.begin(starts));
+        self.breakdown.add_since(Stage::Start, start);
         self.segments.clear();
         self.segments.resize(self.samples.len(), 0);
         self.shares.clear();
@@ -158,11 +163,19 @@ impl<'w> Stream<'w> {
         self.counts
     }
 
+    /// Where the time went so far.
+    pub fn breakdown(&mut self) -> &mut Breakdown {
+        &mut self.breakdown
+    }
+
     /// Advances all paths by one segment.
     fn bounce(&mut self, depth: u32) {
+        let start = Instant::now();
         self.trace_paths(depth);
-        self.shade(depth);
+        let start = self.breakdown.add_since(Stage::ClosestHits, start);
+        let start = self.shade(depth, start);
         self.trace_shadow_rays(depth);
+        self.breakdown.add_since(Stage::ShadowRays, start);
     }
 
     /// Finds what all current rays hit.
@@ -184,22 +197,26 @@ impl<'w> Stream<'w> {
         self.counts.closest += self.rays.len() as u64;
     }
 
-    /// Lets every path scatter; those that go on move up to the front, in order.
-    fn shade(&mut self, depth: u32) {
+    /// Lets every path scatter; those that go on move up to the front, in order. Returns the time.
+    fn shade(&mut self, depth: u32, start: Instant) -> Instant {
         self.shadow_rays.clear();
         self.alive.clear();
         self.alive.resize(self.paths.len(), false);
         self.sort_by_class(depth);
+        let start = self.breakdown.add_since(Stage::Sort, start);
         in_lanes!(self.level, lanes => {
             self.shade_class::<_, LambertLanes<_>>(lanes, BsdfClass::Lambert, depth);
-            self.shade_class::<_, MetallicRoughnessLanes<_>>(
-                lanes,
-                BsdfClass::MetallicRoughness,
-                depth,
-            );
         });
+        let start = self.breakdown.add_since(Stage::Lambert, start);
+        in_lanes!(self.level, lanes => {
+            let class = BsdfClass::MetallicRoughness;
+            self.shade_class::<_, MetallicRoughnessLanes<_>>(lanes, class, depth);
+        });
+        let start = self.breakdown.add_since(Stage::MetallicRoughness, start);
         vectorized!(self.level, _simd => self.shade_others(depth));
+        let start = self.breakdown.add_since(Stage::Others, start);
         self.close_ranks(depth);
+        self.breakdown.add_since(Stage::Sort, start)
     }
 
     /// Lists the paths that can be shaded together.

@@ -1,5 +1,8 @@
 //! A rectangle of pixels and the sums of their samples.
 
+use std::time::Instant;
+
+use super::breakdown::Stage;
 use super::settings::Settings;
 use super::stream::Stream;
 use crate::camera::CameraRays;
@@ -150,6 +153,7 @@ impl Tile {
             settings.start(camera, x, y, first + u64::from(slot % count), slot)
         });
         stream.run(starts, (self.width, self.height));
+        let start = Instant::now();
         for pixel in 0..self.width * self.height {
             let (x, y) = place(pixel);
             let sums = &mut self.pixels[pixel as usize];
@@ -167,6 +171,7 @@ impl Tile {
             }
             sums.sums.shrink(); // there are millions of them
         }
+        stream.breakdown().add_since(Stage::Film, start);
         self.lost.sort_unstable();
         self.lost.truncate(LISTED);
         self.next = end;
