@@ -134,7 +134,7 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
         let u_light = sampler.set(lanes, first_dimension(depth) + 4);
         vertex.sample_direct(integrator, lanes, &bsdf, u_light, block, vertices)
     };
-    vertex.live = live & !lanes_of_bits(lanes, lost);
+    vertex.live = live & !lanes.mask(lost);
     if depth == 1 {
         vertex.describe_first_hits(lanes, bsdf.albedo(lanes), block, vertices);
     }
@@ -174,13 +174,19 @@ impl<L: Lanes> VertexLanes<L> {
         let asks = (self.live & asks).to_bits() & !lost;
         if asks != 0 {
             let zero = lanes.float(0.0);
+            let usable = are_usable(lanes, light.origin, light.segment).to_bits();
             let [mut origins, mut segments, mut radiances] = [Rows::default(); 3];
             lanes.rows(light.origin.columns(zero), &mut origins);
             lanes.rows(light.segment.columns(light.t_max), &mut segments);
             lanes.rows(radiance.columns(zero), &mut radiances);
             for_each_lane(asks, |lane| {
                 let ([x, y, z, t_max], path) = (segments[lane], block[lane] as usize);
-                let ray = Ray::new(vec3(origins[lane]), Vec3::new(x, y, z), 0.0, t_max);
+                let segment = Vec3::new(x, y, z);
+                let ray = if usable >> lane & 1 == 1 {
+                    Ray::usable(vec3(origins[lane]), segment, t_max)
+                } else {
+                    Ray::MISS
+                };
                 let shadow = ShadowRay { ray, radiance: vec3(radiances[lane]) };
                 vertices.shadow_rays.push(&vertices.paths[path], shadow);
             });
@@ -222,11 +228,14 @@ impl<L: Lanes> VertexLanes<L> {
             let brightest = y.most(z).most(x);
             let survival = (brightest * self.eta_squared).least(lanes.float(0.95));
             goes_on = goes_on & u_roulette.lt(survival);
-            throughput = throughput.map(|x| x / survival);
+            throughput = throughput.divide(survival);
         }
         goes_on = goes_on & !throughput.is_zero();
 
         let origin = surface.offset_origin(lanes, direction);
+        let usable = are_usable(lanes, origin, direction);
+        let lost = lost | (goes_on & !usable);
+        goes_on = goes_on & usable;
         let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
         let [mut origins, mut directions, mut throughputs, mut positions, mut normals] =
             [Rows::default(); 5];
@@ -237,14 +246,9 @@ impl<L: Lanes> VertexLanes<L> {
         lanes.rows(normal.columns(zero), &mut normals);
         for_each_lane(goes_on.to_bits(), |lane| {
             let i = block[lane] as usize;
-            let direction = vec3(directions[lane]);
-            let next = Ray::new(vec3(origins[lane]), direction, 0.0, f32::INFINITY);
+            let (origin, direction) = (vec3(origins[lane]), vec3(directions[lane]));
+            let next = Ray::usable(origin, direction, f32::INFINITY);
             let path = &mut vertices.paths[i];
-            if next == Ray::MISS {
-                // To be counted and left out, not hidden.
-                vertices.samples[path.slot as usize].radiance = Vec3::NAN;
-                return;
-            }
             path.throughput = vec3(throughputs[lane]);
             path.pdf = throughputs[lane][3];
             let (position, normal) = (vec3(positions[lane]), vec3(normals[lane]));
@@ -252,6 +256,7 @@ impl<L: Lanes> VertexLanes<L> {
             vertices.rays[i] = next;
             vertices.alive[i] = true;
         });
+        // To be counted and left out, not hidden.
         for_each_lane(lost.to_bits(), |lane| {
             let path = &vertices.paths[block[lane] as usize];
             vertices.samples[path.slot as usize].radiance = Vec3::NAN;
@@ -286,13 +291,16 @@ impl<L: Lanes> VertexLanes<L> {
     }
 }
 
-/// The lanes whose bits are set.
+/// Where rays can be traced; see [`Ray::new`].
 #[inline(always)]
-fn lanes_of_bits<L: Lanes>(lanes: L, bits: u32) -> L::Mask {
-    // Rare, and so the plain way: one lane after the other.
-    let mut mask = lanes.first(0);
-    for_each_lane(bits, |lane| mask = mask | (lanes.first(lane + 1) & !lanes.first(lane)));
-    mask
+fn are_usable<L: Lanes>(lanes: L, origin: Vec3f<L>, direction: Vec3f<L>) -> L::Mask {
+    let Vec3f { x, y, z } = direction.abs();
+    let longest = x.most(y).most(z);
+    let [least, most] = Ray::DIRECTION_RANGE;
+    origin.is_finite(lanes)
+        & direction.is_finite(lanes)
+        & lanes.float(least).le(longest)
+        & longest.le(lanes.float(most))
 }
 
 /// Calls `f` with the number of each bit that is set, the lowest first.

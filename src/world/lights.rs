@@ -39,6 +39,8 @@ pub(super) struct Emitter {
 /// What a triangle emits at all of its points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EvenEmission {
+    /// In the world.
+    pub corners: [Vec3; 3],
     pub radiance: Vec3,
     pub both_sides: bool,
 }
@@ -79,16 +81,18 @@ impl Lights {
             let is_even = material.emissive_texture.is_none()
                 && !material.unlit
                 && material.alpha_mode == AlphaMode::Opaque;
-            let even = is_even.then_some(EvenEmission {
-                radiance: material.emissive,
-                both_sides: material.double_sided,
-            });
             for number in 0..mesh.indices.len() {
                 let id = TriangleId(first.0 + number as u32);
                 let area = 0.5 * triangles.triangle(id).double_area().length();
                 let radiance = mean_emission(scene, triangles, id);
                 weights.push(weight(PI * area * sides * radiance));
                 let instance = InstanceId::from_index(index);
+                let triangle = triangles.triangle(id);
+                let even = is_even.then_some(EvenEmission {
+                    corners: [triangle.a, triangle.b, triangle.c],
+                    radiance: material.emissive,
+                    both_sides: material.double_sided,
+                });
                 emitters.push(Emitter { instance, index: number as u32, even });
             }
         }

@@ -51,13 +51,8 @@ impl<L: Lanes> AlbedoLanes<L> {
     /// The table's albedo between two rows and two columns.
     #[inline(always)]
     fn look_up(lanes: L, row: L::Float, cos: L::Float) -> Self {
-        const LAST: u32 = Albedos::SIDE as u32 - 2;
-        let locate = |x: L::Float| {
-            let index = x.to_int().min(lanes.uint(LAST));
-            (index, (x - index.to_float()).least(lanes.float(1.0)))
-        };
-        let (i, row_t) = locate(row);
-        let (j, t) = locate(cos.sqrt() * (Albedos::SIDE - 1) as f32);
+        let (i, row_t) = locate(lanes, row);
+        let (j, t) = locate(lanes, cos.sqrt() * (Albedos::SIDE - 1) as f32);
         let (mut below, mut above) = (Rows::default(), Rows::default());
         let mut places = [0; crate::simd::lanes::MAX_LANES];
         (i * Albedos::SIDE as u32 + j).store(&mut places);
@@ -65,14 +60,26 @@ impl<L: Lanes> AlbedoLanes<L> {
         for lane in 0..L::WIDTH {
             (below[lane], above[lane]) = table.corners(places[lane] as usize);
         }
-        let mix = |a: L::Float, b: L::Float, t: L::Float| a + (b - a) * t;
         let [a, b, c, d] = lanes.columns(&below);
         let [e, f, g, h] = lanes.columns(&above);
         Self {
-            f0: mix(mix(a, c, t), mix(e, g, t), row_t),
-            f90: mix(mix(b, d, t), mix(f, h, t), row_t),
+            f0: mix::<L>(mix::<L>(a, c, t), mix::<L>(e, g, t), row_t),
+            f90: mix::<L>(mix::<L>(b, d, t), mix::<L>(f, h, t), row_t),
         }
     }
+}
+
+/// See [`super::super::energy::locate_cell`].
+#[inline(always)]
+fn locate<L: Lanes>(lanes: L, x: L::Float) -> (L::Uint, L::Float) {
+    let index = x.to_int().min(lanes.uint(Albedos::SIDE as u32 - 2));
+    (index, (x - index.to_float()).least(lanes.float(1.0)))
+}
+
+/// Linear interpolation.
+#[inline(always)]
+fn mix<L: Lanes>(a: L::Float, b: L::Float, t: L::Float) -> L::Float {
+    a + (b - a) * t
 }
 
 impl<L: Lanes> MetallicRoughnessLanes<L> {
@@ -95,9 +102,15 @@ impl<L: Lanes> MetallicRoughnessLanes<L> {
         let weight = schlick_weight(lanes, wo.dot(h));
         let lobe = LobeLanes::new(lanes, h, wo.z, wi.z, self.alpha);
         let smooth = self.smooth(lanes, weight, wi.z);
-        let fresnel = self.f0.map(|f0| f0 + (self.f90 - f0) * weight);
-        let value = smooth
-            .zip(fresnel, |smooth, fresnel| (smooth * FRAC_1_PI + fresnel * lobe.reflected) * wi.z);
+        let fresnel = self.f0.map(
+            #[inline(always)]
+            |f0| f0 + (self.f90 - f0) * weight,
+        );
+        let smooth = smooth.map(
+            #[inline(always)]
+            |x| x * FRAC_1_PI,
+        );
+        let value = (smooth + fresnel.scale(lobe.reflected)).scale(wi.z);
         let choice = self.specular;
         let pdf = choice * lobe.visible * 0.5 + (one - choice) * wi.z * FRAC_1_PI;
         (value, pdf)
@@ -114,8 +127,9 @@ impl<L: Lanes> MetallicRoughnessLanes<L> {
             }
             BsdfForm::Conserving => {
                 let towards = AlbedoLanes::look_up(lanes, self.row, cos);
-                let through = |albedo: AlbedoLanes<L>| one - albedo.of(self.coat_f0, self.coat_f90);
-                let below = through(self.view) * through(towards) * self.coat_scale;
+                let view_passes = one - self.view.of(self.coat_f0, self.coat_f90);
+                let passes = one - towards.of(self.coat_f0, self.coat_f90);
+                let below = view_passes * passes * self.coat_scale;
                 let again = self.view.loss(lanes) * towards.loss(lanes) * self.multiple_scale;
                 self.diffuse.scale(below) + self.multiple.scale(again)
             }
@@ -186,7 +200,7 @@ impl<L: Lanes> BsdfLanes<L> for MetallicRoughnessLanes<L> {
         let (value, pdf) = self.evaluate(lanes, wo, wi, h);
         BsdfSamples {
             wi: wi.flip(side),
-            weight: value.map(|value| value / pdf),
+            weight: value.divide(pdf),
             pdf,
             valid: is_above(lanes, wo.z) & is_above(lanes, wi.z) & pdf.gt(lanes.float(0.0)),
         }

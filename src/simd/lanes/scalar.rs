@@ -34,8 +34,8 @@ impl Lanes for Scalar {
     }
 
     #[inline(always)]
-    fn first(self, count: usize) -> bool {
-        count > 0
+    fn mask(self, bits: u32) -> bool {
+        bits & 1 != 0
     }
 
     #[inline(always)]

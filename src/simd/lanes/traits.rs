@@ -28,8 +28,14 @@ pub trait Lanes: Copy {
     /// The first numbers of a slice, one a lane.
     fn load(self, x: &[f32; MAX_LANES]) -> Self::Float;
 
+    /// True where the lane's bit is set, the first lane's lowest.
+    fn mask(self, bits: u32) -> Self::Mask;
+
     /// The lanes before lane number `count`.
-    fn first(self, count: usize) -> Self::Mask;
+    #[inline(always)]
+    fn first(self, count: usize) -> Self::Mask {
+        self.mask(((1_u64 << count) - 1) as u32)
+    }
 
     /// Rows of four a lane, as four columns.
     fn columns(self, rows: &Rows) -> [Self::Float; 4];

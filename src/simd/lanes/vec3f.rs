@@ -41,13 +41,20 @@ impl<L: Lanes> Vec3f<L> {
         [self.x, self.y, self.z, w]
     }
 
-    /// Each coordinate by itself.
+    /// Each coordinate by itself. The closure must be `#[inline(always)]` where it stands in the
+    /// call.
     #[inline(always)]
     pub fn map(self, mut f: impl FnMut(L::Float) -> L::Float) -> Self {
         Self { x: f(self.x), y: f(self.y), z: f(self.z) }
     }
 
-    /// The coordinates of two vectors, pair by pair.
+    /// Divided by a number a lane.
+    #[inline(always)]
+    pub fn divide(self, by: L::Float) -> Self {
+        Self { x: self.x / by, y: self.y / by, z: self.z / by }
+    }
+
+    /// The coordinates of two vectors, pair by pair; see [`Vec3f::map`].
     #[inline(always)]
     pub fn zip(self, other: Self, mut f: impl FnMut(L::Float, L::Float) -> L::Float) -> Self {
         Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }

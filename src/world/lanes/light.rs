@@ -5,7 +5,7 @@ use super::super::lights::{ChosenLight, Emitter};
 use super::surface::{SurfaceLanes, offset_origin, triangle_point};
 use crate::light::LightSampleContext;
 use crate::sampling::warp;
-use crate::simd::lanes::{Float, Lanes, MAX_LANES, Mask, Rows, Vec3f};
+use crate::simd::lanes::{Float, Lanes, Mask, Rows, Vec3f};
 
 /// A light chosen for each lane, and a direction to it; see [`super::super::LightSample`]. None
 /// without extent is among them.
@@ -55,11 +55,7 @@ impl World {
         let rows = self.choose_in_lanes(lanes, surface, u_light);
         let mut samples = sample_triangles(lanes, surface, &rows, u, self.slack);
         if rows.environment != 0 {
-            let mut mask = [0.0; MAX_LANES];
-            for (lane, value) in mask.iter_mut().enumerate() {
-                *value = (rows.environment >> lane & 1) as f32;
-            }
-            let mask = lanes.load(&mask).gt(lanes.float(0.0));
+            let mask = lanes.mask(rows.environment);
             let [_, _, _, pmf] = lanes.columns(&rows.corners[0]);
             let far = self.sample_environment_in_lanes(lanes, surface, pmf, u);
             samples = LightSamples::select(mask, &far, &samples);
@@ -101,11 +97,9 @@ impl LightRows {
     fn fetch(&mut self, lane: usize, world: &World, light: ChosenLight, pmf: f32) {
         let bit = 1 << lane;
         match light {
-            ChosenLight::Emitter(Emitter { instance, index, even: Some(even) }) => {
-                let triangle = world.triangles.of(instance, index as usize);
+            ChosenLight::Emitter(Emitter { even: Some(even), .. }) => {
                 let last = [pmf, f32::from(even.both_sides), 0.0];
-                let corners = [triangle.a, triangle.b, triangle.c];
-                for (rows, (p, w)) in self.corners.iter_mut().zip(corners.into_iter().zip(last)) {
+                for (rows, (p, w)) in self.corners.iter_mut().zip(even.corners.iter().zip(last)) {
                     rows[lane] = [p.x, p.y, p.z, w];
                 }
                 let radiance = even.radiance;
@@ -156,7 +150,8 @@ fn sample_triangles<L: Lanes>(
     let double_area = (b - a).cross(c - a);
     let length = double_area.dot(double_area).sqrt();
     let has_area = length.gt(zero);
-    let normal = double_area.map(|x| has_area.select(x / length, zero));
+    let flat = Vec3f::splat(zero);
+    let normal = Vec3f::select(has_area, double_area.divide(length), flat);
     let area = length * 0.5;
     let uv = warp::triangle_in_lanes::<L>(u);
     let (point, error) = triangle_point(lanes, [a, b, c], uv, slack);

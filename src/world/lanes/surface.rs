@@ -88,13 +88,15 @@ impl<L: Lanes> SurfaceLanes<L> {
     pub fn new(lanes: L, rows: &SurfaceRows, direction: Vec3f<L>, slack: f32) -> Self {
         let (zero, one) = (lanes.float(0.0), lanes.float(1.0));
         let [t, u, v, _] = lanes.columns(&rows.hit);
-        let [a, b, c] = [0, 1, 2].map(|i| Vec3f::<L>::of_columns(lanes.columns(&rows.corners[i])));
+        let a = Vec3f::<L>::of_columns(lanes.columns(&rows.corners[0]));
+        let b = Vec3f::<L>::of_columns(lanes.columns(&rows.corners[1]));
+        let c = Vec3f::<L>::of_columns(lanes.columns(&rows.corners[2]));
         let (position, position_error) = triangle_point(lanes, [a, b, c], [u, v], slack);
 
         let double_area = (b - a).cross(c - a);
         let length2 = double_area.dot(double_area);
         let length = length2.sqrt();
-        let normal = double_area.map(|x| x / length);
+        let normal = double_area.divide(length);
         let smooth = Vec3f::<L>::of_columns(lanes.columns(&rows.normal));
         let inverse = one / smooth.dot(smooth).sqrt();
         let usable = inverse.lt(lanes.float(f32::INFINITY)) & inverse.gt(zero);
@@ -127,7 +129,11 @@ pub fn triangle_point<L: Lanes>(
     slack: f32,
 ) -> (Vec3f<L>, Vec3f<L>) {
     let (a, b, c) = (a.scale(lanes.float(1.0) - u - v), b.scale(u), c.scale(v));
-    let error = (a.abs() + b.abs() + c.abs()).map(|x| x * GAMMA_7 + slack);
+    let size = a.abs() + b.abs() + c.abs();
+    let error = size.map(
+        #[inline(always)]
+        |x| x * GAMMA_7 + slack,
+    );
     (a + b + c, error)
 }
 
@@ -144,7 +150,11 @@ pub fn offset_origin<L: Lanes>(
     let distance = normal.abs().dot(error);
     let side = Vec3f::select(towards.dot(normal).lt(zero), -normal, normal);
     let moved = point + side.scale(distance);
-    moved.zip(side, |value, way| round_outward(lanes, value, way))
+    moved.zip(
+        side,
+        #[inline(always)]
+        |value, way| round_outward(lanes, value, way),
+    )
 }
 
 /// The next number on the side of `way`, which itself is any number of that sign, or zero: then
