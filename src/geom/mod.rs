@@ -8,6 +8,7 @@
 //! | [`bundle`] | bundles of eight rays: the slab test and the filter |
 //! | [`slab`] | the slab test, and why culling by it is exact |
 //! | [`shaft`] | regions that hold rays, to cull boxes for all of them at once |
+//! | `usable` | which rays can be traced, in lanes |
 //! | `clip` | the part of a triangle in a box, for builders |
 //! | `mesh`, `tangents`, `source` | meshes, their tangents, triangles in world space |
 
@@ -22,6 +23,7 @@ pub mod shaft;
 pub mod slab;
 mod source;
 mod tangents;
+mod usable;
 
 pub use block::{BlockRef, TriangleBlock};
 pub use bundle::{FilterTriangle, RayBundle};
@@ -34,3 +36,4 @@ pub use shaft::Shaft;
 pub use slab::{SlabRay, own_box};
 pub use source::{Corners, Triangle, TriangleList, TriangleSource};
 pub use tangents::add_tangents;
+pub use usable::are_usable;

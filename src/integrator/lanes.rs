@@ -10,6 +10,7 @@ use super::path::PathTracer;
 use super::shadow_rays::ShadowRays;
 use super::state::{FirstHit, Path, PathSample, ShadowRay};
 use crate::accel::ClosestHit;
+use crate::geom::are_usable;
 use crate::light::LightSampleContext;
 use crate::material::lanes::{BsdfLanes, BsdfSamples};
 use crate::math::{InstanceId, Ray, Vec3};
@@ -289,18 +290,6 @@ impl<L: Lanes> VertexLanes<L> {
             });
         });
     }
-}
-
-/// Where rays can be traced; see [`Ray::new`].
-#[inline(always)]
-fn are_usable<L: Lanes>(lanes: L, origin: Vec3f<L>, direction: Vec3f<L>) -> L::Mask {
-    let Vec3f { x, y, z } = direction.abs();
-    let longest = x.most(y).most(z);
-    let [least, most] = Ray::DIRECTION_RANGE;
-    origin.is_finite(lanes)
-        & direction.is_finite(lanes)
-        & lanes.float(least).le(longest)
-        & longest.le(lanes.float(most))
 }
 
 /// Calls `f` with the number of each bit that is set, the lowest first.

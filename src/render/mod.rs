@@ -2,6 +2,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
+//! | `start` | random numbers and camera rays of a tile's paths |
 //! | `stream` | advances some thousand paths together, bounce by bounce |
 //! | `tile` | a rectangle of pixels and the sums of their samples |
 //! | `frame` | hands tiles to threads, pass after pass |
@@ -14,6 +15,7 @@ mod breakdown;
 mod frame;
 mod replay;
 mod settings;
+mod start;
 mod stream;
 mod tile;
 

@@ -14,11 +14,12 @@ use std::time::Instant;
 use fearless_simd::Level;
 
 use super::breakdown::{Breakdown, Stage};
+use super::start::{Started, Starts};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::geom::Shaft;
 use crate::integrator::{Path, PathSample, PathTracer, ShadowRays, Vertices, shade_in_lanes};
 use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes};
-use crate::math::{InstanceId, Ray, Vec3};
+use crate::math::{InstanceId, Ray};
 use crate::simd::lanes::Lanes;
 use crate::simd::{in_lanes, vectorized};
 use crate::world::{AlphaFilter, BsdfClass};
@@ -107,11 +108,16 @@ impl<'w> Stream<'w> {
         }
     }
 
-    /// Follows paths to their ends; the slots of `starts` count from 0. They start from the pixels
-    /// of a raster of width and height `grid`, each pixel's paths one after the other.
-    pub fn run(&mut self, starts: impl Iterator<Item = (Ray, Path)>, grid: (u32, u32)) {
+    /// Follows paths to their ends.
+    pub fn run(&mut self, starts: Starts<'_>) {
         let start = Instant::now();
-        vectorized!(self.level, _simd => self.begin(starts));
+        let starts = Starts { keyed: self.integrator.world().is_see_through(), ..starts };
+        let started = &mut Started {
+            rays: &mut self.rays,
+            paths: &mut self.paths,
+            samples: &mut self.samples,
+        };
+        in_lanes!(self.level, lanes => starts.start(lanes, started));
         self.breakdown.add_since(Stage::Start, start);
         self.segments.clear();
         self.segments.resize(self.samples.len(), 0);
@@ -119,7 +125,7 @@ impl<'w> Stream<'w> {
         self.shares.push(0.0);
 
         // Where the camera does not see everywhere, the rays are not a raster's.
-        self.grid = (self.paths.len() == self.samples.len()).then_some(grid);
+        self.grid = (self.paths.len() == self.samples.len()).then_some(starts.size);
         let mut depth = 1;
         while !self.paths.is_empty() {
             let (start, alive) = (Instant::now(), self.paths.len());
@@ -127,24 +133,6 @@ impl<'w> Stream<'w> {
             let share = start.elapsed().as_nanos() as f32 / alive as f32;
             self.shares.push(self.shares[depth as usize - 1] + share);
             depth += 1;
-        }
-    }
-
-    /// Takes the paths' first rays.
-    #[inline(always)]
-    fn begin(&mut self, starts: impl Iterator<Item = (Ray, Path)>) {
-        self.rays.clear();
-        self.paths.clear();
-        self.samples.clear();
-        for (ray, path) in starts {
-            let mut sample = PathSample::default();
-            if ray == Ray::MISS {
-                sample.radiance = Vec3::NAN; // a camera that cannot see: counted, not hidden
-            } else {
-                self.rays.push(ray);
-                self.paths.push(path);
-            }
-            self.samples.push(sample);
         }
     }
 

@@ -88,6 +88,14 @@ impl Sampler {
         Self { values: [0.0; 4], key, index, dimension: 0 }
     }
 
+    /// The stream of the same pixel's next sample, of a [`SamplePattern::Sobol`]; `None` where
+    /// another sequence begins.
+    #[inline(always)]
+    pub fn next_sample(&self) -> Option<Self> {
+        let next = Self { index: self.index + 1, dimension: 0, ..*self };
+        (next.index < 0x1_0000).then_some(next)
+    }
+
     /// Makes `dimension` the next value's. Multiples of four are free.
     #[inline(always)]
     pub fn seek(&mut self, dimension: u32) {

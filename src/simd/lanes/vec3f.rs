@@ -29,6 +29,12 @@ impl<L: Lanes> Vec3f<L> {
         Self { x, y: x, z: x }
     }
 
+    /// The same vector in all lanes.
+    #[inline(always)]
+    pub fn of_vector(lanes: L, v: glam::Vec3) -> Self {
+        Self { x: lanes.float(v.x), y: lanes.float(v.y), z: lanes.float(v.z) }
+    }
+
     /// The first three of four columns.
     #[inline(always)]
     pub fn of_columns([x, y, z, _]: [L::Float; 4]) -> Self {

@@ -27,11 +27,7 @@ impl World {
         let pdf = pmf * warp::SPHERE_PDF;
         LightSamples {
             direction,
-            radiance: Vec3f::new(
-                lanes.float(radiance.x),
-                lanes.float(radiance.y),
-                lanes.float(radiance.z),
-            ),
+            radiance: Vec3f::of_vector(lanes, radiance),
             pdf,
             origin: surface.offset_origin(lanes, direction),
             segment: direction,
