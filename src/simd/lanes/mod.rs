@@ -1,23 +1,28 @@
 //! Numbers side by side: code that is written once for one number, four, eight or sixteen.
 //!
 //! Such code is generic over [`Lanes`] and gives the same bits at every width, since it rounds each
-//! operation alike: nothing is fused, no reciprocal is approximate, and the lesser of two is told by
-//! a comparison ([`Float::least`]), which is the same everywhere where NaN or zeros of both signs
-//! meet. [`Scalar`] is the form for a single number. Functions between the choice of the instruction
-//! set and an operation must be `#[inline(always)]`, or each operation becomes a call.
+//! operation alike: nothing is fused, no reciprocal is approximate, and the lesser of two is told
+//! by a comparison ([`Float::least`]), which is the same everywhere where NaN or zeros of both
+//! signs meet. [`Scalar`] is the form for a single number. Functions between the choice of the
+//! instruction set and an operation must be `#[inline(always)]`, or each operation becomes a call.
 //!
-//! Data comes as rows of four numbers, since a row is one load: [`Lanes::columns`] turns the rows of
-//! all lanes into four columns, one number a lane each.
+//! Data comes as rows of four numbers, since a row is one load: [`fetch`] loads one a lane from a
+//! table, and [`Lanes::columns`] turns the rows of all lanes into four columns, one number a lane
+//! each.
 
+mod fetch;
 mod scalar;
 #[cfg(test)]
 mod tests;
+mod trigonometry;
 mod vec3f;
 mod wide;
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
+pub use fetch::fetch;
 pub use scalar::Scalar;
+pub use trigonometry::{atan2, unit_circle};
 pub use vec3f::Vec3f;
 pub use wide::{Lanes4, Lanes8, Lanes16};
 
