@@ -29,7 +29,7 @@ mod russian_roulette;
 mod shadow_rays;
 mod state;
 
-pub use lanes::{Vertices, shade_in_lanes};
+pub use lanes::{Vertices, add_environment_in_lanes, shade_in_lanes};
 pub use path::{PathTracer, Transport};
 pub use shadow_rays::{ShadowEnd, ShadowRays};
 pub use state::{FirstHit, Path, PathSample, ShadowRay, Step};

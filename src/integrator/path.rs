@@ -75,7 +75,7 @@ impl<'w> PathTracer<'w> {
         let world = self.world;
         // A ray that leaves the scene ends the path at the environment.
         if !hit.is_hit() {
-            if !(depth == 1 && self.transport.transparent) {
+            if self.shows_environment(depth) {
                 add_environment(world, path, ray, sample);
             }
             return Step::END;
@@ -123,6 +123,11 @@ impl<'w> PathTracer<'w> {
             spawn_ray(&surface, direction, sample)
         });
         Step { shadow, next }
+    }
+
+    /// Whether rays that leave the scene at the end of segment `depth` show the environment.
+    pub fn shows_environment(&self, depth: u32) -> bool {
+        !(depth == 1 && self.transport.transparent)
     }
 
     /// Whether paths go on beyond the end of segment number `depth`.

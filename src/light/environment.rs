@@ -2,10 +2,22 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use super::environment_image::{EnvironmentImage, EnvironmentSample};
+use super::environment_image::{EnvironmentImage, EnvironmentSamples};
 use super::sun::Sun;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
+use crate::simd::lanes::{Float, Lanes, Mask, Scalar, Vec3f};
+
+/// A direction sampled by importance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnvironmentSample {
+    /// Unit direction that the light comes from.
+    pub direction: Vec3,
+    /// Radiance from there.
+    pub radiance: Vec3,
+    /// Density over solid angle.
+    pub pdf: f32,
+}
 
 /// Radiance that arrives from each direction where nothing is in the way.
 ///
@@ -52,7 +64,7 @@ impl Environment {
         for value in pixels.iter_mut().flatten() {
             *value *= scale;
         }
-        let (image, mean) = EnvironmentImage::new(width, height, pixels, rotate_degrees);
+        let (image, mean) = EnvironmentImage::new(width, height, &pixels, rotate_degrees);
         Self { source: Source::Image(image), mean, sun: None }
     }
 
@@ -80,11 +92,12 @@ impl Environment {
     }
 
     /// Rows of radiance from the top, the scale multiplied in; none if it is constant.
-    pub fn pixels(&self) -> &[[f32; 3]] {
-        match &self.source {
-            Source::Constant(_) => &[],
-            Source::Image(image) => image.pixels(),
-        }
+    pub fn pixels(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
+        let image = match &self.source {
+            Source::Constant(_) => None,
+            Source::Image(image) => Some(image),
+        };
+        image.into_iter().flat_map(EnvironmentImage::pixels)
     }
 
     /// Mean radiance over all directions.
@@ -98,148 +111,104 @@ impl Environment {
     }
 
     /// The density over solid angle with which [`Environment::sample`] returns a unit direction.
+    /// Parts of an image that are darker than its mean may have none.
     pub fn pdf(&self, direction: Vec3) -> f32 {
         self.radiance_and_pdf(direction).1
     }
 
     /// Radiance and density at the cost of one of them.
     pub fn radiance_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
-        let behind = self.radiance_and_pdf_without_sun(direction);
-        match &self.sun {
-            Some((sun, share)) if sun.covers(direction) => combine_with_sun(behind, sun, *share),
-            Some((_, share)) => (behind.0, behind.1 * (1.0 - share)),
-            None => behind,
-        }
-    }
-
-    /// The same without the sun.
-    fn radiance_and_pdf_without_sun(&self, direction: Vec3) -> (Vec3, f32) {
-        match &self.source {
-            Source::Constant(radiance) => (*radiance, 0.25 * FRAC_1_PI),
-            Source::Image(image) => image.radiance_and_pdf(direction),
-        }
+        let (radiance, pdf) = self.radiance_and_pdf_in_lanes(Scalar, direction.into());
+        (radiance.into(), pdf)
     }
 
     /// Samples a direction by a uniform `u` in the unit square; `None` at the poles of an image,
     /// where the density over solid angle is not finite.
     pub fn sample(&self, u: Vec2) -> Option<EnvironmentSample> {
-        let Some((sun, share)) = &self.sun else { return self.sample_without_sun(u) };
-        if u.x < *share {
-            let direction = sun.sample(Vec2::new(u.x / share, u.y));
-            let (radiance, pdf) =
-                combine_with_sun(self.radiance_and_pdf_without_sun(direction), sun, *share);
-            return Some(EnvironmentSample { direction, radiance, pdf });
-        }
-        let rest = ((u.x - share) / (1.0 - share)).min(1.0 - 0.5 * f32::EPSILON);
-        let EnvironmentSample { direction, radiance, pdf } =
-            self.sample_without_sun(Vec2::new(rest, u.y))?;
-        let (radiance, pdf) = if sun.covers(direction) {
-            combine_with_sun((radiance, pdf), sun, *share)
-        } else {
-            (radiance, pdf * (1.0 - share))
-        };
+        let EnvironmentSamples { direction, radiance, pdf } =
+            self.sample_in_lanes(Scalar, u.to_array());
+        let (direction, radiance) = (direction.into(), radiance.into());
         (pdf > 0.0).then_some(EnvironmentSample { direction, radiance, pdf })
     }
 
-    fn sample_without_sun(&self, u: Vec2) -> Option<EnvironmentSample> {
+    /// [`Environment::radiance_and_pdf`] in lanes.
+    #[inline(always)]
+    pub fn radiance_and_pdf_in_lanes<L: Lanes>(
+        &self,
+        lanes: L,
+        direction: Vec3f<L>,
+    ) -> (Vec3f<L>, L::Float) {
+        let behind = match &self.source {
+            Source::Constant(radiance) => {
+                (constant(lanes, *radiance), lanes.float(0.25 * FRAC_1_PI))
+            }
+            Source::Image(image) => image.radiance_and_pdf_in_lanes(lanes, direction),
+        };
+        match &self.sun {
+            Some((sun, share)) => add_sun(lanes, behind, direction, sun, *share),
+            None => behind,
+        }
+    }
+
+    /// [`Environment::sample`] in lanes; the density is zero where there is no sample.
+    #[inline(always)]
+    pub fn sample_in_lanes<L: Lanes>(
+        &self,
+        lanes: L,
+        [x, y]: [L::Float; 2],
+    ) -> EnvironmentSamples<L> {
+        let Some((sun, share)) = &self.sun else { return self.sample_behind(lanes, [x, y]) };
+        let of_sun = x.lt(lanes.float(*share));
+        let below_one = lanes.float(1.0 - 0.5 * f32::EPSILON);
+        let rest = ((x - *share) / (1.0 - share)).least(below_one);
+        let behind = self.sample_behind(lanes, [rest, y]);
+        let to_sun = sun.sample_in_lanes(lanes, [x / *share, y]);
+        let direction = Vec3f::select(of_sun, to_sun, behind.direction);
+        // What lies behind the sun is looked up there.
+        let at_sun = match &self.source {
+            _ if of_sun.to_bits() == 0 => (behind.radiance, behind.pdf),
+            Source::Constant(_) => (behind.radiance, behind.pdf),
+            Source::Image(image) => image.radiance_and_pdf_in_lanes(lanes, to_sun),
+        };
+        let radiance = Vec3f::select(of_sun, at_sun.0, behind.radiance);
+        let pdf = of_sun.select(at_sun.1, behind.pdf);
+        let (radiance, pdf) = add_sun(lanes, (radiance, pdf), direction, sun, *share);
+        EnvironmentSamples { direction, radiance, pdf }
+    }
+
+    /// Samples directions without the sun.
+    #[inline(always)]
+    fn sample_behind<L: Lanes>(&self, lanes: L, u: [L::Float; 2]) -> EnvironmentSamples<L> {
         match &self.source {
-            Source::Constant(radiance) => Some(EnvironmentSample {
-                direction: warp::sphere(u),
-                radiance: *radiance,
-                pdf: 0.25 * FRAC_1_PI,
-            }),
-            Source::Image(image) => image.sample(u),
+            Source::Constant(radiance) => EnvironmentSamples {
+                direction: warp::sphere_in_lanes(lanes, u),
+                radiance: constant(lanes, *radiance),
+                pdf: lanes.float(0.25 * FRAC_1_PI),
+            },
+            Source::Image(image) => image.sample_in_lanes(lanes, u),
         }
     }
 }
 
-/// Radiance and density in the disc of a sun that is sampled with probability `share`.
-fn combine_with_sun((radiance, pdf): (Vec3, f32), sun: &Sun, share: f32) -> (Vec3, f32) {
-    (radiance + sun.radiance(), pdf * (1.0 - share) + share * sun.pdf())
+/// The same vector in all lanes.
+#[inline(always)]
+fn constant<L: Lanes>(lanes: L, v: Vec3) -> Vec3f<L> {
+    Vec3f::new(lanes.float(v.x), lanes.float(v.y), lanes.float(v.z))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Red towards -Z, green towards +X, blue above the rest; a bright sun somewhere.
-    fn image(rotate: f32) -> Environment {
-        let (width, height) = (32, 16);
-        let mut pixels = vec![[0.1, 0.1, 0.2]; width * height];
-        for y in 6..11 {
-            for x in 15..17 {
-                pixels[y * width + x] = [5.0, 0.0, 0.0];
-                pixels[y * width + x + 8] = [0.0, 5.0, 0.0];
-            }
-        }
-        pixels[3 * width + 5] = [1000.0, 1000.0, 1000.0];
-        Environment::image(width, height, pixels, 2.0, rotate)
-    }
-
-    #[test]
-    fn the_centre_looks_along_minus_z_with_plus_x_to_its_right() {
-        let environment = image(0.0);
-        assert_eq!(environment.radiance(Vec3::NEG_Z), Vec3::new(10.0, 0.0, 0.0));
-        assert_eq!(environment.radiance(Vec3::X), Vec3::new(0.0, 10.0, 0.0));
-        // Turned a quarter counter-clockwise seen from above, what was at +X stands at -Z.
-        let turned = image(90.0);
-        assert!(turned.radiance(Vec3::NEG_Z).distance(Vec3::new(0.0, 10.0, 0.0)) < 1e-3);
-        assert!(turned.radiance(Vec3::NEG_X).distance(Vec3::new(10.0, 0.0, 0.0)) < 1e-3);
-    }
-
-    #[test]
-    fn samples_agree_with_look_ups_and_integrate_to_the_mean() {
-        let environment = image(37.0);
-        let (mut sum, mut count, mut agreeing) = (Vec3::ZERO, 0.0, 0);
-        for i in 0..128 {
-            for j in 0..128 {
-                let u = Vec2::new((i as f32 + 0.5) / 128.0, (j as f32 + 0.5) / 128.0);
-                let sample = environment.sample(u).expect("no pole");
-                let (radiance, pdf) = environment.radiance_and_pdf(sample.direction);
-                // On the border of two cells, rounding may find the other one's density.
-                agreeing += i32::from((pdf / sample.pdf - 1.0).abs() < 1e-3);
-                assert!(radiance.distance(sample.radiance) < 0.01 * (1.0 + radiance.length()));
-                sum += sample.radiance / sample.pdf;
-                count += 1.0;
-            }
-        }
-        assert!(agreeing > 16200, "{agreeing} of 16384");
-        // The integral of the radiance, by importance, against that of the texels.
-        let mean = sum / count / (4.0 * PI);
-        assert!(mean.distance(environment.mean()) < 0.02 * mean.length(), "{mean}");
-    }
-
-    #[test]
-    fn a_sun_adds_its_light_and_is_chosen_with_the_density_told() {
-        let sun = Sun::new(Vec3::new(0.6, 0.8, 0.0), 5.0, Vec3::splat(20.0));
-        for (environment, up) in [
-            (image(37.0).with_sun(sun), None),
-            (Environment::constant(Vec3::ZERO).with_sun(sun), Some(16.0)),
-            (Environment::constant(Vec3::splat(0.5)).with_sun(sun), Some(16.0 + 0.5 * PI)),
-        ] {
-            let (mut mean, mut irradiance) = (Vec3::ZERO, 0.0);
-            for i in 0..256 {
-                for j in 0..256 {
-                    let u = Vec2::new((i as f32 + 0.5) / 256.0, (j as f32 + 0.5) / 256.0);
-                    let sample = environment.sample(u).expect("no pole");
-                    mean += sample.radiance / (sample.pdf * 65536.0 * 4.0 * PI);
-                    irradiance +=
-                        sample.radiance.x * sample.direction.y.max(0.0) / (sample.pdf * 65536.0);
-                }
-            }
-            assert!(mean.distance(environment.mean()) < 0.02 * mean.length(), "{mean}");
-            if let Some(up) = up {
-                assert!((irradiance / up - 1.0).abs() < 2e-3, "{irradiance} {up}");
-            }
-        }
-        assert!(!Environment::constant(Vec3::ONE).with_sun(sun).is_constant());
-    }
-
-    #[test]
-    fn a_black_image_can_be_sampled() {
-        let black = Environment::image(2, 1, vec![[0.0; 3]; 2], 1.0, 0.0);
-        let sample = black.sample(Vec2::splat(0.3)).expect("some direction");
-        assert_eq!((sample.radiance, black.mean()), (Vec3::ZERO, Vec3::ZERO));
-        assert!(sample.pdf > 0.0);
-    }
+/// Radiance and density of what is behind with a sun in front, which is sampled with probability
+/// `share`.
+#[inline(always)]
+fn add_sun<L: Lanes>(
+    lanes: L,
+    (radiance, pdf): (Vec3f<L>, L::Float),
+    direction: Vec3f<L>,
+    sun: &Sun,
+    share: f32,
+) -> (Vec3f<L>, L::Float) {
+    let covers = sun.covers_in_lanes(lanes, direction);
+    let pdf = pdf * (1.0 - share);
+    let with_sun = radiance + constant(lanes, sun.radiance());
+    let radiance = Vec3f::select(covers, with_sun, radiance);
+    (radiance, covers.select(pdf + share * sun.pdf(), pdf))
 }

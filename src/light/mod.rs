@@ -9,6 +9,8 @@ mod bounds;
 mod cone;
 mod environment;
 mod environment_image;
+#[cfg(test)]
+mod environment_tests;
 mod preetham;
 mod punctual;
 #[cfg(test)]
@@ -20,8 +22,8 @@ mod tree;
 pub use area::{TriangleSample, area_to_solid_angle, sample_triangle};
 pub use bounds::{LightBounds, LightSampleContext, Sides};
 pub use cone::Cone;
-pub use environment::Environment;
-pub use environment_image::EnvironmentSample;
+pub use environment::{Environment, EnvironmentSample};
+pub use environment_image::EnvironmentSamples;
 pub use preetham::Preetham;
 pub use punctual::{Illumination, Punctual, PunctualKind};
 pub use sky::{Sky, sun_direction};

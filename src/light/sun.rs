@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 
 use crate::math::{Frame, Vec2, Vec3};
+use crate::simd::lanes::{Float, Lanes, Scalar, Vec3f, unit_circle};
 
 /// An even disc in the sky, sampled by its solid angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,19 +49,42 @@ impl Sun {
         1.0 / self.solid_angle()
     }
 
-    /// Whether a unit direction meets it: by the chord to its centre, since the cosine of so small
-    /// an angle has no digits left.
+    /// Whether a unit direction meets it.
     #[inline]
     pub fn covers(&self, direction: Vec3) -> bool {
-        direction.distance_squared(self.frame.normal) <= 2.0 * self.height
+        self.covers_in_lanes(Scalar, direction.into())
     }
 
     /// Samples a direction to it by a uniform `u` in the unit square.
     pub fn sample(&self, u: Vec2) -> Vec3 {
-        let below = u.x * self.height;
-        let sine = (below * (2.0 - below)).sqrt();
-        let (s, c) = libm::sincosf(2.0 * PI * u.y);
-        self.frame.to_world(Vec3::new(sine * c, sine * s, 1.0 - below)).normalize()
+        self.sample_in_lanes(Scalar, u.to_array()).into()
+    }
+
+    /// [`Sun::covers`] in lanes: by the chord to its centre, since the cosine of so small an
+    /// angle has no digits left.
+    #[inline(always)]
+    pub fn covers_in_lanes<L: Lanes>(&self, lanes: L, direction: Vec3f<L>) -> L::Mask {
+        let centre = self.frame.normal;
+        let x = direction.x - centre.x;
+        let y = direction.y - centre.y;
+        let z = direction.z - centre.z;
+        (x * x + y * y + z * z).le(lanes.float(2.0 * self.height))
+    }
+
+    /// [`Sun::sample`] in lanes.
+    #[inline(always)]
+    pub fn sample_in_lanes<L: Lanes>(&self, lanes: L, [x, y]: [L::Float; 2]) -> Vec3f<L> {
+        let below = x * self.height;
+        let sine = (below * (lanes.float(2.0) - below)).most(lanes.float(0.0)).sqrt();
+        let (c, s) = unit_circle::<L>(y);
+        let (x, y, z) = (sine * c, sine * s, lanes.float(1.0) - below);
+        let Frame { tangent: a, bitangent: b, normal: n } = self.frame;
+        Vec3f::<L>::new(
+            x * a.x + y * b.x + z * n.x,
+            x * a.y + y * b.y + z * n.y,
+            x * a.z + y * b.z + z * n.z,
+        )
+        .normalize(lanes)
     }
 }
 

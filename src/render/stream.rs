@@ -17,7 +17,9 @@ use super::breakdown::{Breakdown, Stage};
 use super::start::{Started, Starts};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::geom::Shaft;
-use crate::integrator::{Path, PathSample, PathTracer, ShadowRays, Vertices, shade_in_lanes};
+use crate::integrator::{
+    Path, PathSample, PathTracer, ShadowRays, Vertices, add_environment_in_lanes, shade_in_lanes,
+};
 use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes};
 use crate::math::{InstanceId, Ray};
 use crate::simd::lanes::Lanes;
@@ -62,6 +64,8 @@ pub(super) struct Stream<'w> {
     alive: Vec<bool>,
     /// The paths to be shaded together, by class, in order; [`BsdfClass::Other`] first.
     classes: [Vec<u32>; 3],
+    /// Paths in air that leave the scene, in order.
+    leaving: Vec<u32>,
     shadow_rays: ShadowRays,
     blocked: Vec<AnyHit>,
     /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
@@ -96,6 +100,7 @@ impl<'w> Stream<'w> {
             triangles: Vec::new(),
             alive: Vec::new(),
             classes: Default::default(),
+            leaving: Vec::new(),
             shadow_rays: ShadowRays::default(),
             blocked: Vec::new(),
             keys: Vec::new(),
@@ -192,6 +197,10 @@ impl<'w> Stream<'w> {
         self.alive.resize(self.paths.len(), false);
         self.sort_by_class(depth);
         let start = self.breakdown.add_since(Stage::Sort, start);
+        if self.integrator.shows_environment(depth) {
+            in_lanes!(self.level, lanes => self.add_environment(lanes));
+        }
+        let start = self.breakdown.add_since(Stage::Environment, start);
         in_lanes!(self.level, lanes => {
             self.shade_class::<_, LambertLanes<_>>(lanes, BsdfClass::Lambert, depth);
         });
@@ -210,12 +219,18 @@ impl<'w> Stream<'w> {
     /// Lists the paths that can be shaded together.
     fn sort_by_class(&mut self, depth: u32) {
         self.classes.iter_mut().for_each(Vec::clear);
+        self.leaving.clear();
         self.triangles.clear();
         let world = self.integrator.world();
         let goes_on = self.integrator.goes_beyond(depth);
         for (i, (hit, path)) in self.hits.iter().zip(&self.paths).enumerate() {
             let (mut class, mut triangle) = (BsdfClass::Other, (InstanceId::from_index(0), 0));
-            if goes_on && hit.is_hit() && path.is_in_air() {
+            if !hit.is_hit() && path.is_in_air() {
+                self.leaving.push(i as u32);
+                self.triangles.push(triangle);
+                continue;
+            }
+            if goes_on && path.is_in_air() {
                 let (instance, index, found) = world.classify(hit);
                 (class, triangle) = (found, (instance, index));
             }
@@ -227,18 +242,21 @@ impl<'w> Stream<'w> {
     /// Shades the paths of a class, many at once.
     #[inline(always)]
     fn shade_class<L: Lanes, B: BsdfLanes<L>>(&mut self, lanes: L, class: BsdfClass, depth: u32) {
+        let Self { integrator, rays, hits, triangles, paths, alive, samples, .. } = self;
+        let shadow_rays = &mut self.shadow_rays;
         let (others, classes) = self.classes.split_first_mut().expect("three classes");
+        let vertices = &mut Vertices { rays, hits, triangles, paths, alive, samples, shadow_rays };
         let order = &classes[class as usize - 1];
-        let vertices = &mut Vertices {
-            rays: &mut self.rays,
-            hits: &self.hits,
-            triangles: &self.triangles,
-            paths: &mut self.paths,
-            alive: &mut self.alive,
-            samples: &mut self.samples,
-            shadow_rays: &mut self.shadow_rays,
-        };
-        shade_in_lanes::<L, B>(&self.integrator, lanes, depth, order, vertices, others);
+        shade_in_lanes::<L, B>(integrator, lanes, depth, order, vertices, others);
+    }
+
+    /// Adds the environment to the paths that leave the scene.
+    #[inline(always)]
+    fn add_environment<L: Lanes>(&mut self, lanes: L) {
+        let Self { integrator, rays, hits, triangles, paths, alive, samples, .. } = self;
+        let shadow_rays = &mut self.shadow_rays;
+        let vertices = &mut Vertices { rays, hits, triangles, paths, alive, samples, shadow_rays };
+        add_environment_in_lanes(integrator, lanes, &self.leaving, vertices);
     }
 
     /// Shades all other paths, one by one.

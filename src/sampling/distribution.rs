@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use crate::math::Vec2;
 use crate::sampling::ONE_MINUS_EPSILON;
+use crate::simd::lanes::{Float, Lanes, Mask, fetch};
 
 /// Why values make no [`Distribution2d`].
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -33,17 +33,42 @@ pub enum DistributionError {
     AllZero,
 }
 
-/// A density on the unit square that is constant in each cell of a grid: a row is chosen by the
-/// sums of rows, then a column within it.
+/// A density on the unit square that is constant in each cell of a grid, sampled by hierarchical
+/// warping: block by block, down to single cells, the sums of values in the halves of a block split
+/// `u.x`, and those in the halves of that half split `u.y`. What is near in the square of `u` so
+/// stays near on the grid, and the strata of well spread points cover the grid well too. (By rows,
+/// then columns, they scatter more.)
 ///
-/// Densities are differences of the very tables that samples are drawn with, and so agree with them
-/// to the bit, however uneven the values are.
+/// Clarberg, Jarosz, Akenine-Möller and Jensen, "Wavelet Importance Sampling", SIGGRAPH 2005.
 #[derive(Clone, Debug)]
 pub struct Distribution2d {
-    /// One line, of `height` cells.
-    rows: Lines,
-    /// `height` lines of `width` cells.
-    columns: Lines,
+    /// From the whole grid down to blocks of two by two cells.
+    levels: Vec<Level>,
+    /// For each block of a level: the share of its left half, then those of the upper quarters in
+    /// the left half and in the right. (The fourth makes it a row that lanes fetch.)
+    nodes: Vec<[f32; 4]>,
+    /// Mean of the values.
+    mean: f64,
+}
+
+/// Blocks of one size, row by row.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    start: u32,
+    columns: u32,
+}
+
+/// A cell that was chosen, and the place within it, from 0 to 1 along both axes.
+#[derive(Clone, Copy, Debug)]
+pub struct CellSample<L: Lanes> {
+    /// Counted from 0.
+    pub column: L::Uint,
+    /// Counted from 0.
+    pub row: L::Uint,
+    /// Place along the row.
+    pub across: L::Float,
+    /// Place down the column.
+    pub down: L::Float,
 }
 
 impl Distribution2d {
@@ -59,131 +84,117 @@ impl Distribution2d {
         if !filled || width.max(height) > Self::MOST {
             return Err(DistributionError::Size { width, height, values: values.len() });
         }
-        let mut columns = Lines::with_capacity(width, height);
-        let mut sums = Vec::with_capacity(height);
-        for (row, cells) in values.chunks_exact(width).enumerate() {
-            for (column, &value) in cells.iter().enumerate() {
-                if !value.is_finite() || value < 0.0 {
-                    return Err(DistributionError::Value { column, row, value });
-                }
-            }
-            sums.push(columns.push(cells.iter().map(|&value| f64::from(value))));
+        if let Some(at) = values.iter().position(|value| !value.is_finite() || *value < 0.0) {
+            let (column, row, value) = (at % width, at / width, values[at]);
+            return Err(DistributionError::Value { column, row, value });
         }
-        let mut rows = Lines::with_capacity(height, 1);
-        if rows.push(sums.iter().copied()) == 0.0 {
+        let depth = width.max(height).next_power_of_two().trailing_zeros();
+        let mut sums = Sums { columns: width, rows: height, values: Vec::new() };
+        sums.values.extend(values.iter().map(|&value| f64::from(value)));
+        let mut blocks = Vec::new();
+        for _ in 0..depth {
+            let (nodes, above) = sums.halved();
+            blocks.push((above.columns, nodes));
+            sums = above;
+        }
+        let mean = sums.values[0] / values.len() as f64;
+        if mean == 0.0 {
             return Err(DistributionError::AllZero);
         }
-        Ok(Self { rows, columns })
+        let mut levels = Vec::with_capacity(blocks.len());
+        let mut nodes = Vec::with_capacity(blocks.iter().map(|(_, nodes)| nodes.len()).sum());
+        for (columns, of_level) in blocks.into_iter().rev() {
+            levels.push(Level { start: nodes.len() as u32, columns: columns as u32 });
+            nodes.extend(of_level);
+        }
+        Ok(Self { levels, nodes, mean })
     }
 
-    /// A point of `[0, 1)^2` and its density with respect to the square's area, which is above
-    /// zero.
-    #[inline]
-    pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
-        let (row, y, row_pdf) = self.rows.sample(0, u.y);
-        let (_, x, column_pdf) = self.columns.sample(row, u.x);
-        (Vec2::new(x, y), row_pdf * column_pdf)
+    /// The density in a cell of a value, with respect to the square's area.
+    pub fn density(&self, value: f32) -> f32 {
+        (f64::from(value) / self.mean) as f32
     }
 
-    /// The density at a point of `[0, 1]^2` with respect to the square's area.
-    #[inline]
-    pub fn pdf(&self, point: Vec2) -> f32 {
-        let row = self.rows.cell_of(point.y);
-        self.rows.pdf(0, row) * self.columns.pdf(row, self.columns.cell_of(point.x))
+    /// A cell, with a probability in proportion to its value, and a uniform place within it, by
+    /// uniform numbers in `[0, 1)`. It is never one of value zero.
+    #[inline(always)]
+    pub fn sample_in_lanes<L: Lanes>(&self, lanes: L, [x, y]: [L::Float; 2]) -> CellSample<L> {
+        let (mut x, mut y) = (Span::new(lanes, x), Span::new(lanes, y));
+        let (zero, one) = (lanes.uint(0), lanes.uint(1));
+        let (mut column, mut row) = (zero, zero);
+        for level in &self.levels {
+            let place = row * level.columns + column + level.start;
+            let [left, upper_left, upper_right, _] = fetch(lanes, &self.nodes, place);
+            let right = x.split(lanes, left);
+            let below = y.split(lanes, right.select(upper_right, upper_left));
+            row = (row << 1) | below.select_uint(one, zero);
+            column = (column << 1) | right.select_uint(one, zero);
+        }
+        CellSample { column, row, across: x.place(lanes), down: y.place(lanes) }
     }
 }
 
-/// Densities on the unit interval that are constant in each of `count` even cells.
-#[derive(Clone, Debug)]
-struct Lines {
-    count: usize,
-    /// `count + 1` values from 0 to 1 for each line.
-    cumulative: Vec<f32>,
-    /// `buckets + 1` for each line: how many cumulative values lie in earlier buckets of the unit
-    /// interval. A search then starts among a few values instead of a whole line.
-    guides: Vec<u32>,
-    buckets: usize,
+/// The part of the unit interval that a number `u` has fallen into: `from <= u < to`. Parts that
+/// are split off leave no gap, whatever rounding does to the borders between them.
+struct Span<L: Lanes> {
+    u: L::Float,
+    from: L::Float,
+    to: L::Float,
 }
 
-impl Lines {
-    fn with_capacity(count: usize, lines: usize) -> Self {
-        let buckets = count.div_ceil(4);
-        let cumulative = Vec::with_capacity((count + 1) * lines);
-        Self { count, cumulative, guides: Vec::with_capacity((buckets + 1) * lines), buckets }
+impl<L: Lanes> Span<L> {
+    #[inline(always)]
+    fn new(lanes: L, u: L::Float) -> Self {
+        let (from, to) = (lanes.float(0.0), lanes.float(1.0));
+        Self { u: u.most(from).least(lanes.float(ONE_MINUS_EPSILON)), from, to }
     }
 
-    /// Appends the line of `values` and returns their sum. Where all are zero it has even cells:
-    /// it is never asked, but must hold no NaN.
-    fn push(&mut self, values: impl ExactSizeIterator<Item = f64> + Clone) -> f64 {
-        let (count, sum) = (self.count, values.clone().sum::<f64>());
-        let start = self.cumulative.len();
-        self.cumulative.push(0.0);
-        let mut running = 0.0;
-        for (index, value) in values.enumerate() {
-            running += value;
-            let share = if sum > 0.0 { running / sum } else { (index + 1) as f64 / count as f64 };
-            self.cumulative.push(share.min(1.0) as f32);
-        }
-        let line = &mut self.cumulative[start..];
-        // Rounding may leave the end below one; the zeros before it then share its fate.
-        let last = line[count];
-        line.iter_mut().filter(|entry| **entry == last).for_each(|entry| *entry = 1.0);
-
-        let mut below = 0;
-        for bucket in 0..=self.buckets {
-            let earlier = |entry: &f32| bucket_of(*entry, self.buckets) < bucket;
-            below += line[below..].iter().take_while(|entry| earlier(entry)).count();
-            self.guides.push(below as u32);
-        }
-        sum
+    /// Keeps the first `share` of it or the rest, whichever has `u`: true where it is the rest,
+    /// which it never is at a share of one, nor the first at a share of zero.
+    #[inline(always)]
+    fn split(&mut self, lanes: L, share: L::Float) -> L::Mask {
+        let border = self.from * (lanes.float(1.0) - share) + self.to * share;
+        let first = self.u.lt(border);
+        self.from = first.select(self.from, border);
+        self.to = first.select(border, self.to);
+        !first
     }
 
-    #[inline]
-    fn line(&self, line: usize) -> &[f32] {
-        &self.cumulative[line * (self.count + 1)..][..=self.count]
-    }
-
-    /// The cell that holds `u`, the place of `u` in `[0, 1)` and the density there.
-    #[inline]
-    fn sample(&self, line: usize, u: f32) -> (usize, f32, f32) {
-        let guides = &self.guides[line * (self.buckets + 1)..][..=self.buckets];
-        let bucket = bucket_of(u, self.buckets).min(self.buckets - 1);
-        let (from, to) = (guides[bucket] as usize, guides[bucket + 1] as usize);
-        let line = self.line(line);
-        // The first entry above `u` ends its cell, which therefore is never empty.
-        let end = from + line[from..to].partition_point(|&entry| entry <= u);
-        let cell = end.clamp(1, self.count) - 1;
-        let mass = line[cell + 1] - line[cell];
-        let within = ((u - line[cell]) / mass).min(ONE_MINUS_EPSILON);
-        let place = (cell as f32 + within) / self.count as f32;
-        let mut place = place.min(ONE_MINUS_EPSILON);
-        // Rounding may carry it over an edge of the cell, where `pdf` would see another density.
-        while self.cell_of(place) > cell {
-            place = place.next_down();
-        }
-        while self.cell_of(place) < cell {
-            place = place.next_up();
-        }
-        (cell, place, mass * self.count as f32)
-    }
-
-    #[inline]
-    fn pdf(&self, line: usize, cell: usize) -> f32 {
-        let line = self.line(line);
-        (line[cell + 1] - line[cell]) * self.count as f32
-    }
-
-    /// The cell of a place in `[0, 1]`.
-    #[inline]
-    fn cell_of(&self, place: f32) -> usize {
-        ((place * self.count as f32) as usize).min(self.count - 1)
+    /// Where `u` lies in it, from 0 to 1.
+    #[inline(always)]
+    fn place(&self, lanes: L) -> L::Float {
+        let place = (self.u - self.from) / (self.to - self.from);
+        place.most(lanes.float(0.0)).least(lanes.float(1.0))
     }
 }
 
-/// The bucket of a cumulative value. Any monotone function would do, so rounding does no harm.
-#[inline]
-fn bucket_of(value: f32, buckets: usize) -> usize {
-    (value * buckets as f32) as usize
+/// A grid of sums over blocks of equal size; the last ones may reach beyond the values.
+struct Sums {
+    columns: usize,
+    rows: usize,
+    values: Vec<f64>,
+}
+
+impl Sums {
+    /// The blocks of two by two of these, and their sums.
+    fn halved(&self) -> (Vec<[f32; 4]>, Self) {
+        let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
+        let at = |column: usize, row: usize| {
+            let inside = column < self.columns && row < self.rows;
+            if inside { self.values[row * self.columns + column] } else { 0.0 }
+        };
+        // A share of nothing is never asked for, but must be a number.
+        let share = |of: f64, all: f64| if all > 0.0 { (of / all) as f32 } else { 0.5 };
+        let (mut nodes, mut values) = (Vec::with_capacity(columns * rows), Vec::new());
+        for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (2 * x, 2 * y))) {
+            let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
+            let (left, right) = (a + c, b + d);
+            let sum = left + right;
+            nodes.push([share(left, sum), share(a, left), share(b, right), 0.0]);
+            values.push(sum);
+        }
+        (nodes, Self { columns, rows, values })
+    }
 }
 
 #[cfg(test)]
@@ -193,6 +204,14 @@ mod tests {
     use super::*;
     use crate::sampling::Sampler;
     use crate::sampling::chi_squared::assert_fits;
+    use crate::simd::lanes::Scalar;
+
+    /// Column and row of a sample.
+    fn cell_of(distribution: &Distribution2d, u: [f32; 2]) -> (usize, usize) {
+        let cell = distribution.sample_in_lanes(Scalar, u);
+        assert!((0.0..=1.0).contains(&cell.across) && (0.0..=1.0).contains(&cell.down));
+        (cell.column.0 as usize, cell.row.0 as usize)
+    }
 
     #[test]
     fn bad_values_are_named() {
@@ -212,21 +231,36 @@ mod tests {
         let distribution = Distribution2d::new(3, 3, &values).unwrap();
         let (total, mut counts) = (50_000_u64, [0; 9]);
         for i in 0..total {
-            let (point, pdf) = distribution.sample(Sampler::new(i, 0, 5).next_2d());
-            let cell = (point.y * 3.0) as usize * 3 + (point.x * 3.0) as usize;
-            counts[cell] += 1;
-            assert!((pdf - values[cell] * 9.0 / 8.75).abs() < 1e-5);
-            assert_eq!(pdf, distribution.pdf(point));
+            let (column, row) = cell_of(&distribution, Sampler::new(i, 0, 5).next_2d().to_array());
+            counts[row * 3 + column] += 1;
         }
+        assert!((distribution.density(2.0) - 2.0 * 9.0 / 8.75).abs() < 1e-6);
         let expected = values.map(|value| f64::from(value) / 8.75 * total as f64);
         assert_fits(&counts, &expected, 1, "distribution");
     }
 
+    #[test]
+    fn places_within_a_cell_are_uniform() {
+        let values = [3.0, 0.1, 2.0, 7.0, 1.0, 0.5, 4.0, 0.0, 1.0, 2.0];
+        let distribution = Distribution2d::new(5, 2, &values).unwrap();
+        let mut counts = [0; 16];
+        for i in 0..100_000 {
+            let u = Sampler::new(i, 0, 6).next_2d().to_array();
+            let cell = distribution.sample_in_lanes(Scalar, u);
+            if (cell.column.0, cell.row.0) == (3, 0) {
+                let (x, y) = ((cell.across * 4.0) as usize, (cell.down * 4.0) as usize);
+                counts[y.min(3) * 4 + x.min(3)] += 1;
+            }
+        }
+        let each = counts.iter().sum::<u64>() as f64 / 16.0;
+        assert_fits(&counts, &[each; 16], 1, "places");
+    }
+
     proptest! {
-        /// Also where values differ by more than f32 resolves, a sample is never of density zero
-        /// and its density is that of its point.
+        /// Also where values differ by more than f32 resolves, a sample is never in a cell of value
+        /// zero, nor outside the grid.
         #[test]
-        fn densities_agree_with_samples(
+        fn no_sample_has_density_zero(
             width in 1_usize..9,
             seeds in prop::collection::vec(
                 prop_oneof![Just(0.0), Just(1e-30), 0.0..1.0_f32, Just(1e9)], 8..64),
@@ -238,18 +272,13 @@ mod tests {
             let values = &seeds[..width * height];
             prop_assume!(values.iter().any(|&value| value > 0.0));
             let distribution = Distribution2d::new(width, height, values).unwrap();
-            let (point, pdf) = distribution.sample(Vec2::new(x, y));
-            prop_assert!(pdf > 0.0 && pdf.is_finite());
-            prop_assert!(point.cmpge(Vec2::ZERO).all() && point.cmplt(Vec2::ONE).all());
-            prop_assert_eq!(pdf, distribution.pdf(point));
-            let row = (point.y * height as f32) as usize;
-            let cell = row * width + (point.x * width as f32) as usize;
-            prop_assert!(values[cell] > 0.0);
-            let mean: f32 = (0..width * height).map(|cell| {
-                let (column, row) = (cell % width, cell / width);
-                distribution.pdf(Vec2::new(
-                    (column as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32))
-            }).sum::<f32>() / (width * height) as f32;
+            let (column, row) = cell_of(&distribution, [x, y]);
+            prop_assert!(column < width && row < height);
+            let value = values[row * width + column];
+            prop_assert!(value > 0.0);
+            prop_assert!(distribution.density(value).is_finite());
+            let mean: f32 = values.iter().map(|&value| distribution.density(value)).sum::<f32>()
+                / values.len() as f32;
             prop_assert!((mean - 1.0).abs() < 1e-4);
         }
     }

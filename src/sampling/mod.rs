@@ -14,7 +14,7 @@ mod sums;
 pub mod warp;
 
 pub use alias::{AliasError, AliasTable};
-pub use distribution::{Distribution2d, DistributionError};
+pub use distribution::{CellSample, Distribution2d, DistributionError};
 pub use sampler::{ONE_MINUS_EPSILON, SamplePattern, Sampler};
 pub use sobol::SamplerLanes;
 pub use sums::{BLOCK, BlockSums, NotAdjacent};

@@ -3,39 +3,18 @@
 //! All take `u` in `[0, 1)^2`, keep uniform points uniform, and stretch the square little, so that
 //! stratified points stay stratified.
 
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 
 use crate::math::{Vec2, Vec3};
-use crate::simd::lanes::{Float, Lanes, Mask, Scalar, Uint, Vec3f};
-
-/// Sine and cosine of an angle within ±π/4, to 1e-7 (the polynomials of Cephes' `sinf`, `cosf`).
-#[inline(always)]
-fn sin_cos_eighth<L: Lanes>(angle: L::Float) -> (L::Float, L::Float) {
-    let z = angle * angle;
-    let sin = ((z * -1.951_529_6e-4 + 8.332_161e-3) * z - 1.666_665_5e-1) * z * angle + angle;
-    let cos = ((z * 2.443_315_7e-5 - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - z * 0.5 + 1.0;
-    (sin, cos)
-}
+use crate::simd::lanes::{self, Float, Lanes, Mask, Scalar, Vec3f, sin_cos_eighth};
 
 /// The point of the unit circle at `turns` of a full turn, for `turns` in `[0, 1]`.
 ///
 /// An order of magnitude quicker than a general sine: the quadrant is exact in `turns`.
 #[inline]
 pub fn unit_circle(turns: f32) -> Vec2 {
-    let [x, y] = unit_circle_in_lanes::<Scalar>(turns);
+    let (x, y) = lanes::unit_circle::<Scalar>(turns);
     Vec2::new(x, y)
-}
-
-/// [`unit_circle`] in lanes.
-#[inline(always)]
-pub fn unit_circle_in_lanes<L: Lanes>(turns: L::Float) -> [L::Float; 2] {
-    let quarters = turns * 4.0;
-    let nearest = (quarters + 0.5).to_int();
-    let (sin, cos) = sin_cos_eighth::<L>((quarters - nearest.to_float()) * FRAC_PI_2);
-    // Signs and the exchange by bits: which quadrant it is cannot be predicted.
-    let even = (nearest & 1).eq(0);
-    let (x, y) = (even.select(cos, sin), even.select(sin, cos));
-    [x.flip((nearest + 1) << 30), y.flip(nearest << 30)]
 }
 
 /// A uniform point of the unit disk, concentric squares becoming circles.
@@ -91,11 +70,11 @@ pub fn sphere(u: Vec2) -> Vec3 {
 
 /// [`sphere`] in lanes.
 #[inline(always)]
-pub fn sphere_in_lanes<L: Lanes>(lanes: L, [u, v]: [L::Float; 2]) -> Vec3f<L> {
-    let one = lanes.float(1.0);
+pub fn sphere_in_lanes<L: Lanes>(l: L, [u, v]: [L::Float; 2]) -> Vec3f<L> {
+    let one = l.float(1.0);
     let z = one - v * 2.0;
-    let ring = (one - z * z).most(lanes.float(0.0)).sqrt();
-    let [x, y] = unit_circle_in_lanes::<L>(u);
+    let ring = (one - z * z).most(l.float(0.0)).sqrt();
+    let (x, y) = lanes::unit_circle::<L>(u);
     Vec3f { x: x * ring, y: y * ring, z }
 }
 

@@ -78,7 +78,8 @@ impl Scene {
             let _ = write!(digest, "{number} {texture:?}");
         }
         if let Some(environment) = &self.environment {
-            digest.bytes(bytemuck::cast_slice(environment.pixels()));
+            let pixels: Vec<[f32; 3]> = environment.pixels().collect();
+            digest.bytes(bytemuck::cast_slice(&pixels));
             let _ = write!(digest, "{:?}", environment.mean());
             if let Some(sun) = environment.sun() {
                 let _ = write!(digest, "{sun:?}");

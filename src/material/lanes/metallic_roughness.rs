@@ -7,7 +7,7 @@ use super::super::form::BsdfForm;
 use super::super::metallic_roughness::{MIN_SPECULAR_PROBABILITY, MetallicRoughness};
 use super::bsdf::{BSDF_ROWS, BsdfLanes, BsdfSamples, is_above, or_zero};
 use crate::sampling::warp;
-use crate::simd::lanes::{Float, Lanes, Mask, Rows, Uint, Vec3f};
+use crate::simd::lanes::{Float, Lanes, Mask, Rows, Uint, Vec3f, unit_circle};
 
 /// [`MetallicRoughness`] in lanes, for a viewer.
 #[derive(Clone, Copy)]
@@ -260,7 +260,7 @@ fn sample_visible_normal<L: Lanes>(
     let stretched = Vec3f::<L>::new(wo.x * alpha, wo.y * alpha, wo.z).normalize(lanes);
     let z = (one - v) * (stretched.z + 1.0) - stretched.z;
     let ring = (one - z * z).most(zero).sqrt();
-    let [x, y] = warp::unit_circle_in_lanes::<L>(u);
+    let (x, y) = unit_circle::<L>(u);
     let h = Vec3f::<L>::new(x * ring, y * ring, z) + stretched;
     let above = h.z.most(lanes.float(1e-12));
     Vec3f::<L>::new(h.x * alpha, h.y * alpha, above).normalize(lanes)

@@ -6,19 +6,24 @@
 //! signs meet. [`Scalar`] is the form for a single number. Functions between the choice of the
 //! instruction set and an operation must be `#[inline(always)]`, or each operation becomes a call.
 //!
-//! Data comes as rows of four numbers, since a row is one load: [`Lanes::columns`] turns the rows
-//! of all lanes into four columns, one number a lane each.
+//! Data comes as rows of four numbers, since a row is one load: [`fetch`] loads one a lane from a
+//! table, and [`Lanes::columns`] turns the rows of all lanes into four columns, one number a lane
+//! each.
 
+mod fetch;
 mod frame;
 mod scalar;
 #[cfg(test)]
 mod tests;
 mod traits;
+mod trigonometry;
 mod vec3f;
 mod wide;
 
+pub use fetch::fetch;
 pub use frame::FrameLanes;
 pub use scalar::Scalar;
 pub use traits::{Float, Lanes, MAX_LANES, Mask, Rows, SIGN, Uint};
+pub use trigonometry::{atan2, sin_cos_eighth, unit_circle};
 pub use vec3f::Vec3f;
 pub use wide::{Lanes4, Lanes8, Lanes16};

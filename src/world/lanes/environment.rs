@@ -1,38 +1,42 @@
-//! The environment as a light, in lanes.
+//! The environment in lanes: as a light, and where rays leave the scene.
 
 use super::super::World;
 use super::light::LightSamples;
 use super::surface::SurfaceLanes;
-use crate::sampling::warp;
+use crate::light::{Environment, EnvironmentSamples};
 use crate::simd::lanes::{Float, Lanes, Vec3f};
 
 impl World {
-    /// Whether the environment is one that [`World::sample_light_in_lanes`] samples.
+    /// [`World::environment`] in lanes: radiance and density of unit directions.
     #[inline(always)]
-    pub(super) fn has_plain_environment(&self) -> bool {
-        self.scene.environment.as_ref().is_some_and(|environment| environment.is_constant())
-    }
-
-    /// Directions to the environment, which was chosen with probability `pmf`.
-    #[inline(always)]
-    pub(super) fn sample_environment_in_lanes<L: Lanes>(
+    pub fn environment_in_lanes<L: Lanes>(
         &self,
         lanes: L,
-        surface: &SurfaceLanes<L>,
-        pmf: L::Float,
-        u: [L::Float; 2],
-    ) -> LightSamples<L> {
-        let radiance = self.scene.environment.as_ref().map_or(glam::Vec3::ZERO, |e| e.mean());
-        let direction = warp::sphere_in_lanes(lanes, u);
-        let pdf = pmf * warp::SPHERE_PDF;
-        LightSamples {
-            direction,
-            radiance: Vec3f::of_vector(lanes, radiance),
-            pdf,
-            origin: surface.offset_origin(lanes, direction),
-            segment: direction,
-            t_max: lanes.float(f32::INFINITY),
-            valid: pdf.gt(lanes.float(0.0)),
-        }
+        environment: &Environment,
+        direction: Vec3f<L>,
+    ) -> (Vec3f<L>, L::Float) {
+        let (radiance, pdf) = environment.radiance_and_pdf_in_lanes(lanes, direction);
+        (radiance, pdf * self.lights.environment_pmf())
+    }
+}
+
+/// Directions to the environment, which was chosen with probability `pmf`.
+#[inline(always)]
+pub(super) fn sample_environment<L: Lanes>(
+    lanes: L,
+    environment: &Environment,
+    surface: &SurfaceLanes<L>,
+    pmf: L::Float,
+    u: [L::Float; 2],
+) -> LightSamples<L> {
+    let EnvironmentSamples { direction, radiance, pdf } = environment.sample_in_lanes(lanes, u);
+    LightSamples {
+        direction,
+        radiance,
+        pdf: pmf * pdf,
+        origin: surface.offset_origin(lanes, direction),
+        segment: direction,
+        t_max: lanes.float(f32::INFINITY),
+        valid: pdf.gt(lanes.float(0.0)),
     }
 }

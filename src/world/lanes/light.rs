@@ -2,6 +2,7 @@
 
 use super::super::World;
 use super::super::lights::{ChosenLight, Emitter};
+use super::environment::sample_environment;
 use super::surface::{SurfaceLanes, offset_origin, triangle_point};
 use crate::light::LightSampleContext;
 use crate::sampling::warp;
@@ -54,10 +55,10 @@ impl World {
     ) -> (LightSamples<L>, u32) {
         let rows = self.choose_in_lanes(lanes, surface, u_light);
         let mut samples = sample_triangles(lanes, surface, &rows, u, self.slack);
-        if rows.environment != 0 {
+        if let (Some(environment), true) = (&self.scene.environment, rows.environment != 0) {
             let mask = lanes.mask(rows.environment);
             let [_, _, _, pmf] = lanes.columns(&rows.corners[0]);
-            let far = self.sample_environment_in_lanes(lanes, surface, pmf, u);
+            let far = sample_environment(lanes, environment, surface, pmf, u);
             samples = LightSamples::select(mask, &far, &samples);
         }
         (samples, rows.others)
@@ -85,7 +86,7 @@ impl World {
                 normal: glam::Vec3::new(nx, ny, nz),
             };
             let Some((light, pmf)) = self.lights.choose(&context, u) else { continue };
-            rows.fetch(lane, self, light, pmf);
+            rows.fetch(lane, light, pmf);
         }
         rows
     }
@@ -94,7 +95,7 @@ impl World {
 impl LightRows {
     /// Fetches the light that was chosen for a lane.
     #[inline(always)]
-    fn fetch(&mut self, lane: usize, world: &World, light: ChosenLight, pmf: f32) {
+    fn fetch(&mut self, lane: usize, light: ChosenLight, pmf: f32) {
         let bit = 1 << lane;
         match light {
             ChosenLight::Emitter(Emitter { even: Some(even), .. }) => {
@@ -106,7 +107,7 @@ impl LightRows {
                 self.radiance[lane] = [radiance.x, radiance.y, radiance.z, 0.0];
                 self.triangles |= bit;
             }
-            ChosenLight::Environment if world.has_plain_environment() => {
+            ChosenLight::Environment => {
                 self.corners[0][lane][3] = pmf;
                 self.environment |= bit;
             }
