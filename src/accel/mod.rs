@@ -38,6 +38,7 @@ pub mod bvh;
 mod context;
 mod counters;
 mod error;
+mod flat;
 mod interface;
 pub mod kd;
 mod narrowing;

@@ -3,6 +3,7 @@
 use super::wide_bvh::WideBvh;
 use crate::accel::bvh::build::{BUILD, REFINE};
 use crate::accel::bvh::leaves::{CACHE, TRIANGLES};
+use crate::accel::flat::Flat;
 use crate::accel::{Accel, BuildError, BuildInput, OptionSpec, Options, Value, Values, Variant};
 
 /// Four lanes, as in the paper.
@@ -50,6 +51,9 @@ pub const AUTO: Variant = Variant {
     paper: "see mbvh8",
     options: &[],
     build: |input| {
+        if Flat::suits(&*input.source) {
+            return Ok(Box::new(Flat::build(input)));
+        }
         let options = Options::parse(MBVH8.id, MBVH8.options, "leaves=any");
         let options = &options.expect("declared by its row");
         Ok(Box::new(WideBvh::<8>::build(&BuildInput {

@@ -1,0 +1,133 @@
+//! Sixteen rays side by side, whatever way each of them goes.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden};
+
+use super::SlabRay;
+use crate::math::Ray;
+
+/// Rays side by side.
+const LANES: usize = 16;
+
+/// A number of each ray.
+pub(super) type PerRay<T> = [T; LANES];
+
+/// Up to sixteen rays, a lane each. They need not go the same way: of each, what the exact test
+/// needs is laid along axes of its own, permuted as [`super::ShearRay`] permutes them.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct RayLanes {
+    /// Origins and where the rays begin, by lane.
+    starts: [[f32; 4]; LANES],
+    /// Directions and where they end.
+    ways: [[f32; 4]; LANES],
+    /// Permuted origins, and reciprocal directions for near planes and far ones.
+    pub(super) origin: [PerRay<f32>; 3],
+    pub(super) inv_near: [PerRay<f32>; 3],
+    pub(super) inv_far: [PerRay<f32>; 3],
+    /// See [`super::ShearRay`].
+    pub(super) shear: [PerRay<f64>; 3],
+    /// The axis that comes first; the two behind it follow in a circle.
+    pub(super) first_axis: PerRay<u8>,
+}
+
+impl RayLanes {
+    /// Rays side by side.
+    pub const LANES: usize = LANES;
+
+    /// Without rays.
+    pub const EMPTY: Self = Self {
+        starts: [[0.0; 4]; LANES],
+        ways: [[0.0, 0.0, 1.0, f32::NEG_INFINITY]; LANES],
+        origin: [[0.0; LANES]; 3],
+        inv_near: [[1.0; LANES]; 3],
+        inv_far: [[1.0; LANES]; 3],
+        shear: [[0.0; LANES]; 3],
+        first_axis: [0; LANES],
+    };
+
+    /// Takes up to sixteen rays, and prepares them for the filter; what was in the other lanes
+    /// stays.
+    #[inline(always)]
+    pub fn fill(&mut self, rays: &[Ray]) {
+        for (lane, ray) in rays.iter().enumerate().take(LANES) {
+            let (o, d) = (ray.origin(), ray.direction());
+            self.starts[lane] = [o.x, o.y, o.z, ray.t_min()];
+            self.ways[lane] = [d.x, d.y, d.z, ray.t_max()];
+        }
+    }
+
+    /// Narrows a lane's ray, for the filter.
+    #[inline(always)]
+    pub fn end_at(&mut self, lane: usize, t_max: f32) {
+        self.ways[lane % LANES][3] = t_max;
+    }
+
+    /// The rays from lane `from` on, as many as a vector has lanes: origin and `t_min`, direction
+    /// and `t_max`.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S, from: usize) -> [[S::f32s; 4]; 2] {
+        [load_columns(simd, &self.starts, from), load_columns(simd, &self.ways, from)]
+    }
+
+    /// Prepares them for the exact test.
+    ///
+    /// The arithmetic is that of [`super::SlabRay`] and [`super::ShearRay`], lane by lane.
+    #[inline(always)]
+    pub fn prepare<S: Simd>(&mut self, simd: S) {
+        for from in (0..LANES).step_by(S::f32s::LEN) {
+            self.prepare_from(simd, from);
+        }
+    }
+
+    #[inline(always)]
+    fn prepare_from<S: Simd>(&mut self, simd: S, from: usize) {
+        let len = S::f32s::LEN;
+        let [[ox, oy, oz, _], [dx, dy, dz, _]] = self.load(simd, from);
+        let (ax, ay, az) = (dx.abs(), dy.abs(), dz.abs());
+        let (y_wins, z_wins) = (ay.simd_gt(ax), az.simd_gt(ax.max(ay)));
+        let (y_bits, z_bits) = (y_wins.to_bitmask(), z_wins.to_bitmask());
+        for lane in 0..len {
+            let (y, z) = (y_bits >> lane & 1, z_bits >> lane & 1);
+            self.first_axis[from + lane] = ((1 + y) * (1 - z)) as u8;
+        }
+        let turn = |[x, y, z]: [S::f32s; 3]| {
+            [
+                z_wins.select(x, y_wins.select(z, y)),
+                z_wins.select(y, y_wins.select(x, z)),
+                z_wins.select(z, y_wins.select(y, x)),
+            ]
+        };
+        let (origin, direction) = (turn([ox, oy, oz]), turn([dx, dy, dz]));
+        for axis in 0..3 {
+            origin[axis].store_slice(&mut self.origin[axis][from..from + len]);
+            let size = direction[axis].abs().max(SlabRay::SMALLEST).copysign(direction[axis]);
+            let inverse = S::f32s::splat(simd, 1.0) / size;
+            let (near, far) = (inverse * (1.0 - SlabRay::SLACK), inverse * (1.0 + SlabRay::SLACK));
+            near.store_slice(&mut self.inv_near[axis][from..from + len]);
+            far.store_slice(&mut self.inv_far[axis][from..from + len]);
+        }
+        let [x, y, z] = direction.map(|along| along.widen());
+        for (at, (x, y, z)) in [(from, (x.0, y.0, z.0)), (from + len / 2, (x.1, y.1, z.1))] {
+            let scale = S::f64s::splat(simd, 1.0) / z;
+            (x * scale).store_slice(&mut self.shear[0][at..at + len / 2]);
+            (y * scale).store_slice(&mut self.shear[1][at..at + len / 2]);
+            scale.store_slice(&mut self.shear[2][at..at + len / 2]);
+        }
+    }
+}
+
+/// The columns of rows of four, from row `from` on, as many as a vector has lanes.
+#[inline(always)]
+pub(super) fn load_columns<S: Simd>(
+    simd: S,
+    rows: &PerRay<[f32; 4]>,
+    from: usize,
+) -> [S::f32s; 4] {
+    let len = S::f32s::LEN;
+    let values = &rows.as_flattened()[4 * from..4 * (from + len)];
+    let load = |i: usize| S::f32s::from_slice(simd, &values[i * len..(i + 1) * len]);
+    let (even, odd) = load(0).deinterleave(load(1));
+    let (more_even, more_odd) = load(2).deinterleave(load(3));
+    let ([x, z], [y, w]) = (even.deinterleave(more_even).into(), odd.deinterleave(more_odd).into());
+    [x, y, z, w]
+}
