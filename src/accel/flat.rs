@@ -15,7 +15,7 @@ use super::{
     BuildInput, BuildReport, Built, ClosestHit, Counters, Event, HitCriteria, MemoryReport, Phases,
     Query, SliceContext, Structure, Traverse,
 };
-use crate::geom::{FilterLanes, PairTriangle, RayLanes, TrianglePlanes, TriangleSource};
+use crate::geom::{FilterLanes, PairHits, PairTriangle, RayLanes, TrianglePlanes, TriangleSource};
 use crate::math::{Ray, TriangleId};
 
 /// Rays side by side.
@@ -43,6 +43,8 @@ pub struct Scratch {
     candidates: [u32; LANES],
     /// Of each ray the likeliest.
     likeliest: [u32; LANES],
+    /// What the exact test found.
+    found: PairHits,
 }
 
 /// Sixteen rays, and what is asked of them.
@@ -90,7 +92,7 @@ impl Flat {
         &self,
         simd: S,
         group: &[TrianglePlanes],
-        Scratch { rays, firsts, candidates, likeliest }: &mut Scratch,
+        Scratch { rays, firsts, candidates, likeliest, .. }: &mut Scratch,
     ) {
         let len = S::f32s::LEN;
         for from in (0..LANES).step_by(len) {
@@ -153,7 +155,7 @@ impl Flat {
                 return;
             }
             slice.counters.add(Event::ExactTest, u64::from(lanes.count_ones()));
-            self.offer_hits(slice, packet, (&scratch.rays, lanes, &numbers));
+            self.offer_hits(slice, packet, (&scratch.rays, &mut scratch.found), (lanes, &numbers));
             waiting &= packet.open;
         }
     }
@@ -164,9 +166,10 @@ impl Flat {
         &self,
         slice: &mut SliceContext<'_, S, Q, C>,
         packet: &mut Packet<'_, Q>,
-        (rays, lanes, numbers): (&RayLanes, u32, &[u8; LANES]),
+        (rays, found): (&RayLanes, &mut PairHits),
+        (lanes, numbers): (u32, &[u8; LANES]),
     ) {
-        let found = rays.intersect_pairs(slice.simd, lanes, &self.pairs, numbers);
+        rays.intersect_pairs(slice.simd, lanes, &self.pairs, numbers, found);
         let mut hits = found.hits;
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize % LANES;
@@ -254,6 +257,7 @@ impl Structure for Flat {
             firsts: [0.0; LANES * GROUP],
             candidates: [0; LANES],
             likeliest: [NONE; LANES],
+            found: PairHits::default(),
         })
     }
 

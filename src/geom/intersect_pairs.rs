@@ -40,6 +40,7 @@ impl PairTriangle {
 }
 
 /// What lanes found.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct PairHits {
     /// A bit for each lane whose ray hits its triangle, not limited by the ray's own interval.
     pub hits: u32,
@@ -55,7 +56,7 @@ pub struct PairHits {
 type Rows = [[[f32; 4]; LANES]; 4];
 
 impl RayLanes {
-    /// Which of the rays in `lanes`, prepared, hit the triangle of their lane, and where.
+    /// Finds which of the rays in `lanes`, prepared, hit the triangle of their lane, and where.
     #[inline(always)]
     pub fn intersect_pairs<S: Simd>(
         &self,
@@ -63,7 +64,8 @@ impl RayLanes {
         lanes: u32,
         triangles: &[PairTriangle],
         numbers: &PerRay<u8>,
-    ) -> PairHits {
+        found: &mut PairHits,
+    ) {
         let mut rows: Rows = [[[0.0; 4]; LANES]; 4];
         let mut rest = lanes & 0xffff;
         while rest != 0 {
@@ -77,16 +79,21 @@ impl RayLanes {
             let ends = &triangle.ends[first..first + 4];
             rows[3][lane].copy_from_slice(ends);
         }
-        let zeros = [0.0; LANES];
-        let mut found = PairHits { hits: 0, t: zeros, u: zeros, v: zeros };
+        found.hits = 0;
         let width = S::f32s::LEN;
         for from in (0..LANES).step_by(width) {
             if lanes >> from & ((1_u64 << width) - 1) as u32 != 0 {
-                self.intersect_from(simd, from, &rows, &mut found);
+                self.intersect_from(simd, from, &rows, found);
             }
         }
         found.hits &= lanes;
-        found
+    }
+
+    /// Shear and scale of the rays from lane `at` on.
+    #[inline(always)]
+    fn load_shear<S: Simd>(&self, simd: S, at: usize) -> [S::f64s; 3] {
+        let load = |row: &PerRay<f64>| S::f64s::from_slice(simd, &row[at..at + S::f64s::LEN]);
+        [load(&self.shear[0]), load(&self.shear[1]), load(&self.shear[2])]
     }
 
     /// The same for the lanes of one vector.
@@ -98,23 +105,16 @@ impl RayLanes {
         let axes = [load(&rows[0]), load(&rows[1]), load(&rows[2])];
         let ends = load(&rows[3]);
         let origin = [own(&self.origin[0]), own(&self.origin[1]), own(&self.origin[2])];
-        // Low and high halves, in double precision.
-        let mut vertices = [[[S::f64s::splat(simd, 0.0); 3]; 4]; 2];
-        for axis in 0..3 {
-            let [a, b, c, _] = axes[axis];
-            for (i, of) in [a, b, c, origin[axis]].into_iter().enumerate() {
-                let (low, high) = of.widen();
-                vertices[0][i][axis] = low;
-                vertices[1][i][axis] = high;
-            }
-        }
-        let shear = |at: usize| {
-            let row = |i: usize| S::f64s::from_slice(simd, &self.shear[i][at..at + len / 2]);
-            [row(0), row(1), row(2)]
-        };
-        let (t0, u0, v0, misses0) = intersect_half(simd, vertices[0], shear(from));
-        let (t1, u1, v1, misses1) = intersect_half(simd, vertices[1], shear(from + len / 2));
-        let misses = misses0 | misses1 << (len / 2);
+        let corner = |i: usize| [axes[0][i], axes[1][i], axes[2][i]];
+        let (o0, o1) = widen_point::<S>(origin);
+        let (a0, a1) = widen_point::<S>(corner(0));
+        let (b0, b1) = widen_point::<S>(corner(1));
+        let (c0, c1) = widen_point::<S>(corner(2));
+        let half = len / 2;
+        let (low, high) = (self.load_shear(simd, from), self.load_shear(simd, from + half));
+        let (t0, u0, v0, misses0) = intersect_half(simd, [a0, b0, c0], o0, low);
+        let (t1, u1, v1, misses1) = intersect_half(simd, [a1, b1, c1], o1, high);
+        let misses = misses0 | misses1 << half;
         let (t, u, v) = (t0.narrow(t1), u0.narrow(u1), v0.narrow(v1));
 
         // The interval in the own box.
@@ -140,12 +140,20 @@ impl RayLanes {
     }
 }
 
+/// Points in double precision: lower half of the lanes, and upper.
+#[inline(always)]
+fn widen_point<S: Simd>([x, y, z]: [S::f32s; 3]) -> ([S::f64s; 3], [S::f64s; 3]) {
+    let ((x0, x1), (y0, y1), (z0, z1)) = (x.widen(), y.widen(), z.widen());
+    ([x0, y0, z0], [x1, y1, z1])
+}
+
 /// Where rays meet triangles, `t`, `u` and `v`, and a bit for each lane that misses; of half a
 /// vector's lanes, by vertices and origins.
 #[inline(always)]
 fn intersect_half<S: Simd>(
     simd: S,
-    [a, b, c, origin]: [[S::f64s; 3]; 4],
+    [a, b, c]: [[S::f64s; 3]; 3],
+    origin: [S::f64s; 3],
     shear: [S::f64s; 3],
 ) -> (S::f64s, S::f64s, S::f64s, u64) {
     let a = project::<S>(a, origin, shear);

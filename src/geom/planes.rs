@@ -151,8 +151,9 @@ impl<S: Simd> FilterLanes<S> {
         let p = [t.mul_add(d[0], o[0]), t.mul_add(d[1], o[1]), t.mul_add(d[2], o[2])];
         let (u, v) = (dot(u, p, splat(u[3])), dot(v, p, splat(v[3])));
         let w = (splat(1.0) - u) - v;
-        let [u, v, w] = [(u, 0), (v, 1), (w, 2)]
-            .map(|(x, i): (S::f32s, usize)| slack.mul_add(splat(steepness[i]), x));
+        let u = slack.mul_add(splat(steepness[0]), u);
+        let v = slack.mul_add(splat(steepness[1]), v);
+        let w = slack.mul_add(splat(steepness[2]), w);
         let (first, last) = (t - t_slack, t + t_slack);
         let outside = u.simd_lt(0.0)
             | v.simd_lt(0.0)

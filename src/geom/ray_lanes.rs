@@ -106,13 +106,18 @@ impl RayLanes {
             near.store_slice(&mut self.inv_near[axis][from..from + len]);
             far.store_slice(&mut self.inv_far[axis][from..from + len]);
         }
-        let [x, y, z] = direction.map(|along| along.widen());
-        for (at, (x, y, z)) in [(from, (x.0, y.0, z.0)), (from + len / 2, (x.1, y.1, z.1))] {
-            let scale = S::f64s::splat(simd, 1.0) / z;
-            (x * scale).store_slice(&mut self.shear[0][at..at + len / 2]);
-            (y * scale).store_slice(&mut self.shear[1][at..at + len / 2]);
-            scale.store_slice(&mut self.shear[2][at..at + len / 2]);
-        }
+        let (x, y, z) = (direction[0].widen(), direction[1].widen(), direction[2].widen());
+        self.prepare_shear(simd, from, [x.0, y.0, z.0]);
+        self.prepare_shear(simd, from + len / 2, [x.1, y.1, z.1]);
+    }
+
+    #[inline(always)]
+    fn prepare_shear<S: Simd>(&mut self, simd: S, at: usize, [x, y, z]: [S::f64s; 3]) {
+        let lanes = at..at + S::f64s::LEN;
+        let scale = S::f64s::splat(simd, 1.0) / z;
+        (x * scale).store_slice(&mut self.shear[0][lanes.clone()]);
+        (y * scale).store_slice(&mut self.shear[1][lanes.clone()]);
+        scale.store_slice(&mut self.shear[2][lanes]);
     }
 }
 
