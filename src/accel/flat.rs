@@ -7,31 +7,45 @@
 //! each ray's likeliest triangle, the nearest that is surely ahead, and then about what else may
 //! change the answer, which is little.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
-use fearless_simd::{Select, Simd, SimdBase};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask};
 
 use super::{
     BuildInput, BuildReport, Built, ClosestHit, Counters, Event, HitCriteria, MemoryReport, Phases,
     Query, SliceContext, Structure, Traverse,
 };
-use crate::geom::{FilterLanes, PairHits, PairTriangle, RayLanes, TrianglePlanes, TriangleSource};
+use crate::geom::{
+    FilterLanes, FilterPlane, FilterSides, PairHits, PairTriangle, RayLanes, Reach, Triangle,
+};
 use crate::math::{Ray, TriangleId};
 
 /// Rays side by side.
 const LANES: usize = RayLanes::LANES;
-/// Triangles after which what was found ends rays, or bounds them; as many as there are bits.
+/// Triangles of a group at most: as many as there are bits.
 const GROUP: usize = 32;
-/// Stands for no triangle of a group.
-const NONE: u32 = u32::MAX;
 
-/// All triangles, prepared.
+/// All triangles, prepared, those of a plane one after the other.
 pub struct Flat {
-    planes: Vec<TrianglePlanes>,
+    planes: Vec<Plane>,
+    sides: Vec<FilterSides>,
     pairs: Vec<PairTriangle>,
-    /// See [`TrianglePlanes::reach`].
-    reach: f32,
+    groups: Vec<Group>,
+    reach: Reach,
     built: Built,
+}
+
+/// A plane, and how many triangles of its group are in it.
+struct Plane {
+    plane: FilterPlane,
+    triangles: u32,
+}
+
+/// Triangles that rays meet before what was found ends rays, or bounds them.
+#[derive(Clone, Default)]
+struct Group {
+    planes: Range<usize>,
+    triangles: Range<usize>,
 }
 
 /// Scratch of one thread: what is known of sixteen rays and a group of triangles.
@@ -41,7 +55,7 @@ pub struct Scratch {
     firsts: [f32; LANES * GROUP],
     /// Of each ray, a bit for each triangle that it may hit and was not asked about.
     candidates: [u32; LANES],
-    /// Of each ray the likeliest.
+    /// Of each ray the number of the likeliest.
     likeliest: [u32; LANES],
     /// What the exact test found.
     found: PairHits,
@@ -59,23 +73,29 @@ struct Packet<'a, Q> {
 
 impl Flat {
     /// The most triangles that are faster without a tree.
-    pub const LIMIT: usize = 64;
+    pub const LIMIT: usize = 256;
 
-    /// Whether these triangles are few, and of a usual size.
-    pub fn suits(source: &dyn TriangleSource) -> bool {
-        (1..=Self::LIMIT).contains(&source.len()) && TrianglePlanes::suit(find_reach(source))
-    }
-
-    /// Prepares all triangles.
-    pub fn build(input: &BuildInput<'_>) -> Self {
-        let mut phases = Phases::start();
+    /// Prepares all triangles; `None` if they are too many, or not of a usual size.
+    pub fn build(input: &BuildInput<'_>) -> Option<Self> {
         let count = input.source.len();
-        let triangles = || (0..count).map(|i| input.source.triangle(TriangleId::from_index(i)));
-        let planes = triangles().map(|triangle| TrianglePlanes::new(&triangle)).collect();
-        let pairs = triangles().map(|triangle| PairTriangle::new(&triangle)).collect();
-        let reach = find_reach(&*input.source);
+        if !(1..=Self::LIMIT).contains(&count) {
+            return None;
+        }
+        let mut phases = Phases::start();
+        let triangle = |i: usize| input.source.triangle(TriangleId::from_index(i));
+        let triangles: Vec<Triangle> = (0..count).map(triangle).collect();
+        let reach = Reach::new(triangles.iter().copied())?;
+        let mut flat = Self {
+            planes: Vec::new(),
+            sides: Vec::new(),
+            pairs: Vec::new(),
+            groups: Vec::new(),
+            reach,
+            built: Built { level: input.level, report: BuildReport::default() },
+        };
+        flat.add(&triangles);
         phases.end("triangles");
-        let report = BuildReport {
+        flat.built.report = BuildReport {
             phases: phases.ended(),
             triangles: count,
             leaves: 1,
@@ -83,69 +103,119 @@ impl Flat {
             sah_cost: count as f64,
             ..BuildReport::default()
         };
-        Self { planes, pairs, reach, built: Built { level: input.level, report } }
+        Some(flat)
     }
 
-    /// Finds what the rays may hit of the group of triangles that begins there.
+    /// Adds triangles in order, but for those in the plane of one before, which follow that one.
+    fn add(&mut self, triangles: &[Triangle]) {
+        let mut left: Vec<usize> = (0..triangles.len()).collect();
+        let mut group = Group::default();
+        while let Some(&first) = left.first() {
+            let (plane, _) = FilterPlane::new(&triangles[first]);
+            let in_it = |&i: &usize| i == first || plane.holds(&triangles[i], self.reach);
+            let (mut members, others) = left.iter().copied().partition::<Vec<_>, _>(in_it);
+            left = others;
+            // A triangle that passes unseen can't share a plane.
+            while !members.is_empty() {
+                if group.triangles.len() == GROUP {
+                    self.groups.push(group.clone());
+                    group = Group {
+                        planes: group.planes.end..group.planes.end,
+                        triangles: group.triangles.end..group.triangles.end,
+                    };
+                }
+                let room = members.len().min(GROUP - group.triangles.len());
+                for i in members.drain(..room) {
+                    self.sides.push(FilterPlane::new(&triangles[i]).1);
+                    self.pairs.push(PairTriangle::new(TriangleId::from_index(i), &triangles[i]));
+                }
+                self.planes.push(Plane { plane, triangles: room as u32 });
+                group.planes.end += 1;
+                group.triangles.end += room;
+            }
+        }
+        self.groups.push(group);
+    }
+
+    /// Finds what the rays may hit of a group of triangles, and which rays have a likeliest one.
     #[inline(always)]
-    fn filter<S: Simd, Q: Query>(
+    fn filter<S: Simd, Q: Query>(&self, simd: S, group: &Group, scratch: &mut Scratch) -> u32 {
+        let len = S::f32s::LEN;
+        let mut likely = 0;
+        for from in (0..LANES).step_by(len) {
+            likely |= self.filter_from::<S, Q>(simd, group, from, scratch) << from;
+        }
+        likely
+    }
+
+    /// The same for the rays of one vector.
+    #[inline(always)]
+    fn filter_from<S: Simd, Q: Query>(
         &self,
         simd: S,
-        group: &[TrianglePlanes],
+        group: &Group,
+        from: usize,
         Scratch { rays, firsts, candidates, likeliest, .. }: &mut Scratch,
-    ) {
+    ) -> u32 {
         let len = S::f32s::LEN;
-        for from in (0..LANES).step_by(len) {
-            let lanes = FilterLanes::new(simd, rays, from, self.reach);
-            let firsts = &mut firsts[from * GROUP..(from + len) * GROUP];
-            let [t_min, t_max] = lanes.spans();
-            let mut passed = S::u32s::splat(simd, 0);
-            let mut best = S::u32s::splat(simd, NONE);
-            let mut nearest = t_max;
-            let nowhere = S::f32s::splat(simd, f32::NEG_INFINITY);
-            for ((number, triangle), row) in
-                (0_u32..).zip(group).zip(firsts.chunks_exact_mut(S::f32s::LEN))
-            {
-                let found = lanes.find_candidates(simd, triangle);
-                let [first, last] = found.t;
-                found.known.select(first, nowhere).store_slice(row);
-                let bit = S::u32s::splat(simd, 1 << number);
-                passed = found.passes.select(passed | bit, passed);
-                let likely = found.passes & found.known & first.simd_gt(t_min) & if Q::ANY {
-                    last.simd_lt(t_max)
-                } else {
-                    first.simd_lt(nearest)
-                };
-                best = likely.select(S::u32s::splat(simd, number), best);
+        let lanes = FilterLanes::new(simd, rays, from, self.reach);
+        let mut rows = firsts[from * GROUP..(from + len) * GROUP].chunks_exact_mut(S::f32s::LEN);
+        let mut sides = (group.triangles.start as u32..).zip(&self.sides[group.triangles.clone()]);
+        let [t_min, t_max] = lanes.spans();
+        let nowhere = S::f32s::splat(simd, f32::NEG_INFINITY);
+        let mut bit = 1;
+        let mut passed = S::u32s::splat(simd, 0);
+        let (mut best, mut best_bit, mut nearest) = (passed, passed, t_max);
+        for Plane { plane, triangles } in &self.planes[group.planes.clone()] {
+            let met = lanes.meet(simd, plane);
+            let first = met.known.select(met.first, nowhere);
+            let ahead = met.known & first.simd_gt(t_min);
+            let ahead =
+                ahead & if Q::ANY { met.last.simd_lt(t_max) } else { first.simd_lt(nearest) };
+            for ((number, sides), row) in sides.by_ref().zip(&mut rows).take(*triangles as usize) {
+                first.store_slice(row);
+                let passes = met.find_candidates(simd, sides);
+                let wins = passes & ahead;
+                let bits = S::u32s::splat(simd, bit);
+                bit <<= 1;
+                passed = passes.select(passed | bits, passed);
+                best = wins.select(S::u32s::splat(simd, number), best);
+                best_bit = wins.select(bits, best_bit);
                 if !Q::ANY {
-                    nearest = likely.select(first, nearest);
+                    nearest = wins.select(first, nearest);
                 }
             }
-            passed.store_slice(&mut candidates[from..from + len]);
-            best.store_slice(&mut likeliest[from..from + len]);
         }
+        (passed ^ best_bit).store_slice(&mut candidates[from..from + len]);
+        best.store_slice(&mut likeliest[from..from + len]);
+        best_bit.simd_gt(0).to_bitmask() as u32
     }
 
-    /// Asks the exact test about the candidates of a group, whose first triangle has this number.
+    /// Asks the exact test about the candidates of a group, whose first triangle has this number;
+    /// about the likeliest of those rays that have one first.
     #[inline(always)]
     fn test_candidates<S: Simd, Q: Query, C: Counters>(
         &self,
         slice: &mut SliceContext<'_, S, Q, C>,
         packet: &mut Packet<'_, Q>,
         scratch: &mut Scratch,
-        first: usize,
+        (likely, first): (u32, u32),
     ) {
-        let mut numbers = [0; LANES];
+        let mut numbers = scratch.likeliest;
+        let mut lanes = likely & packet.open;
         let mut waiting = packet.open;
-        while waiting != 0 {
-            let mut lanes = 0_u32;
+        loop {
+            slice.counters.add(Event::ExactTest, u64::from(lanes.count_ones()));
+            self.offer_hits(slice, packet, (&scratch.rays, &mut scratch.found), (lanes, &numbers));
+            waiting &= packet.open;
+            lanes = 0;
             let mut rest = waiting;
             while rest != 0 {
                 let lane = rest.trailing_zeros() as usize % LANES;
                 rest &= rest - 1;
                 match scratch.next(lane, S::f32s::LEN, packet.queries[lane].t_max()) {
                     Some(number) => {
-                        numbers[lane] = (first + number as usize) as u8;
+                        numbers[lane] = first + number;
                         lanes |= 1 << lane;
                     }
                     None => waiting &= !(1 << lane),
@@ -154,9 +224,6 @@ impl Flat {
             if lanes == 0 {
                 return;
             }
-            slice.counters.add(Event::ExactTest, u64::from(lanes.count_ones()));
-            self.offer_hits(slice, packet, (&scratch.rays, &mut scratch.found), (lanes, &numbers));
-            waiting &= packet.open;
         }
     }
 
@@ -167,15 +234,14 @@ impl Flat {
         slice: &mut SliceContext<'_, S, Q, C>,
         packet: &mut Packet<'_, Q>,
         (rays, found): (&RayLanes, &mut PairHits),
-        (lanes, numbers): (u32, &[u8; LANES]),
+        (lanes, numbers): (u32, &[u32; LANES]),
     ) {
         rays.intersect_pairs(slice.simd, lanes, &self.pairs, numbers, found);
-        let mut hits = found.hits;
+        let mut hits = found.lanes;
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize % LANES;
             hits &= hits - 1;
-            let triangle = TriangleId::from_index(usize::from(numbers[lane]));
-            let hit = ClosestHit { t: found.t[lane], u: found.u[lane], v: found.v[lane], triangle };
+            let hit: ClosestHit = bytemuck::cast(found.hits[lane]);
             let index = packet.from + lane;
             let t_min = packet.rays[lane].t_min();
             let criteria = HitCriteria { t_min, index, filter: slice.batch.filter() };
@@ -199,17 +265,18 @@ impl Flat {
         scratch.rays.prepare(slice.simd);
         let queries = std::array::from_fn(|lane| Q::new(rays.get(lane).unwrap_or(&Ray::MISS)));
         let mut packet = Packet { open: (1 << rays.len()) - 1, rays, queries, from };
-        for (number, group) in self.planes.chunks(GROUP).enumerate() {
+        for (number, group) in self.groups.iter().enumerate() {
             if number > 0 {
                 for (lane, query) in packet.queries.iter().enumerate() {
                     scratch.rays.end_at(lane, query.t_max());
                 }
             }
-            slice.counters.add(Event::TriangleTest, group.len() as u64);
-            let open = u64::from(packet.open.count_ones());
-            slice.counters.add(Event::TriangleLane, group.len() as u64 * open);
-            self.filter::<S, Q>(slice.simd, group, scratch);
-            self.test_candidates(slice, &mut packet, scratch, number * GROUP);
+            let count = group.triangles.len() as u64;
+            slice.counters.add(Event::TriangleTest, count);
+            slice.counters.add(Event::TriangleLane, count * u64::from(packet.open.count_ones()));
+            let likely = self.filter::<S, Q>(slice.simd, group, scratch);
+            let first = group.triangles.start as u32;
+            self.test_candidates(slice, &mut packet, scratch, (likely, first));
             if packet.open == 0 {
                 break;
             }
@@ -221,16 +288,10 @@ impl Flat {
 }
 
 impl Scratch {
-    /// Takes the next candidate of a ray: the likeliest, or one that may be hit at or before
-    /// `t_max`. Vectors have `len` lanes.
+    /// Takes the next candidate of a ray that may be hit at or before `t_max`. Vectors have `len`
+    /// lanes.
     #[inline(always)]
     fn next(&mut self, lane: usize, len: usize, t_max: f32) -> Option<u32> {
-        let likeliest = self.likeliest[lane];
-        if likeliest != NONE {
-            self.likeliest[lane] = NONE;
-            self.candidates[lane] &= !(1 << likeliest);
-            return Some(likeliest);
-        }
         while self.candidates[lane] != 0 {
             let number = self.candidates[lane].trailing_zeros();
             self.candidates[lane] &= self.candidates[lane] - 1;
@@ -243,11 +304,6 @@ impl Scratch {
     }
 }
 
-fn find_reach(source: &dyn TriangleSource) -> f32 {
-    let triangles = (0..source.len()).map(|i| source.triangle(TriangleId::from_index(i)));
-    TrianglePlanes::reach(triangles)
-}
-
 impl Structure for Flat {
     type Scratch = Box<Scratch>;
 
@@ -256,7 +312,7 @@ impl Structure for Flat {
             rays: RayLanes::EMPTY,
             firsts: [0.0; LANES * GROUP],
             candidates: [0; LANES],
-            likeliest: [NONE; LANES],
+            likeliest: [0; LANES],
             found: PairHits::default(),
         })
     }
@@ -266,8 +322,9 @@ impl Structure for Flat {
     }
 
     fn memory(&self) -> MemoryReport {
-        let (planes, pairs) = (size_of_val(&*self.planes), size_of_val(&*self.pairs));
-        MemoryReport::new([("planes", planes), ("triangles", pairs)])
+        let planes = size_of_val(&*self.planes) + size_of_val(&*self.groups);
+        let triangles = size_of_val(&*self.sides) + size_of_val(&*self.pairs);
+        MemoryReport::new([("planes", planes), ("triangles", triangles)])
     }
 }
 

@@ -8,9 +8,10 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdNarrow, SimdWiden};
 
 use super::intersect_triangle::{DISTANCE_BOUND, EDGE_ON};
-use super::ray_lanes::{PerRay, RayLanes, load_columns};
+use super::ray_lanes::{PerRay, RayLanes, load_columns, store_columns};
 use super::slab::{FARTHEST_ALONG, INVERSE_ALONG, own_box};
 use super::source::Triangle;
+use crate::math::TriangleId;
 
 const LANES: usize = RayLanes::LANES;
 
@@ -20,20 +21,24 @@ const LANES: usize = RayLanes::LANES;
 pub struct PairTriangle {
     /// For axes x, y, z, x, y: the coordinates of a, b and c, and where the own box begins.
     rows: [[f32; 4]; 5],
-    /// Where the own box ends, along the same axes; then zeros.
-    ends: [f32; 12],
+    /// Where the own box ends along x, y, z, and the id as its bits; the same for y, z, x and for
+    /// z, x, y.
+    ends: [[f32; 4]; 3],
 }
 
 impl PairTriangle {
     /// Lays out a triangle.
-    pub fn new(triangle: &Triangle) -> Self {
-        let (mut rows, mut ends) = ([[0.0; 4]; 5], [0.0; 12]);
-        let bounds = own_box(triangle);
+    pub fn new(id: TriangleId, triangle: &Triangle) -> Self {
+        let (mut rows, mut ends) = ([[0.0; 4]; 5], [[0.0; 4]; 3]);
+        let (Triangle { a, b, c }, bounds) = (triangle, own_box(triangle));
         for at in 0..5 {
             let axis = at % 3;
-            let Triangle { a, b, c } = triangle;
             rows[at] = [a[axis], b[axis], c[axis], bounds.min[axis]];
-            ends[at] = bounds.max[axis];
+        }
+        for first in 0..3 {
+            let [x, y, z] = [first, (first + 1) % 3, (first + 2) % 3];
+            let id = f32::from_bits(id.0);
+            ends[first] = [bounds.max[x], bounds.max[y], bounds.max[z], id];
         }
         Self { rows, ends }
     }
@@ -41,18 +46,17 @@ impl PairTriangle {
 
 /// What lanes found.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
 pub struct PairHits {
+    /// Of each lane distance, the weights of second and third vertex, and the triangle's id as its
+    /// bits.
+    pub hits: PerRay<[f32; 4]>,
     /// A bit for each lane whose ray hits its triangle, not limited by the ray's own interval.
-    pub hits: u32,
-    /// Distances.
-    pub t: PerRay<f32>,
-    /// Weights of second vertices.
-    pub u: PerRay<f32>,
-    /// Weights of third vertices.
-    pub v: PerRay<f32>,
+    pub lanes: u32,
 }
 
-/// The triangles of lanes, axis by axis as their rays have them, then the ends of own boxes.
+/// The triangles of lanes, axis by axis as their rays have them, then the ends of own boxes
+/// and the ids.
 type Rows = [[[f32; 4]; LANES]; 4];
 
 impl RayLanes {
@@ -63,7 +67,7 @@ impl RayLanes {
         simd: S,
         lanes: u32,
         triangles: &[PairTriangle],
-        numbers: &PerRay<u8>,
+        numbers: &PerRay<u32>,
         found: &mut PairHits,
     ) {
         let mut rows: Rows = [[[0.0; 4]; LANES]; 4];
@@ -71,22 +75,21 @@ impl RayLanes {
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            let triangle = &triangles[usize::from(numbers[lane])];
+            let triangle = &triangles[numbers[lane] as usize];
             let first = usize::from(self.first_axis[lane]).min(2);
             for along in 0..3 {
                 rows[along][lane] = triangle.rows[first + along];
             }
-            let ends = &triangle.ends[first..first + 4];
-            rows[3][lane].copy_from_slice(ends);
+            rows[3][lane] = triangle.ends[first];
         }
-        found.hits = 0;
+        found.lanes = 0;
         let width = S::f32s::LEN;
         for from in (0..LANES).step_by(width) {
             if lanes >> from & ((1_u64 << width) - 1) as u32 != 0 {
                 self.intersect_from(simd, from, &rows, found);
             }
         }
-        found.hits &= lanes;
+        found.lanes &= lanes;
     }
 
     /// Shear and scale of the rays from lane `at` on.
@@ -133,10 +136,8 @@ impl RayLanes {
             & exit.simd_ge(FARTHEST_ALONG)
             & largest.simd_ge(INVERSE_ALONG);
         let taken = enter.simd_le(exit) & t.simd_lt(f32::INFINITY) & !beyond;
-        found.hits |= ((taken.to_bitmask() & !misses) as u32) << from;
-        t.max(enter).min(exit).store_slice(&mut found.t[from..from + len]);
-        u.store_slice(&mut found.u[from..from + len]);
-        v.store_slice(&mut found.v[from..from + len]);
+        found.lanes |= ((taken.to_bitmask() & !misses) as u32) << from;
+        store_columns::<S>([t.max(enter).min(exit), u, v, ends[3]], &mut found.hits, from);
     }
 }
 
@@ -185,4 +186,70 @@ fn project<S: Simd>(
 ) -> [S::f64s; 3] {
     let (x, y, z) = (x - origin[0], y - origin[1], z - origin[2]);
     [x - z * shear[0], y - z * shear[1], z * shear[2]]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geom::intersect_triangle::intersect;
+    use crate::math::{Ray, Vec3};
+    use crate::simd::{Isa, vectorized};
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        let part = || prop_oneof![
+            4 => -2.0_f32..2.0, 1 => Just(0.0_f32), 1 => Just(1.0_f32), 1 => 1e5_f32..1.0001e5
+        ];
+        [part(), part(), part()].prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4_000))]
+        #[test]
+        fn sixteen_pairs_at_once_are_sixteen_times_the_test(
+            corners in prop::collection::vec([point(), point(), point()], 3),
+            starts in prop::collection::vec((point(), 0.0_f32..1.2, 0.0_f32..1.2), 1..=16),
+            exponent in -40_i32..40,
+        ) {
+            let scale = f32::from_bits(((exponent + 127) as u32) << 23);
+            let triangle = |[a, b, c]: [Vec3; 3]| {
+                Triangle { a: a * scale, b: b * scale, c: c * scale }
+            };
+            let triangles: Vec<Triangle> = corners.into_iter().map(triangle).collect();
+            let lay_out = |(i, triangle)| PairTriangle::new(TriangleId::from_index(i), triangle);
+            let laid_out: Vec<_> = triangles.iter().enumerate().map(lay_out).collect();
+            let numbers = std::array::from_fn(|lane| (lane % 3) as u32);
+            let rays: Vec<Ray> = (starts.iter().enumerate())
+                .map(|(lane, &(start, u, v))| {
+                    let Triangle { a, b, c } = triangles[lane % 3];
+                    let origin = start * scale;
+                    let target = a * (1.0 - u - v) + b * u + c * v;
+                    Ray::new(origin, target - origin, 0.0, f32::INFINITY)
+                })
+                .collect();
+            let asked = ((1_u64 << rays.len()) - 1) as u32;
+            for isa in Isa::available() {
+                let level = isa.level().expect("available");
+                let found = vectorized!(level, simd => {
+                    let (mut lanes, mut found) = (RayLanes::EMPTY, PairHits::default());
+                    lanes.fill(&rays);
+                    lanes.prepare(simd);
+                    lanes.intersect_pairs(simd, asked, &laid_out, &numbers, &mut found);
+                    found
+                });
+                for (lane, ray) in rays.iter().enumerate() {
+                    let number = numbers[lane];
+                    let own = intersect(ray, &triangles[number as usize]);
+                    let own = own.filter(|[t, ..]| *t > 0.0);
+                    let here = found.hits[lane];
+                    let hit = found.lanes >> lane & 1 == 1 && here[0] > 0.0;
+                    let bits = |[t, u, v]: [f32; 3]| [t.to_bits(), u.to_bits(), v.to_bits()];
+                    let found = hit.then_some([here[0], here[1], here[2]]).map(bits);
+                    prop_assert_eq!(found, own.map(bits), "{}, lane {}", isa, lane);
+                    prop_assert!(!hit || here[3].to_bits() == number);
+                }
+            }
+        }
+    }
 }

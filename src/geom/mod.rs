@@ -36,7 +36,7 @@ pub use intersect_bundle::BundleHits;
 pub use intersect_pairs::{PairHits, PairTriangle};
 pub use intersect_triangle::{ShearRay, intersect_triangle};
 pub use mesh::Mesh;
-pub use planes::{Candidates, FilterLanes, TrianglePlanes};
+pub use planes::{FilterLanes, FilterPlane, FilterSides, Reach};
 pub use ray_lanes::RayLanes;
 pub use shaft::Shaft;
 pub use slab::{SlabRay, own_box};

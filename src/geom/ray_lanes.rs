@@ -136,3 +136,20 @@ pub(super) fn load_columns<S: Simd>(
     let ([x, z], [y, w]) = (even.deinterleave(more_even).into(), odd.deinterleave(more_odd).into());
     [x, y, z, w]
 }
+
+/// The other way round.
+#[inline(always)]
+pub(super) fn store_columns<S: Simd>(
+    [x, y, z, w]: [S::f32s; 4],
+    rows: &mut PerRay<[f32; 4]>,
+    from: usize,
+) {
+    let len = S::f32s::LEN;
+    let values = &mut rows.as_flattened_mut()[4 * from..4 * (from + len)];
+    let ((even, more_even), (odd, more_odd)) = (x.interleave(z), y.interleave(w));
+    let ((a, b), (c, d)) = (even.interleave(odd), more_even.interleave(more_odd));
+    a.store_slice(&mut values[..len]);
+    b.store_slice(&mut values[len..2 * len]);
+    c.store_slice(&mut values[2 * len..3 * len]);
+    d.store_slice(&mut values[3 * len..]);
+}

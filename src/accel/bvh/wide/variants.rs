@@ -51,8 +51,8 @@ pub const AUTO: Variant = Variant {
     paper: "see mbvh8",
     options: &[],
     build: |input| {
-        if Flat::suits(&*input.source) {
-            return Ok(Box::new(Flat::build(input)));
+        if let Some(flat) = Flat::build(input) {
+            return Ok(Box::new(flat));
         }
         let options = Options::parse(MBVH8.id, MBVH8.options, "leaves=any");
         let options = &options.expect("declared by its row");
