@@ -94,7 +94,7 @@ fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
         (
             "few and odd",
             [
-                soup(8, 0.6, 1.0),
+                soup(6, 0.6, 1.0),
                 sheet(1, -0.0),
                 sheet(1, 1e-7),
                 vec![
@@ -104,7 +104,7 @@ fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
                     Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::new(0.5, 1e-6, 0.0) },
                     Triangle { a: Vec3::ONE, b: Vec3::ONE, c: Vec3::ONE },
                 ],
-                soup(8, 1e-4, 1.0),
+                soup(6, 1e-4, 1.0),
             ]
             .concat(),
         ),

@@ -19,6 +19,7 @@ use crate::geom::{
     FilterLanes, FilterPlane, FilterSides, PairHits, PairTriangle, RayLanes, Reach, Triangle,
 };
 use crate::math::{Ray, TriangleId};
+use crate::simd::vectorized;
 
 /// Rays side by side.
 const LANES: usize = RayLanes::LANES;
@@ -72,13 +73,16 @@ struct Packet<'a, Q> {
 }
 
 impl Flat {
-    /// The most triangles that are faster without a tree.
-    pub const LIMIT: usize = 256;
+    /// Triangles, and planes that they lie in, that are faster without a tree: as many as this for
+    /// each of a vector's lanes. There slices of bounce rays are 1.2 times as fast, in halls of
+    /// boxes as among triangles at random; only primary rays gain less, or lose.
+    const LIMIT: usize = 12;
 
     /// Prepares all triangles; `None` if they are too many, or not of a usual size.
     pub fn build(input: &BuildInput<'_>) -> Option<Self> {
         let count = input.source.len();
-        if !(1..=Self::LIMIT).contains(&count) {
+        let limit = Self::LIMIT * vectorized!(input.level, simd => count_lanes(simd));
+        if !(1..limit).contains(&count) {
             return None;
         }
         let mut phases = Phases::start();
@@ -94,6 +98,9 @@ impl Flat {
             built: Built { level: input.level, report: BuildReport::default() },
         };
         flat.add(&triangles);
+        if flat.planes.len() + count > limit {
+            return None;
+        }
         phases.end("triangles");
         flat.built.report = BuildReport {
             phases: phases.ended(),
@@ -137,15 +144,26 @@ impl Flat {
         self.groups.push(group);
     }
 
-    /// Finds what the rays may hit of a group of triangles, and which rays have a likeliest one.
+    /// Finds what the rays of `open` lanes may hit of a group of triangles: a bit for each that has
+    /// a likeliest one, and for each that has others.
     #[inline(always)]
-    fn filter<S: Simd, Q: Query>(&self, simd: S, group: &Group, scratch: &mut Scratch) -> u32 {
+    fn filter<S: Simd, Q: Query>(
+        &self,
+        simd: S,
+        group: &Group,
+        open: u32,
+        scratch: &mut Scratch,
+    ) -> [u32; 2] {
         let len = S::f32s::LEN;
-        let mut likely = 0;
+        let (mut likely, mut more) = (0, 0);
         for from in (0..LANES).step_by(len) {
-            likely |= self.filter_from::<S, Q>(simd, group, from, scratch) << from;
+            if open >> from & ((1_u64 << len) - 1) as u32 != 0 {
+                let [some, others] = self.filter_from::<S, Q>(simd, group, from, scratch);
+                likely |= some << from;
+                more |= others << from;
+            }
         }
-        likely
+        [likely & open, more & open]
     }
 
     /// The same for the rays of one vector.
@@ -156,7 +174,7 @@ impl Flat {
         group: &Group,
         from: usize,
         Scratch { rays, firsts, candidates, likeliest, .. }: &mut Scratch,
-    ) -> u32 {
+    ) -> [u32; 2] {
         let len = S::f32s::LEN;
         let lanes = FilterLanes::new(simd, rays, from, self.reach);
         let mut rows = firsts[from * GROUP..(from + len) * GROUP].chunks_exact_mut(S::f32s::LEN);
@@ -186,9 +204,11 @@ impl Flat {
                 }
             }
         }
-        (passed ^ best_bit).store_slice(&mut candidates[from..from + len]);
+        let others = passed ^ best_bit;
+        others.store_slice(&mut candidates[from..from + len]);
         best.store_slice(&mut likeliest[from..from + len]);
-        best_bit.simd_gt(0).to_bitmask() as u32
+        let lanes = |bits: S::u32s| bits.simd_gt(0).to_bitmask() as u32;
+        [lanes(best_bit), lanes(others)]
     }
 
     /// Asks the exact test about the candidates of a group, whose first triangle has this number;
@@ -199,12 +219,10 @@ impl Flat {
         slice: &mut SliceContext<'_, S, Q, C>,
         packet: &mut Packet<'_, Q>,
         scratch: &mut Scratch,
-        (likely, first): (u32, u32),
+        ([mut lanes, mut waiting], first): ([u32; 2], u32),
     ) {
         let mut numbers = scratch.likeliest;
-        let mut lanes = likely & packet.open;
-        let mut waiting = packet.open;
-        loop {
+        while lanes | waiting != 0 {
             slice.counters.add(Event::ExactTest, u64::from(lanes.count_ones()));
             self.offer_hits(slice, packet, (&scratch.rays, &mut scratch.found), (lanes, &numbers));
             waiting &= packet.open;
@@ -220,9 +238,6 @@ impl Flat {
                     }
                     None => waiting &= !(1 << lane),
                 }
-            }
-            if lanes == 0 {
-                return;
             }
         }
     }
@@ -274,9 +289,9 @@ impl Flat {
             let count = group.triangles.len() as u64;
             slice.counters.add(Event::TriangleTest, count);
             slice.counters.add(Event::TriangleLane, count * u64::from(packet.open.count_ones()));
-            let likely = self.filter::<S, Q>(slice.simd, group, scratch);
+            let found = self.filter::<S, Q>(slice.simd, group, packet.open, scratch);
             let first = group.triangles.start as u32;
-            self.test_candidates(slice, &mut packet, scratch, (likely, first));
+            self.test_candidates(slice, &mut packet, scratch, (found, first));
             if packet.open == 0 {
                 break;
             }
@@ -302,6 +317,12 @@ impl Scratch {
         }
         None
     }
+}
+
+/// The lanes of a vector.
+#[inline(always)]
+fn count_lanes<S: Simd>(_: S) -> usize {
+    S::f32s::LEN
 }
 
 impl Structure for Flat {

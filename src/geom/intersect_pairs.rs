@@ -132,9 +132,8 @@ impl RayLanes {
             exit = ((down.select(lo, hi) - origin[axis]) * far).min(exit);
             largest = near.abs().max(largest);
         }
-        let beyond = t.simd_gt(exit)
-            & exit.simd_ge(FARTHEST_ALONG)
-            & largest.simd_ge(INVERSE_ALONG);
+        let beyond =
+            t.simd_gt(exit) & exit.simd_ge(FARTHEST_ALONG) & largest.simd_ge(INVERSE_ALONG);
         let taken = enter.simd_le(exit) & t.simd_lt(f32::INFINITY) & !beyond;
         found.lanes |= ((taken.to_bitmask() & !misses) as u32) << from;
         store_columns::<S>([t.max(enter).min(exit), u, v, ends[3]], &mut found.hits, from);
@@ -198,9 +197,11 @@ mod tests {
     use crate::simd::{Isa, vectorized};
 
     fn point() -> impl Strategy<Value = Vec3> {
-        let part = || prop_oneof![
-            4 => -2.0_f32..2.0, 1 => Just(0.0_f32), 1 => Just(1.0_f32), 1 => 1e5_f32..1.0001e5
-        ];
+        let part = || {
+            prop_oneof![
+                4 => -2.0_f32..2.0, 1 => Just(0.0_f32), 1 => Just(1.0_f32), 1 => 1e5_f32..1.0001e5
+            ]
+        };
         [part(), part(), part()].prop_map(Vec3::from)
     }
 

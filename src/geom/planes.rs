@@ -1,10 +1,10 @@
 //! The filter for few triangles and many rays: a triangle after the other against rays in lanes.
 //!
-//! Of each triangle is prepared what depends on it alone: its plane, which it may share with others,
-//! and the gradients of the barycentrics `u` and `v`, as D. Baldwin and M. Weber have it ("Fast Ray-Triangle Intersections
-//! by Coordinate Transformation", JCGT 2016). A ray meets the plane at `t`, and `u` and `v` are
-//! dot products with the point there. Like [`super::block`] it only filters: it never rejects what
-//! [`super::intersect_triangle()`] would accept.
+//! Of each triangle is prepared what depends on it alone: its plane, which it may share with
+//! others, and the gradients of the barycentrics `u` and `v`, as D. Baldwin and M. Weber have it
+//! ("Fast Ray-Triangle Intersections by Coordinate Transformation", JCGT 2016). A ray meets the
+//! plane at `t`, and `u` and `v` are dot products with the point there. Like [`super::block`] it
+//! only filters: it never rejects what [`super::intersect_triangle()`] would accept.
 //!
 //! # The bound
 //! Let `ε` be 2^-24, `|x|` the sum of a vector's magnitudes, `S` the largest `|x|` of all vertices,
@@ -155,9 +155,8 @@ impl<S: Simd> FilterLanes<S> {
         let [[ox, oy, oz, t_min], [dx, dy, dz, t_max]] = rays.load(simd, from);
         let far = ox.abs() + oy.abs() + oz.abs();
         let length = dx.abs() + dy.abs() + dz.abs();
-        let usual = far.simd_le(reach * FARTHEST)
-            & length.simd_ge(SHORTEST)
-            & length.simd_le(LONGEST);
+        let usual =
+            far.simd_le(reach * FARTHEST) & length.simd_ge(SHORTEST) & length.simd_le(LONGEST);
         let never = S::f32s::splat(simd, f32::INFINITY);
         Self {
             origin: [ox, oy, oz],

@@ -123,11 +123,7 @@ impl RayLanes {
 
 /// The columns of rows of four, from row `from` on, as many as a vector has lanes.
 #[inline(always)]
-pub(super) fn load_columns<S: Simd>(
-    simd: S,
-    rows: &PerRay<[f32; 4]>,
-    from: usize,
-) -> [S::f32s; 4] {
+pub(super) fn load_columns<S: Simd>(simd: S, rows: &PerRay<[f32; 4]>, from: usize) -> [S::f32s; 4] {
     let len = S::f32s::LEN;
     let values = &rows.as_flattened()[4 * from..4 * (from + len)];
     let load = |i: usize| S::f32s::from_slice(simd, &values[i * len..(i + 1) * len]);
