@@ -47,6 +47,7 @@ mod packet;
 mod query;
 mod report;
 mod sah;
+mod side_by_side;
 mod traverse;
 mod variant;
 mod variants;

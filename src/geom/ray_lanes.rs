@@ -2,8 +2,9 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden};
 
-use super::SlabRay;
-use crate::math::Ray;
+use super::block::{BlockRef, Edges};
+use super::{SlabRay, Triangle};
+use crate::math::{Ray, Vec3};
 
 /// Rays side by side.
 const LANES: usize = 16;
@@ -50,10 +51,16 @@ impl RayLanes {
     #[inline(always)]
     pub fn fill(&mut self, rays: &[Ray]) {
         for (lane, ray) in rays.iter().enumerate().take(LANES) {
-            let (o, d) = (ray.origin(), ray.direction());
-            self.starts[lane] = [o.x, o.y, o.z, ray.t_min()];
-            self.ways[lane] = [d.x, d.y, d.z, ray.t_max()];
+            self.put(lane, ray);
         }
+    }
+
+    /// Takes a ray.
+    #[inline(always)]
+    pub fn put(&mut self, lane: usize, ray: &Ray) {
+        let (o, d) = (ray.origin(), ray.direction());
+        self.starts[lane % LANES] = [o.x, o.y, o.z, ray.t_min()];
+        self.ways[lane % LANES] = [d.x, d.y, d.z, ray.t_max()];
     }
 
     /// Narrows a lane's ray, for the filter.
@@ -67,6 +74,35 @@ impl RayLanes {
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, from: usize) -> [[S::f32s; 4]; 2] {
         [load_columns(simd, &self.starts, from), load_columns(simd, &self.ways, from)]
+    }
+
+    /// Of each triangle of a block, of those in `asked`, a bit for each ray that may hit it.
+    #[inline(always)]
+    pub fn find_candidates<S: Simd, const W: usize>(
+        &self,
+        simd: S,
+        block: &BlockRef<'_, W>,
+        mut asked: u32,
+    ) -> [u32; W] {
+        let mut candidates = [0; W];
+        while asked != 0 {
+            let number = asked.trailing_zeros() as usize % W;
+            asked &= asked - 1;
+            let Triangle { a, b, c } = block.triangle(number);
+            let splat = |p: Vec3| {
+                let part = |x: f32| S::f32s::splat(simd, x);
+                [part(p.x), part(p.y), part(p.z)]
+            };
+            let edges = Edges::new([splat(a), splat(b), splat(c)]);
+            for from in (0..LANES).step_by(S::f32s::LEN) {
+                let [[ox, oy, oz, _], [dx, dy, dz, t_max]] = self.load(simd, from);
+                let length = dx.abs() + dy.abs() + dz.abs();
+                let passes = edges.find_candidates([[ox, oy, oz], [dx, dy, dz]], length, t_max);
+                let all = (1_u64 << S::f32s::LEN) - 1;
+                candidates[number] |= ((passes & all) as u32) << from;
+            }
+        }
+        candidates
     }
 
     /// Prepares them for the exact test.

@@ -55,11 +55,10 @@ pub const AUTO: Variant = Variant {
         }
         let options = Options::parse(MBVH8.id, MBVH8.options, "leaves=any");
         let options = &options.expect("declared by its row");
-        Ok(Box::new(WideBvh::<8>::build(&BuildInput {
-            options,
-            source: input.source.clone(),
-            ..*input
-        })?))
+        let input = BuildInput { options, source: input.source.clone(), ..*input };
+        let mut tree = WideBvh::<8>::build(&input)?;
+        tree.side_by_side = true;
+        Ok(Box::new(tree))
     },
 };
 

@@ -7,13 +7,17 @@
 //! each ray's likeliest triangle, the nearest that is surely ahead, and then about what else may
 //! change the answer, which is little.
 
-use std::ops::{ControlFlow, Range};
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask};
 
-use super::{
-    BuildInput, BuildReport, Built, ClosestHit, Counters, Event, HitCriteria, MemoryReport, Phases,
-    Query, SliceContext, Structure, Traverse,
+use crate::accel::side_by_side::{LANES, Pairs, Questions};
+use crate::accel::{
+    BuildInput, BuildReport, Built, Counters, Event, MemoryReport, Phases, Query, SliceContext,
+    Structure, Traverse,
 };
 use crate::geom::{
     FilterLanes, FilterPlane, FilterSides, PairHits, PairTriangle, RayLanes, Reach, Triangle,
@@ -21,8 +25,6 @@ use crate::geom::{
 use crate::math::{Ray, TriangleId};
 use crate::simd::vectorized;
 
-/// Rays side by side.
-const LANES: usize = RayLanes::LANES;
 /// Triangles of a group at most: as many as there are bits.
 const GROUP: usize = 32;
 
@@ -60,16 +62,6 @@ pub struct Scratch {
     likeliest: [u32; LANES],
     /// What the exact test found.
     found: PairHits,
-}
-
-/// Sixteen rays, and what is asked of them.
-struct Packet<'a, Q> {
-    /// Those that have no final answer, a bit each.
-    open: u32,
-    rays: &'a [Ray],
-    queries: [Q; LANES],
-    /// Number of the first in the batch.
-    from: usize,
 }
 
 impl Flat {
@@ -217,14 +209,15 @@ impl Flat {
     fn test_candidates<S: Simd, Q: Query, C: Counters>(
         &self,
         slice: &mut SliceContext<'_, S, Q, C>,
-        packet: &mut Packet<'_, Q>,
+        packet: &mut Questions<Q>,
         scratch: &mut Scratch,
         ([mut lanes, mut waiting], first): ([u32; 2], u32),
     ) {
         let mut numbers = scratch.likeliest;
         while lanes | waiting != 0 {
-            slice.counters.add(Event::ExactTest, u64::from(lanes.count_ones()));
-            self.offer_hits(slice, packet, (&scratch.rays, &mut scratch.found), (lanes, &numbers));
+            let Scratch { rays, found, .. } = &mut *scratch;
+            let pairs = Pairs { rays, triangles: &self.pairs, numbers: &numbers, found };
+            packet.offer_hits(slice, lanes, pairs);
             waiting &= packet.open;
             lanes = 0;
             let mut rest = waiting;
@@ -242,30 +235,6 @@ impl Flat {
         }
     }
 
-    /// Asks the exact test about a triangle each ray, and offers the hits it finds.
-    #[inline(always)]
-    fn offer_hits<S: Simd, Q: Query, C: Counters>(
-        &self,
-        slice: &mut SliceContext<'_, S, Q, C>,
-        packet: &mut Packet<'_, Q>,
-        (rays, found): (&RayLanes, &mut PairHits),
-        (lanes, numbers): (u32, &[u32; LANES]),
-    ) {
-        rays.intersect_pairs(slice.simd, lanes, &self.pairs, numbers, found);
-        let mut hits = found.lanes;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize % LANES;
-            hits &= hits - 1;
-            let hit: ClosestHit = bytemuck::cast(found.hits[lane]);
-            let index = packet.from + lane;
-            let t_min = packet.rays[lane].t_min();
-            let criteria = HitCriteria { t_min, index, filter: slice.batch.filter() };
-            if let ControlFlow::Break(()) = packet.queries[lane].offer(&criteria, hit) {
-                packet.open &= !(1 << lane);
-            }
-        }
-    }
-
     /// Answers up to sixteen rays of a slice.
     #[inline(always)]
     fn trace_packet<S: Simd, Q: Query, C: Counters>(
@@ -279,7 +248,8 @@ impl Flat {
         scratch.rays.fill(rays);
         scratch.rays.prepare(slice.simd);
         let queries = std::array::from_fn(|lane| Q::new(rays.get(lane).unwrap_or(&Ray::MISS)));
-        let mut packet = Packet { open: (1 << rays.len()) - 1, rays, queries, from };
+        let members = std::array::from_fn(|lane| (from + lane) as u32);
+        let mut packet = Questions { open: (1 << rays.len()) - 1, queries, members };
         for (number, group) in self.groups.iter().enumerate() {
             if number > 0 {
                 for (lane, query) in packet.queries.iter().enumerate() {
