@@ -9,11 +9,13 @@
 //! | [`mbvh`] | multi bounding volume hierarchies: Ernst and Greiner's tables and figure 4 |
 //! | [`fly_through`] | many rays at once over flights: Barczak's tables |
 //! | [`renders`] | whole renders: their figure 1 |
+//! | [`breakdown`] | where their time goes |
 //! | [`structures`] | all structures: memory and rates, a row each |
 //! | [`table`], [`bars`], [`plot`] | how it is shown |
 
 pub mod agreement;
 pub mod bars;
+pub mod breakdown;
 pub mod fly_through;
 pub mod kd;
 pub mod kd_growth;

@@ -23,6 +23,14 @@ impl Picture {
         exr::write(path.as_ref(), self)
     }
 
+    /// The bytes of the file that [`Picture::write_exr`] writes.
+    ///
+    /// # Errors
+    /// [`FilmError::Invalid`] for what the format cannot hold.
+    pub fn encode_exr(&self) -> Result<Vec<u8>, FilmError> {
+        exr::encode(self).map_err(|message| FilmError::invalid(Path::new("the picture"), message))
+    }
+
     /// Writes the colours as a PNG of 8 bits a channel, brightened by `exposure` stops.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, choose_scenes};
 use crate::accel::{Accel, AccelSpec, build};
 use crate::bench::bars::draw_bars;
+use crate::bench::breakdown::{self, Breakdown};
 use crate::bench::renders::{self, Rendered, Scene};
 use crate::cli::error::CliError;
 use crate::cli::flags::{Quiet, parse_accels};
@@ -18,7 +19,7 @@ use crate::cli::settings::parse::threads;
 use crate::cli::settings::resolve_words;
 use crate::cli::{input, memory};
 use crate::geom::TriangleSource;
-use crate::render::{Aov, Control, film_bytes, render};
+use crate::render::{Aov, Control, Stage, film_bytes, render};
 use crate::simd::Isa;
 
 /// Whole renders per structure: figure 1 of Ernst and Greiner's paper, its speed-ups next to ours.
@@ -33,6 +34,7 @@ use crate::simd::Isa;
 #[command(after_help = "\
 Examples:
   dapple bench render --spp 4 --rounds 1 --threads 0
+  dapple bench render kitchen.glb --accel auto --breakdown
   dapple bench render kitchen.glb --accel bvh2,mbvh8,mbvh8:triangles=cache --report out")]
 pub struct BenchRenderArgs {
     /// Scenes: .gltf, .glb, .obj, .ply or .toml
@@ -59,6 +61,9 @@ pub struct BenchRenderArgs {
     isa: Isa,
     #[command(flatten)]
     quiet: Quiet,
+    /// Also tell where the time of the renders goes, stage by stage
+    #[arg(long)]
+    breakdown: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -78,6 +83,8 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
         let measure = |scene: &BenchScene| measure(args, &specs, scene);
         choose_scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
+    let (measured, breakdowns): (Vec<Scene>, Vec<Vec<Breakdown>>) = measured.into_iter().unzip();
+    let breakdowns: Vec<Breakdown> = breakdowns.into_iter().flatten().collect();
     let how = format!(
         "{} pixels, {} samples a pixel, depth {DEPTH}, {} threads",
         args.resolution,
@@ -89,7 +96,11 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
     );
     let results = Results {
         name: "render",
-        tables: vec![renders::make_table(&measured, &how)],
+        tables: if args.breakdown {
+            vec![renders::make_table(&measured, &how), breakdown::make_table(&breakdowns)]
+        } else {
+            vec![renders::make_table(&measured, &how)]
+        },
         json: json!({
             "resolution": args.resolution,
             "spp": args.spp,
@@ -97,6 +108,7 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
             "threads": args.threads,
             "rounds": args.rounds,
             "scenes": measured.iter().map(Scene::json).collect::<Vec<_>>(),
+            "breakdowns": breakdowns.iter().map(Breakdown::json).collect::<Vec<_>>(),
         }),
         plots: vec![("speed-ups".to_owned(), draw_chart(&measured))],
     };
@@ -108,7 +120,7 @@ fn measure(
     args: &BenchRenderArgs,
     specs: &[AccelSpec],
     scene: &BenchScene,
-) -> Result<Scene, CliError> {
+) -> Result<(Scene, Vec<Breakdown>), CliError> {
     let tell = |what: &str| args.quiet.tell(&format!("{}: {what}", scene.name()));
     tell("loading");
     // The time of a sample is the one layer that differs from run to run.
@@ -135,16 +147,38 @@ fn measure(
         structures.push((spec.to_string(), start.elapsed().as_secs_f64()));
     }
     let name = (scene.name(), job.first.world.triangles.len());
+    let mut breakdowns: Vec<Breakdown> =
+        structures.iter().map(|(spec, _)| start_breakdown(&name.0, spec)).collect();
     let scene = renders::measure(name, &structures, args.rounds, |which| {
         tell(&format!("rendering by {}", structures[which].0));
-        render_once(&job, &*accels[which])
+        render_once(&job, &*accels[which], &mut breakdowns[which])
     });
-    Ok(scene?)
+    Ok((scene?, breakdowns))
 }
 
-fn render_once(job: &Job, accel: &dyn Accel) -> Rendered {
+fn start_breakdown(scene: &str, spec: &str) -> Breakdown {
+    Breakdown {
+        scene: scene.to_owned(),
+        spec: spec.to_owned(),
+        paths: 0,
+        seconds: 0.0,
+        threads: rayon::current_num_threads(),
+        stages: Vec::new(),
+        writing: 0.0,
+    }
+}
+
+/// Renders, and tells where the time went; writing is timed by a file that is not kept.
+fn render_once(job: &Job, accel: &dyn Accel, breakdown: &mut Breakdown) -> Rendered {
     let control = Control { cancel: &AtomicBool::new(false), progress: &|_| {} };
     let rendered = render(&job.first.world, &job.first.camera, accel, &job.settings, &control);
+    let stages = Stage::ALL.map(|stage| (stage.name(), rendered.breakdown.seconds(stage)));
+    breakdown.add(rendered.paths, rendered.elapsed.as_secs_f64(), &stages);
+    let start = Instant::now();
+    if let Ok(bytes) = rendered.picture.encode_exr() {
+        breakdown.writing = start.elapsed().as_secs_f64();
+        drop(bytes);
+    }
     Rendered {
         picture: rendered.picture,
         rays: rendered.rays.total(),

@@ -5,9 +5,7 @@ mod write;
 
 pub use read::{decode, read, read_rgb};
 pub(crate) use read::{decode_rgb, decode_rgba, size};
-#[cfg(test)]
-pub(crate) use write::encode;
-pub use write::write;
+pub use write::{encode, write};
 
 #[cfg(test)]
 mod tests {
