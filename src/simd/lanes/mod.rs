@@ -10,7 +10,10 @@
 //! table, and [`Lanes::columns`] turns the rows of all lanes into four columns, one number a lane
 //! each.
 
+mod exponential;
 mod fetch;
+#[cfg(test)]
+mod function_tests;
 mod scalar;
 #[cfg(test)]
 mod tests;
@@ -20,6 +23,7 @@ mod wide;
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
+pub use exponential::{exp, ln, pow};
 pub use fetch::fetch;
 pub use scalar::Scalar;
 pub use trigonometry::{atan2, unit_circle};
