@@ -37,7 +37,7 @@ pub fn ln<L: Lanes>(lanes: L, x: L::Float) -> L::Float {
     let m = low.select(m + m, m) - 1.0;
     let p = (m * 7.037_683_6e-2 - 1.151_461e-1) * m + 1.167_699_9e-1;
     let p = ((p * m - 1.242_014_1e-1) * m + 1.424_932_3e-1) * m - 1.666_805_8e-1;
-    let p = ((p * m + 2.000_071_5e-1) * m - 2.499_999_4e-1) * m + 3.333_333_1e-1;
+    let p = ((p * m + 2.000_071_5e-1) * m - 2.499_999_4e-1) * m + 3.333_333e-1;
     let z = m * m;
     let tail = p * z * m - twos * 2.121_944_4e-4 - z * 0.5;
     let ln = m + tail + twos * 0.693_359_4;

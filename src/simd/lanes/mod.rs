@@ -10,6 +10,7 @@
 //! table, and [`Lanes::columns`] turns the rows of all lanes into four columns, one number a lane
 //! each.
 
+#[allow(dead_code, reason = "for the absorption of media, in lanes")]
 mod exponential;
 mod fetch;
 #[cfg(test)]
@@ -23,6 +24,7 @@ mod wide;
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
+#[allow(unused_imports)]
 pub use exponential::{exp, ln, pow};
 pub use fetch::fetch;
 pub use scalar::Scalar;
