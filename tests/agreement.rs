@@ -87,6 +87,27 @@ fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
         ("one", vec![one]),
         ("copies", vec![one; 70]),
         ("flat", vec![Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::X * 3.0 }; 20]),
+        ("few", soup(30, 0.6, 1.0)),
+        ("some", [soup(20, 0.9, 1.0), soup(20, 0.1, 1.0), sheet(3, 0.5)].concat()),
+        ("few and tiny", soup(12, 0.6, 1e-11)),
+        ("few and huge", soup(12, 0.6, 1e11)),
+        (
+            "few and odd",
+            [
+                soup(6, 0.6, 1.0),
+                sheet(1, -0.0),
+                sheet(1, 1e-7),
+                vec![
+                    one,
+                    one,
+                    Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::X * 3.0 },
+                    Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::new(0.5, 1e-6, 0.0) },
+                    Triangle { a: Vec3::ONE, b: Vec3::ONE, c: Vec3::ONE },
+                ],
+                soup(6, 1e-4, 1.0),
+            ]
+            .concat(),
+        ),
         ("soup", soup(2000, 0.2, 1.0)),
         ("big and small", [soup(50, 2.0, 1.0), soup(500, 0.01, 1.0)].concat()),
         ("twins", twins),

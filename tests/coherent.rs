@@ -12,6 +12,7 @@ use dapple::math::{Aabb, Ray, Vec3};
 use dapple::testing::Random;
 
 const SPECS: &[&str] = &[
+    "auto",
     "bvh-packet",
     "bvh-packet:size=5",
     "bvh-packet:build=sbvh,triangles=cache,cache=1",
@@ -126,6 +127,7 @@ fn trace(
 fn rasters_are_answered_as_brute_force_does() {
     let scenes = [
         ("soup", soup(3000, 0.2, 1.0), 1.0),
+        ("few", soup(24, 0.6, 1.0), 1.0),
         ("dust", soup(10_000, 0.02, 1.0), 1.0),
         ("room", room(), 1.0),
         ("large", soup(500, 0.3, 1e15), 1e15),

@@ -10,6 +10,7 @@
 
 use crate::math::Vec2;
 use crate::names::choices;
+use crate::simd::lanes::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
 use std::sync::LazyLock;
 
 /// The shape of a pixel.
@@ -58,6 +59,19 @@ impl PixelFilter {
     }
 }
 
+impl PixelFilter {
+    /// [`PixelFilter::sample`] in lanes.
+    #[inline(always)]
+    pub fn sample_in_lanes<L: Lanes>(self, lanes: L, u: [L::Float; 2]) -> [L::Float; 2] {
+        let inverse: &Inverse = match self {
+            Self::Box => return [u[0] - 0.5, u[1] - 0.5],
+            Self::Gaussian => &GAUSSIAN,
+            Self::BlackmanHarris => &BLACKMAN_HARRIS,
+        };
+        inverse.invert_in_lanes(lanes, u)
+    }
+}
+
 const RADIUS: f64 = 1.5;
 const PIECES: usize = 1024;
 
@@ -91,6 +105,33 @@ impl Inverse {
             *value = below as f32;
         }
         Self { at }
+    }
+
+    /// [`Inverse::invert`] of two numbers a lane.
+    #[inline(always)]
+    fn invert_in_lanes<L: Lanes>(&self, lanes: L, [u, v]: [L::Float; 2]) -> [L::Float; 2] {
+        let (x, y) = (Self::locate(lanes, u), Self::locate(lanes, v));
+        let [mut columns, mut lines] = [[0; MAX_LANES]; 2];
+        x.0.store(&mut columns);
+        y.0.store(&mut lines);
+        let mut ends = Rows::default();
+        for lane in 0..L::WIDTH {
+            let (i, j) = (columns[lane] as usize, lines[lane] as usize);
+            ends[lane] = [self.at[i], self.at[i + 1], self.at[j], self.at[j + 1]];
+        }
+        let [from_x, to_x, from_y, to_y] = lanes.columns(&ends);
+        let left = [from_x + x.1 * (to_x - from_x), from_y + y.1 * (to_y - from_y)];
+        let half = lanes.float(0.5);
+        [u.lt(half).select(left[0], -left[0]), v.lt(half).select(left[1], -left[1])]
+    }
+
+    /// The piece of the table that holds `u`, and the position in it.
+    #[inline(always)]
+    fn locate<L: Lanes>(lanes: L, u: L::Float) -> (L::Uint, L::Float) {
+        let rest = lanes.float(1.0) - u;
+        let position = (u.least(rest) * 2.0).sqrt() * PIECES as f32;
+        let piece = position.to_int().min(lanes.uint(PIECES as u32 - 1));
+        (piece, position - piece.to_float())
     }
 
     #[inline]

@@ -13,8 +13,7 @@ use crate::film::{FilmError, exr::decode_rgb};
 use crate::light::Environment;
 use crate::math::Vec3;
 use crate::scene::Notice;
-use crate::texture::Texels;
-use crate::texture::{Image, srgb_to_linear};
+use crate::texture::{Image, ImageError, Texels, srgb_to_linear};
 
 /// The most pixels of an image of floats: 16384 by 8192.
 const MAX_PIXELS: u64 = 1 << 27;
@@ -31,7 +30,7 @@ const BYTES_A_PIXEL: u64 = 48;
 pub enum EnvironmentSource {
     /// The same linear radiance from everywhere.
     Constant(Vec3),
-    /// A `.hdr`, `.exr`, `.png` or `.jpg` file.
+    /// An image, of any format that textures may have.
     File(PathBuf),
 }
 
@@ -260,7 +259,7 @@ fn low_range(
     let mut bytes = Vec::new();
     source.read_to_end(&mut bytes).map_err(|source| LoadError::read(path, source))?;
     let known = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
-    let known = known.map_err(|_| failed("not an image (.hdr, .exr, .png or .jpg)".to_owned()))?;
+    let known = known.map_err(|_| failed(ImageError::UnknownFormat.to_string()))?;
     let size = ImageReader::with_format(io::Cursor::new(&bytes), known).into_dimensions();
     let (width, height) = size.map_err(|error| failed(error.to_string()))?;
     check_size(path, width.into(), height.into(), MAX_LOW_RANGE_PIXELS)?;

@@ -16,7 +16,7 @@
 //! that contains another has `enter` no larger and `exit` no smaller, in floating point, not only
 //! in theory: a hit inside its triangle's own box is inside every box around it.
 
-use fearless_simd::{Select, Simd, SimdBase, f32x4};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x4};
 
 use super::{Corners, Triangle};
 use crate::math::{Aabb, Ray, Vec3, larger, smaller};
@@ -127,6 +127,13 @@ fn recip(x: f32) -> f32 {
 pub fn own_box(triangle: &Triangle) -> Aabb {
     let bounds = triangle.bounds();
     Aabb { min: bounds.min - slack(bounds.min), max: bounds.max + slack(bounds.max) }
+}
+
+/// The ends of own boxes along an axis, by those of the vertices: [`own_box`] lane by lane.
+#[inline(always)]
+pub fn grow_own_box<S: Simd, V: SimdFloat<S, Element = f32>>([lo, hi]: [V; 2]) -> [V; 2] {
+    let slack = |p: V| (p.abs() * RELATIVE_SLACK).max(ABSOLUTE_SLACK);
+    [lo - slack(lo), hi + slack(hi)]
 }
 
 #[inline(always)]

@@ -1,8 +1,8 @@
 //! Multiple importance sampling: the weights of samples that two strategies may take.
 
 /// The weight of a sample of density `pdf` that another strategy would have taken with density
-/// `other`: the power heuristic with exponent two (Veach 1997, 9.2). A density that is infinite
-/// belongs to a direction that no other strategy finds.
+/// `other`: the power heuristic with exponent two (Veach 1997, 9.2; pbrt's `PowerHeuristic`). A
+/// density that is infinite belongs to a direction that no other strategy finds.
 #[inline]
 pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     if pdf == f32::INFINITY {

@@ -7,6 +7,8 @@
 //! | file | what it does |
 //! |---|---|
 //! | `path` | the steps of a vertex, in order |
+//! | `lanes` | the same steps for many paths at once |
+//! | `shadow_rays` | the shadow rays of a slice |
 //! | `state` | what a path carries, and what goes in and out |
 //! | `light` | emission, the environment and sampled lights, weighed |
 //! | `mis` | multiple importance sampling: the power heuristic |
@@ -18,12 +20,16 @@
 mod crossing;
 mod dimensions;
 mod interior;
+mod lanes;
 mod light;
 mod mis;
 mod nested_dielectrics;
 mod path;
 mod russian_roulette;
+mod shadow_rays;
 mod state;
 
+pub use lanes::{Vertices, add_environment_in_lanes, shade_in_lanes};
 pub use path::{PathTracer, Transport};
+pub use shadow_rays::{ShadowEnd, ShadowRays};
 pub use state::{FirstHit, Path, PathSample, ShadowRay, Step};

@@ -75,7 +75,7 @@ impl<'w> PathTracer<'w> {
         let world = self.world;
         // A ray that leaves the scene ends the path at the environment.
         if !hit.is_hit() {
-            if !(depth == 1 && self.transport.transparent) {
+            if self.shows_environment(depth) {
                 add_environment(world, path, ray, sample);
             }
             return Step::END;
@@ -125,7 +125,17 @@ impl<'w> PathTracer<'w> {
         Step { shadow, next }
     }
 
-    fn plays_roulette(&self, depth: u32) -> bool {
+    /// Whether rays that leave the scene at the end of segment `depth` show the environment.
+    pub fn shows_environment(&self, depth: u32) -> bool {
+        !(depth == 1 && self.transport.transparent)
+    }
+
+    /// Whether paths go on beyond the end of segment number `depth`.
+    pub fn goes_beyond(&self, depth: u32) -> bool {
+        depth < self.transport.max_depth
+    }
+
+    pub(super) fn plays_roulette(&self, depth: u32) -> bool {
         self.transport.roulette_depth.is_some_and(|from| depth >= from)
     }
 }

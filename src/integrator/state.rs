@@ -92,6 +92,12 @@ impl Path {
         }
     }
 
+    /// Whether it is inside of no solid.
+    #[inline(always)]
+    pub fn is_in_air(&self) -> bool {
+        self.interior.is_air()
+    }
+
     /// The share of the light at the current ray's end that reaches the camera, over the
     /// probability of having come here.
     pub fn throughput(&self) -> Vec3 {

@@ -5,7 +5,8 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use super::environment_image::{EnvironmentImage, EnvironmentSamples};
 use super::sun::Sun;
 use crate::math::{Vec2, Vec3};
-use crate::simd::lanes::{Float, Lanes, Mask, Scalar, Vec3f, unit_circle};
+use crate::sampling::warp;
+use crate::simd::lanes::{Float, Lanes, Mask, Scalar, Vec3f};
 
 /// A direction sampled by importance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,7 +192,7 @@ impl Environment {
     fn sample_behind_sun<L: Lanes>(&self, lanes: L, u: [L::Float; 2]) -> EnvironmentSamples<L> {
         match &self.source {
             Source::Constant(radiance) => EnvironmentSamples {
-                direction: sphere(lanes, u),
+                direction: warp::sphere_in_lanes(lanes, u),
                 radiance: constant(lanes, *radiance),
                 pdf: lanes.float(0.25 * FRAC_1_PI),
             },
@@ -204,15 +205,6 @@ impl Environment {
 #[inline(always)]
 fn constant<L: Lanes>(lanes: L, v: Vec3) -> Vec3f<L> {
     Vec3f::new(lanes.float(v.x), lanes.float(v.y), lanes.float(v.z))
-}
-
-/// Uniform unit vectors: [`crate::sampling::warp::sphere`] in lanes.
-#[inline(always)]
-fn sphere<L: Lanes>(lanes: L, [x, y]: [L::Float; 2]) -> Vec3f<L> {
-    let z = lanes.float(1.0) - y * 2.0;
-    let radius = (lanes.float(1.0) - z * z).most(lanes.float(0.0)).sqrt();
-    let (c, s) = unit_circle::<L>(x);
-    Vec3f::new(c * radius, s * radius, z)
 }
 
 /// Radiance and density of what is behind with a sun in front, which is sampled with probability

@@ -62,11 +62,29 @@ impl Row {
     pub fn of(alpha: f32) -> Self {
         Self(alpha.sqrt() * (N - 1) as f32)
     }
+
+    /// The position, in rows.
+    #[inline]
+    pub fn place(self) -> f32 {
+        self.0
+    }
 }
 
 static ALBEDOS: LazyLock<Box<Albedos>> = LazyLock::new(|| Box::new(Albedos::compute()));
 
 impl Albedos {
+    /// Entries along each axis.
+    pub const SIDE: usize = N;
+
+    /// The entries about a cell, whose first has this number: `f0` and `f90` of two of one row, and
+    /// the same of the next.
+    #[inline(always)]
+    pub fn corners(&self, first: usize) -> ([f32; 4], [f32; 4]) {
+        let cells = self.cells.as_flattened();
+        let pair = |i: usize| [cells[i].f0, cells[i].f90, cells[i + 1].f0, cells[i + 1].f90];
+        (pair(first), pair(first + N))
+    }
+
     /// The table. The first call computes it.
     #[inline]
     pub fn get() -> &'static Self {

@@ -95,7 +95,29 @@ impl Layered {
             thin: params.thin,
             form,
         };
-        let any = [made.clearcoat, made.anisotropy, made.film].iter().any(|share| share.0 > 0);
+        // All fields are named, so that the compiler asks here about a new one.
+        let Self {
+            base_color: _,
+            specular_color: _,
+            ior: _,
+            coat_slope: _,
+            sheen_color,
+            anisotropy_direction: _,
+            anisotropy,
+            metallic: _,
+            roughness: _,
+            specular: _,
+            transmission: _,
+            clearcoat,
+            clearcoat_roughness: _,
+            sheen_roughness: _,
+            film,
+            film_ior: _,
+            film_thickness: _,
+            thin: _,
+            form: _,
+        } = made;
+        let any = [clearcoat, anisotropy, film].iter().any(|share| share.0 > 0);
         (any || sheen_color != Vec3::ZERO).then_some(made)
     }
 

@@ -13,7 +13,7 @@ use crate::sampling::warp;
 
 /// The specular lobe is sampled with at least this probability where it has any weight: a coat that
 /// reflects little in all reflects nearly everything at grazing half vectors.
-const MIN_SPECULAR_PROBABILITY: f32 = 0.1;
+pub(super) const MIN_SPECULAR_PROBABILITY: f32 = 0.1;
 
 /// A metal and a coated diffuse base, mixed by `metallic`: a specular lobe, and one that follows
 /// the cosine.
@@ -30,21 +30,21 @@ const MIN_SPECULAR_PROBABILITY: f32 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetallicRoughness {
     /// Colour of the diffuse base, times one minus metallic.
-    diffuse: Vec3,
+    pub(super) diffuse: Vec3,
     /// Of metal and coat together.
-    f0: Vec3,
-    f90: f32,
+    pub(super) f0: Vec3,
+    pub(super) f90: f32,
     /// Of the coat alone; its brightest channel.
-    coat_f0: f32,
-    coat_f90: f32,
-    alpha: f32,
-    row: Row,
+    pub(super) coat_f0: f32,
+    pub(super) coat_f90: f32,
+    pub(super) alpha: f32,
+    pub(super) row: Row,
     /// `1 / (1 - S_avg)`.
-    coat_scale: f32,
+    pub(super) coat_scale: f32,
     /// Metallic times the colour of light that bounced more than once.
-    multiple: Vec3,
+    pub(super) multiple: Vec3,
     /// `1 / (1 - E_avg)`.
-    multiple_scale: f32,
+    pub(super) multiple_scale: f32,
     form: BsdfForm,
 }
 

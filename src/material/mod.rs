@@ -15,6 +15,7 @@
 //! | `clearcoat`, `sheen` | layers |
 //! | `boundary`, `rough_dielectric` | glass: what it reflects, and its rough form |
 //! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
+//! | `lanes` | bases in lanes, for many paths at once |
 //! | `energy`, `anisotropic_energy` | tables of albedos, by which energy is conserved |
 
 mod anisotropic;
@@ -32,6 +33,7 @@ mod form;
 mod fresnel;
 mod ggx;
 mod lambert;
+pub mod lanes;
 mod layered;
 mod layers;
 mod metallic_roughness;

@@ -20,6 +20,9 @@ impl Ray {
     /// may have: in between, no distance to a plane overflows or loses bits to denormals.
     const DIRECTION_LIMIT: f32 = 1.2676506e30; // 2^100
 
+    /// Least and greatest component of largest magnitude that a direction may have.
+    pub const DIRECTION_RANGE: [f32; 2] = [1.0 / Self::DIRECTION_LIMIT, Self::DIRECTION_LIMIT];
+
     /// The ray that hits nothing.
     pub const MISS: Self =
         Self { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::Z, t_max: f32::NEG_INFINITY };
@@ -34,12 +37,21 @@ impl Ray {
         // Written so that NaN fails every comparison.
         let valid = origin.is_finite()
             && direction.is_finite()
-            && (1.0 / Self::DIRECTION_LIMIT..=Self::DIRECTION_LIMIT).contains(&longest)
+            && (Self::DIRECTION_RANGE[0]..=Self::DIRECTION_RANGE[1]).contains(&longest)
             && !t_min.is_nan()
             && !t_max.is_nan();
         // A comparison, not `max`: that may return either of two zeros, and this one has no sign.
         let t_min = if t_min > 0.0 { t_min } else { 0.0 };
         if valid { Self { origin, t_min, direction, t_max } } else { Self::MISS }
+    }
+
+    /// A ray from its origin on that [`Ray::new`] would take as it is: who makes many of them
+    /// checks them many at once.
+    #[inline(always)]
+    pub(crate) fn usable(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
+        let ray = Self { origin, t_min: 0.0, direction, t_max };
+        debug_assert_eq!(ray, Self::new(origin, direction, 0.0, t_max));
+        ray
     }
 
     /// Where it starts.

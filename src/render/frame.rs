@@ -5,6 +5,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::aov::assemble_picture;
+use super::breakdown::Breakdown;
 use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
 use super::tile::{LostSample, SIDE, Tile, find_first_lost};
@@ -58,6 +59,8 @@ pub struct Rendered {
     pub picture: Picture,
     /// Rays that were shot.
     pub rays: RayCounts,
+    /// Where the time went, over all threads.
+    pub breakdown: Breakdown,
     /// Paths that were followed.
     pub paths: u64,
     /// Time that rendering took, without loading and building.
@@ -117,6 +120,7 @@ pub struct FilmAccumulator<'a> {
     /// Paths followed.
     done: AtomicU64,
     rays: RayCounts,
+    breakdown: Breakdown,
     elapsed: Duration,
 }
 
@@ -129,6 +133,7 @@ impl<'a> FilmAccumulator<'a> {
             start: None,
             done: AtomicU64::new(0),
             rays: RayCounts::default(),
+            breakdown: Breakdown::default(),
             elapsed: Duration::ZERO,
         }
     }
@@ -150,7 +155,7 @@ impl<'a> FilmAccumulator<'a> {
         let camera = camera.rays(settings.aspect());
         let region = camera.region();
         let next_job = AtomicUsize::new(0);
-        let rays = Mutex::new(RayCounts::default());
+        let counted = Mutex::new((RayCounts::default(), Breakdown::default()));
 
         let work = || {
             let integrator = PathTracer::new(world, settings.transport);
@@ -166,7 +171,9 @@ impl<'a> FilmAccumulator<'a> {
                     done.fetch_add(samples, Ordering::Relaxed);
                 }
             }
-            *lock(&rays) += stream.counts();
+            let (rays, breakdown) = &mut *lock(&counted);
+            *rays += stream.counts();
+            *breakdown += *stream.breakdown();
         };
         let total = settings.crop.area() as u64 * settings.spp;
         let since = *self.start.get_or_insert(start);
@@ -177,7 +184,9 @@ impl<'a> FilmAccumulator<'a> {
                 rayon::broadcast(|_| work());
             }
         });
-        self.rays += rays.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (rays, breakdown) = counted.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.rays += rays;
+        self.breakdown += breakdown;
         self.elapsed += start.elapsed();
     }
 
@@ -192,6 +201,7 @@ impl<'a> FilmAccumulator<'a> {
         Rendered {
             picture: assemble_picture(&tiles, self.settings),
             rays: self.rays,
+            breakdown: self.breakdown,
             paths: self.done.into_inner(),
             elapsed: self.elapsed,
             samples: (fewest, tiles.iter().map(|tile| tile.next).max().unwrap_or(0)),

@@ -5,7 +5,7 @@ use crate::film::{PixelFilter, Window};
 use crate::integrator::{Path, Transport};
 use crate::math::{Ray, Vec2};
 use crate::names::choices;
-use crate::sampling::SamplePattern;
+use crate::sampling::{SamplePattern, Sampler};
 
 /// A layer of the picture besides its colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +86,15 @@ impl Settings {
         self.resolution.0 as f32 / self.resolution.1 as f32
     }
 
+    /// The stream of a pixel's sample, from that of the sample before.
+    #[inline(always)]
+    pub(super) fn next_sampler(&self, before: Sampler, pixel: u64, sample: u64) -> Sampler {
+        match (self.pattern, before.next_sample()) {
+            (SamplePattern::Sobol, Some(next)) => next,
+            _ => self.pattern.sampler(pixel, sample, self.seed),
+        }
+    }
+
     /// Starts the path of one sample of the pixel at column `x`, row `y` of the frame.
     #[inline(always)]
     pub(super) fn start(
@@ -108,7 +117,7 @@ impl Settings {
 }
 
 /// A hash of what makes a path differ from all others.
-fn hash_path(pixel: u64, sample: u64, seed: u64) -> u64 {
+pub(super) fn hash_path(pixel: u64, sample: u64, seed: u64) -> u64 {
     let mix = |x: u64| {
         let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

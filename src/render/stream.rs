@@ -13,12 +13,18 @@ use std::time::Instant;
 
 use fearless_simd::Level;
 
+use super::breakdown::{Breakdown, Stage};
+use super::start::{Started, Starts};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::geom::Shaft;
-use crate::integrator::{Path, PathSample, PathTracer};
-use crate::math::{Ray, Vec3};
-use crate::simd::vectorized;
-use crate::world::AlphaFilter;
+use crate::integrator::{
+    Path, PathSample, PathTracer, ShadowRays, Vertices, add_environment_in_lanes, shade_in_lanes,
+};
+use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes};
+use crate::math::{InstanceId, Ray};
+use crate::simd::lanes::Lanes;
+use crate::simd::{in_lanes, vectorized};
+use crate::world::{AlphaFilter, BsdfClass};
 
 /// How many rays were shot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,8 +59,14 @@ pub(super) struct Stream<'w> {
     rays: Vec<Ray>,
     hits: Vec<ClosestHit>,
     paths: Vec<Path>,
-    shadow_rays: Vec<Ray>,
-    shadow_ends: Vec<ShadowEnd>,
+    /// The triangles that were hit, and whether each path goes on.
+    triangles: Vec<(InstanceId, usize)>,
+    alive: Vec<bool>,
+    /// The paths to be shaded together, by class, in order; [`BsdfClass::Other`] first.
+    classes: [Vec<u32>; 3],
+    /// Paths in air that leave the scene, in order.
+    leaving: Vec<u32>,
+    shadow_rays: ShadowRays,
     blocked: Vec<AnyHit>,
     /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
     keys: Vec<u64>,
@@ -67,14 +79,7 @@ pub(super) struct Stream<'w> {
     /// The raster of pixels whose rays these are, until they have been traced.
     grid: Option<(u32, u32)>,
     counts: RayCounts,
-}
-
-/// What becomes of a shadow ray.
-#[derive(Clone, Copy)]
-struct ShadowEnd {
-    slot: u32,
-    /// Added to the slot's radiance if the ray is free.
-    radiance: Vec3,
+    breakdown: Breakdown,
 }
 
 impl<'w> Stream<'w> {
@@ -92,8 +97,11 @@ impl<'w> Stream<'w> {
             rays: Vec::new(),
             hits: Vec::new(),
             paths: Vec::new(),
-            shadow_rays: Vec::new(),
-            shadow_ends: Vec::new(),
+            triangles: Vec::new(),
+            alive: Vec::new(),
+            classes: Default::default(),
+            leaving: Vec::new(),
+            shadow_rays: ShadowRays::default(),
             blocked: Vec::new(),
             keys: Vec::new(),
             samples: Vec::new(),
@@ -101,20 +109,28 @@ impl<'w> Stream<'w> {
             shares: Vec::new(),
             grid: None,
             counts: RayCounts::default(),
+            breakdown: Breakdown::default(),
         }
     }
 
-    /// Follows paths to their ends; the slots of `starts` count from 0. They start from the pixels
-    /// of a raster of width and height `grid`, each pixel's paths one after the other.
-    pub fn run(&mut self, starts: impl Iterator<Item = (Ray, Path)>, grid: (u32, u32)) {
-        vectorized!(self.level, _simd => self.begin(starts));
+    /// Follows paths to their ends.
+    pub fn run(&mut self, starts: Starts<'_>) {
+        let start = Instant::now();
+        let starts = Starts { keyed: self.integrator.world().is_see_through(), ..starts };
+        let started = &mut Started {
+            rays: &mut self.rays,
+            paths: &mut self.paths,
+            samples: &mut self.samples,
+        };
+        in_lanes!(self.level, lanes => starts.start(lanes, started));
+        self.breakdown.add_since(Stage::Start, start);
         self.segments.clear();
         self.segments.resize(self.samples.len(), 0);
         self.shares.clear();
         self.shares.push(0.0);
 
         // Where the camera does not see everywhere, the rays are not a raster's.
-        self.grid = (self.paths.len() == self.samples.len()).then_some(grid);
+        self.grid = (self.paths.len() == self.samples.len()).then_some(starts.size);
         let mut depth = 1;
         while !self.paths.is_empty() {
             let (start, alive) = (Instant::now(), self.paths.len());
@@ -122,24 +138,6 @@ impl<'w> Stream<'w> {
             let share = start.elapsed().as_nanos() as f32 / alive as f32;
             self.shares.push(self.shares[depth as usize - 1] + share);
             depth += 1;
-        }
-    }
-
-    /// Takes the paths' first rays.
-    #[inline(always)]
-    fn begin(&mut self, starts: impl Iterator<Item = (Ray, Path)>) {
-        self.rays.clear();
-        self.paths.clear();
-        self.samples.clear();
-        for (ray, path) in starts {
-            let mut sample = PathSample::default();
-            if ray == Ray::MISS {
-                sample.radiance = Vec3::NAN; // a camera that cannot see: counted, not hidden
-            } else {
-                self.rays.push(ray);
-                self.paths.push(path);
-            }
-            self.samples.push(sample);
         }
     }
 
@@ -158,11 +156,19 @@ impl<'w> Stream<'w> {
         self.counts
     }
 
+    /// Where the time went so far.
+    pub fn breakdown(&mut self) -> &mut Breakdown {
+        &mut self.breakdown
+    }
+
     /// Advances all paths by one segment.
     fn bounce(&mut self, depth: u32) {
+        let start = Instant::now();
         self.trace_paths(depth);
-        vectorized!(self.level, _simd => self.shade(depth));
-        self.trace_shadow_rays();
+        let start = self.breakdown.add_since(Stage::ClosestHits, start);
+        let start = self.shade(depth, start);
+        self.trace_shadow_rays(depth);
+        self.breakdown.add_since(Stage::ShadowRays, start);
     }
 
     /// Finds what all current rays hit.
@@ -184,33 +190,103 @@ impl<'w> Stream<'w> {
         self.counts.closest += self.rays.len() as u64;
     }
 
-    /// Lets every path scatter; those that go on move up to the front, in order.
-    #[inline(always)]
-    fn shade(&mut self, depth: u32) {
-        let see_through = self.integrator.world().is_see_through();
+    /// Lets every path scatter; those that go on move up to the front, in order. Returns the time.
+    fn shade(&mut self, depth: u32, start: Instant) -> Instant {
         self.shadow_rays.clear();
-        self.shadow_ends.clear();
-        self.keys.clear();
+        self.alive.clear();
+        self.alive.resize(self.paths.len(), false);
+        self.sort_by_class(depth);
+        let start = self.breakdown.add_since(Stage::Sort, start);
+        if self.integrator.shows_environment(depth) {
+            in_lanes!(self.level, lanes => self.add_environment(lanes));
+        }
+        let start = self.breakdown.add_since(Stage::Environment, start);
+        in_lanes!(self.level, lanes => {
+            self.shade_class::<_, LambertLanes<_>>(lanes, BsdfClass::Lambert, depth);
+        });
+        let start = self.breakdown.add_since(Stage::Lambert, start);
+        in_lanes!(self.level, lanes => {
+            let class = BsdfClass::MetallicRoughness;
+            self.shade_class::<_, MetallicRoughnessLanes<_>>(lanes, class, depth);
+        });
+        let start = self.breakdown.add_since(Stage::MetallicRoughness, start);
+        vectorized!(self.level, _simd => self.shade_others(depth));
+        let start = self.breakdown.add_since(Stage::Others, start);
+        self.close_ranks(depth);
+        self.breakdown.add_since(Stage::Sort, start)
+    }
+
+    /// Lists the paths that can be shaded together.
+    fn sort_by_class(&mut self, depth: u32) {
+        self.classes.iter_mut().for_each(Vec::clear);
+        self.leaving.clear();
+        self.triangles.clear();
+        let world = self.integrator.world();
+        let goes_on = self.integrator.goes_beyond(depth);
+        for (i, (hit, path)) in self.hits.iter().zip(&self.paths).enumerate() {
+            let (mut class, mut triangle) = (BsdfClass::Other, (InstanceId::from_index(0), 0));
+            if !hit.is_hit() && path.is_in_air() {
+                self.leaving.push(i as u32);
+                self.triangles.push(triangle);
+                continue;
+            }
+            if goes_on && path.is_in_air() {
+                let (instance, index, found) = world.classify(hit);
+                (class, triangle) = (found, (instance, index));
+            }
+            self.triangles.push(triangle);
+            self.classes[class as usize].push(i as u32);
+        }
+    }
+
+    /// Shades the paths of a class, many at once.
+    #[inline(always)]
+    fn shade_class<L: Lanes, B: BsdfLanes<L>>(&mut self, lanes: L, class: BsdfClass, depth: u32) {
+        let Self { integrator, rays, hits, triangles, paths, alive, samples, .. } = self;
+        let shadow_rays = &mut self.shadow_rays;
+        let (others, classes) = self.classes.split_first_mut().expect("three classes");
+        let vertices = &mut Vertices { rays, hits, triangles, paths, alive, samples, shadow_rays };
+        let order = &classes[class as usize - 1];
+        shade_in_lanes::<L, B>(integrator, lanes, depth, order, vertices, others);
+    }
+
+    /// Adds the environment to the paths that leave the scene.
+    #[inline(always)]
+    fn add_environment<L: Lanes>(&mut self, lanes: L) {
+        let Self { integrator, rays, hits, triangles, paths, alive, samples, .. } = self;
+        let shadow_rays = &mut self.shadow_rays;
+        let vertices = &mut Vertices { rays, hits, triangles, paths, alive, samples, shadow_rays };
+        add_environment_in_lanes(integrator, lanes, &self.leaving, vertices);
+    }
+
+    /// Shades all other paths, one by one.
+    #[inline(always)]
+    fn shade_others(&mut self, depth: u32) {
+        for &i in &self.classes[BsdfClass::Other as usize] {
+            let i = i as usize;
+            let (path, ray) = (&mut self.paths[i], self.rays[i]);
+            let sample = &mut self.samples[path.slot as usize];
+            let step = self.integrator.advance(depth, path, &ray, &self.hits[i], sample);
+            if let Some(shadow) = step.shadow {
+                self.shadow_rays.push(path, shadow);
+            }
+            if let Some(next) = step.next {
+                self.rays[i] = next;
+                self.alive[i] = true;
+            }
+        }
+    }
+
+    /// Moves the paths that go on up to the front, in order.
+    fn close_ranks(&mut self, depth: u32) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let (mut path, ray) = (self.paths[i], self.rays[i]);
-            let slot = path.slot as usize;
-            let sample = &mut self.samples[slot];
-            let step = self.integrator.advance(depth, &mut path, &ray, &self.hits[i], sample);
-            if let Some(shadow) = step.shadow {
-                self.shadow_rays.push(shadow.ray);
-                self.shadow_ends.push(ShadowEnd { slot: path.slot, radiance: shadow.radiance });
-                if see_through {
-                    self.keys.push(ray_key(path.key, 2 * depth + 1));
-                }
-            }
-            match step.next {
-                Some(next) => {
-                    self.paths[kept] = path;
-                    self.rays[kept] = next;
-                    kept += 1;
-                }
-                None => self.segments[slot] = depth,
+            if self.alive[i] {
+                self.paths[kept] = self.paths[i];
+                self.rays[kept] = self.rays[i];
+                kept += 1;
+            } else {
+                self.segments[self.paths[i].slot as usize] = depth;
             }
         }
         self.paths.truncate(kept);
@@ -218,16 +294,20 @@ impl<'w> Stream<'w> {
     }
 
     /// Traces the shadow rays and adds the light of those that nothing blocks.
-    fn trace_shadow_rays(&mut self) {
+    fn trace_shadow_rays(&mut self, depth: u32) {
         let world = self.integrator.world();
+        let ShadowRays { rays, ends, keys } = &mut self.shadow_rays;
         self.blocked.clear();
-        self.blocked.resize(self.shadow_rays.len(), AnyHit(false));
-        let filter = AlphaFilter::new(world, &self.keys);
+        self.blocked.resize(rays.len(), AnyHit(false));
+        for key in keys.iter_mut() {
+            *key = ray_key(*key, 2 * depth + 1);
+        }
+        let filter = AlphaFilter::new(world, keys);
         let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let batch = Batch::new(&self.shadow_rays).with_filter(filter);
+        let batch = Batch::new(rays).with_filter(filter);
         self.tracer.any_hits(&batch, &mut self.blocked);
-        self.counts.shadow += self.shadow_rays.len() as u64;
-        for (end, blocked) in self.shadow_ends.iter().zip(&self.blocked) {
+        self.counts.shadow += rays.len() as u64;
+        for (end, blocked) in ends.iter().zip(&self.blocked) {
             if !blocked.0 {
                 self.samples[end.slot as usize].radiance += end.radiance;
             }

@@ -1,6 +1,10 @@
 //! A rectangle of pixels and the sums of their samples.
 
+use std::time::Instant;
+
+use super::breakdown::Stage;
 use super::settings::Settings;
+use super::start::Starts;
 use super::stream::Stream;
 use crate::camera::CameraRays;
 use crate::integrator::FirstHit;
@@ -144,12 +148,16 @@ impl Tile {
     ) {
         let (first, count) = (self.next, (end - self.next) as u32);
         let place = |pixel: u32| (self.x0 + pixel % self.width, self.y0 + pixel / self.width);
-        let slots = 0..self.width * self.height * count;
-        let starts = slots.map(|slot| {
-            let (x, y) = place(slot / count);
-            settings.start(camera, x, y, first + u64::from(slot % count), slot)
+        stream.run(Starts {
+            settings,
+            camera,
+            corner: (self.x0, self.y0),
+            size: (self.width, self.height),
+            first,
+            count,
+            keyed: false,
         });
-        stream.run(starts, (self.width, self.height));
+        let start = Instant::now();
         for pixel in 0..self.width * self.height {
             let (x, y) = place(pixel);
             let sums = &mut self.pixels[pixel as usize];
@@ -167,6 +175,7 @@ impl Tile {
             }
             sums.sums.shrink(); // there are millions of them
         }
+        stream.breakdown().add_since(Stage::Film, start);
         self.lost.sort_unstable();
         self.lost.truncate(LISTED);
         self.next = end;

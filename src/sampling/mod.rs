@@ -9,10 +9,12 @@ mod alias;
 pub(crate) mod chi_squared;
 mod distribution;
 mod sampler;
+mod sobol;
 mod sums;
 pub mod warp;
 
 pub use alias::{AliasError, AliasTable};
 pub use distribution::{CellSample, Distribution2d, DistributionError};
 pub use sampler::{ONE_MINUS_EPSILON, SamplePattern, Sampler};
+pub use sobol::SamplerLanes;
 pub use sums::{BLOCK, BlockSums, NotAdjacent};

@@ -88,6 +88,14 @@ impl Sampler {
         Self { values: [0.0; 4], key, index, dimension: 0 }
     }
 
+    /// The stream of the same pixel's next sample, of a [`SamplePattern::Sobol`]; `None` where
+    /// another sequence begins.
+    #[inline(always)]
+    pub fn next_sample(&self) -> Option<Self> {
+        let next = Self { index: self.index + 1, dimension: 0, ..*self };
+        (next.index < 0x1_0000).then_some(next)
+    }
+
     /// Makes `dimension` the next value's. Multiples of four are free.
     #[inline(always)]
     pub fn seek(&mut self, dimension: u32) {
@@ -117,6 +125,13 @@ impl Sampler {
         }
         let x = self.next_1d();
         Vec2::new(x, self.next_1d())
+    }
+
+    /// What tells it from others: a key, and the number of its point below 65,536; for
+    /// [`super::SamplerLanes`].
+    #[inline(always)]
+    pub fn parts(&self) -> [u32; 2] {
+        [self.key, self.index]
     }
 
     #[inline(always)]
@@ -164,7 +179,7 @@ static SOBOL: [[[u32; 4]; 16]; 4] = {
 /// grown from `initial`; of van der Corput's sequence for degree 0.
 ///
 /// Joe and Kuo, "Constructing Sobol sequences with better two-dimensional projections", 2008.
-const fn directions(degree: usize, coefficients: u32, initial: [u32; 3]) -> [u32; 16] {
+pub(super) const fn directions(degree: usize, coefficients: u32, initial: [u32; 3]) -> [u32; 16] {
     let mut v = [0; 16];
     let mut i = 0;
     while i < 16 {
@@ -189,7 +204,7 @@ const fn directions(degree: usize, coefficients: u32, initial: [u32; 3]) -> [u32
 
 /// A one-to-one hash of 32 bits (Wellons, "lowbias32").
 #[inline]
-const fn mix32(mut x: u32) -> u32 {
+pub(super) const fn mix32(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);
     x ^= x >> 15;

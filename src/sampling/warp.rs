@@ -6,28 +6,15 @@
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 
 use crate::math::{Vec2, Vec3};
-
-/// Sine and cosine of an angle within ±π/4, to 1e-7 (the polynomials of Cephes' `sinf`, `cosf`).
-#[inline]
-fn sin_cos_eighth(angle: f32) -> (f32, f32) {
-    let z = angle * angle;
-    let sin = ((-1.951_529_6e-4 * z + 8.332_161e-3) * z - 1.666_665_5e-1) * z * angle + angle;
-    let cos = ((2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - 0.5 * z + 1.0;
-    (sin, cos)
-}
+use crate::simd::lanes::{self, Float, Lanes, Mask, Scalar, Vec3f, sin_cos_eighth};
 
 /// The point of the unit circle at `turns` of a full turn, for `turns` in `[0, 1]`.
 ///
 /// An order of magnitude quicker than a general sine: the quadrant is exact in `turns`.
 #[inline]
 pub fn unit_circle(turns: f32) -> Vec2 {
-    let quarters = turns * 4.0;
-    let nearest = (quarters + 0.5) as i32;
-    let (sin, cos) = sin_cos_eighth((quarters - nearest as f32) * (2.0 * FRAC_PI_4));
-    // Signs and the exchange by bits: which quadrant it is cannot be predicted.
-    let (x, y) = if nearest & 1 == 0 { (cos, sin) } else { (sin, cos) };
-    let flip = |value: f32, bit: i32| f32::from_bits(value.to_bits() ^ (bit as u32 & 2) << 30);
-    Vec2::new(flip(x, nearest + 1), flip(y, nearest))
+    let (x, y) = lanes::unit_circle::<Scalar>(turns);
+    Vec2::new(x, y)
 }
 
 /// A uniform point of the unit disk, concentric squares becoming circles.
@@ -35,14 +22,20 @@ pub fn unit_circle(turns: f32) -> Vec2 {
 /// Shirley and Chiu, "A Low Distortion Map Between Disk and Square", JGT 1997.
 #[inline]
 pub fn disk(u: Vec2) -> Vec2 {
-    let (a, b) = (2.0 * u.x - 1.0, 2.0 * u.y - 1.0);
-    let wide = a.abs() > b.abs();
-    let (radius, other) = if wide { (a, b) } else { (b, a) };
+    let [x, y] = disk_in_lanes(Scalar, [u.x, u.y]);
+    Vec2::new(x, y)
+}
+
+/// [`disk`] in lanes.
+#[inline(always)]
+pub fn disk_in_lanes<L: Lanes>(lanes: L, [u, v]: [L::Float; 2]) -> [L::Float; 2] {
+    let (a, b) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
+    let wide = a.abs().gt(b.abs());
+    let (radius, other) = (wide.select(a, b), wide.select(b, a));
     // The floor keeps the centre off 0 / 0; it moves no other point of 24 bits.
-    let ratio = other / (radius.abs().max(1e-12)).copysign(radius);
-    let (sin, cos) = sin_cos_eighth(ratio * FRAC_PI_4);
-    let (x, y) = if wide { (cos, sin) } else { (sin, cos) };
-    Vec2::new(x, y) * radius
+    let ratio = other / radius.abs().most(lanes.float(1e-12)).copysign(radius);
+    let (sin, cos) = sin_cos_eighth::<L>(ratio * FRAC_PI_4);
+    [wide.select(cos, sin) * radius, wide.select(sin, cos) * radius]
 }
 
 /// Density of [`disk`] in the unit disk, per area.
@@ -51,10 +44,16 @@ pub const DISK_PDF: f32 = FRAC_1_PI;
 /// A unit vector of the upper hemisphere with density [`cosine_hemisphere_pdf`].
 #[inline]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
-    let p = disk(u);
+    cosine_hemisphere_in_lanes(Scalar, [u.x, u.y]).into()
+}
+
+/// [`cosine_hemisphere`] in lanes.
+#[inline(always)]
+pub fn cosine_hemisphere_in_lanes<L: Lanes>(lanes: L, u: [L::Float; 2]) -> Vec3f<L> {
+    let [x, y] = disk_in_lanes(lanes, u);
     // The floor keeps the direction off the horizon, where its density would be zero.
-    let z = (1.0 - p.length_squared()).max(1e-12).sqrt();
-    Vec3::new(p.x, p.y, z)
+    let z = (lanes.float(1.0) - (x * x + y * y)).most(lanes.float(1e-12)).sqrt();
+    Vec3f { x, y, z }
 }
 
 /// Density of [`cosine_hemisphere`] per solid angle; zero below the horizon.
@@ -66,9 +65,17 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
 /// A uniform unit vector.
 #[inline]
 pub fn sphere(u: Vec2) -> Vec3 {
-    let z = 1.0 - 2.0 * u.y;
-    let ring = unit_circle(u.x) * (1.0 - z * z).max(0.0).sqrt();
-    Vec3::new(ring.x, ring.y, z)
+    sphere_in_lanes(Scalar, [u.x, u.y]).into()
+}
+
+/// [`sphere`] in lanes.
+#[inline(always)]
+pub fn sphere_in_lanes<L: Lanes>(l: L, [u, v]: [L::Float; 2]) -> Vec3f<L> {
+    let one = l.float(1.0);
+    let z = one - v * 2.0;
+    let ring = (one - z * z).most(l.float(0.0)).sqrt();
+    let (x, y) = lanes::unit_circle::<L>(u);
+    Vec3f { x: x * ring, y: y * ring, z }
 }
 
 /// Density of [`sphere`] per solid angle.
@@ -94,13 +101,16 @@ pub fn cone_pdf(cos_max: f32) -> f32 {
 /// Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
 #[inline]
 pub fn triangle(u: Vec2) -> Vec2 {
-    if u.y > u.x {
-        let x = 0.5 * u.x;
-        Vec2::new(x, u.y - x)
-    } else {
-        let y = 0.5 * u.y;
-        Vec2::new(u.x - y, y)
-    }
+    let [x, y] = triangle_in_lanes::<Scalar>([u.x, u.y]);
+    Vec2::new(x, y)
+}
+
+/// [`triangle`] in lanes.
+#[inline(always)]
+pub fn triangle_in_lanes<L: Lanes>([u, v]: [L::Float; 2]) -> [L::Float; 2] {
+    let upper = v.gt(u);
+    let half = upper.select(u, v) * 0.5;
+    [upper.select(half, u - half), upper.select(v - half, half)]
 }
 
 #[cfg(test)]

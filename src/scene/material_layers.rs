@@ -75,8 +75,29 @@ impl Default for MaterialLayers {
 impl MaterialLayers {
     /// Whether any of them can be seen.
     pub fn any(&self) -> bool {
-        let strengths = [self.clearcoat, self.anisotropy, self.iridescence];
-        strengths.iter().any(|&strength| strength > 0.0) || self.sheen_color != Vec3::ZERO
+        // All fields are named, so that the compiler asks here about a new one.
+        let &Self {
+            clearcoat,
+            clearcoat_texture: _,
+            clearcoat_roughness: _,
+            clearcoat_roughness_texture: _,
+            clearcoat_normal_texture: _,
+            clearcoat_normal_scale: _,
+            sheen_color,
+            sheen_color_texture: _,
+            sheen_roughness: _,
+            sheen_roughness_texture: _,
+            anisotropy,
+            anisotropy_rotation: _,
+            anisotropy_texture: _,
+            iridescence,
+            iridescence_texture: _,
+            iridescence_ior: _,
+            iridescence_thickness: _,
+            iridescence_thickness_texture: _,
+        } = self;
+        let strengths = [clearcoat, anisotropy, iridescence];
+        strengths.iter().any(|&strength| strength > 0.0) || sheen_color != Vec3::ZERO
     }
 
     /// All places for textures, used or not, and what a texture's values may be there.

@@ -130,4 +130,44 @@ macro_rules! vectorized {
     }};
 }
 
+/// Runs `$op` compiled for the instruction set of `$level`, with `$lanes` as the numbers that it
+/// has side by side: as many as its vectors hold.
+macro_rules! in_lanes {
+    ($level:expr, $lanes:ident => $op:expr) => {{
+        #[allow(unused_imports)]
+        use fearless_simd::{Level, Simd};
+        match $level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(simd) => simd.vectorize(
+                #[inline(always)]
+                || {
+                    let $lanes = crate::simd::lanes::Lanes16(simd);
+                    $op
+                },
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(simd) => simd.vectorize(
+                #[inline(always)]
+                || {
+                    let $lanes = crate::simd::lanes::Lanes8(simd);
+                    $op
+                },
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Level::Neon(simd) => simd.vectorize(
+                #[inline(always)]
+                || {
+                    let $lanes = crate::simd::lanes::Lanes4(simd);
+                    $op
+                },
+            ),
+            _ => {
+                let $lanes = crate::simd::lanes::Lanes4(crate::simd::baseline());
+                $op
+            }
+        }
+    }};
+}
+
+pub(crate) use in_lanes;
 pub(crate) use vectorized;

@@ -250,6 +250,16 @@ mod tests {
     }
 
     #[test]
+    fn what_has_no_signature_is_told_by_its_ending() {
+        let mut tga = vec![0; 18];
+        (tga[2], tga[12], tga[14], tga[16]) = (2, 1, 1, 24); // colours, 1 by 1 of 24 bits
+        tga.extend([1, 2, 3]);
+        let decoded = Image::decode(&tga, "a.tga").expect("decodes");
+        assert!(decoded == Image::new(1, 1, Texels::Rgba8(vec![[3, 2, 1, 255]])));
+        assert!(matches!(Image::decode(&tga, "a"), Err(ImageError::UnknownFormat)));
+    }
+
+    #[test]
     fn radiance_files_are_floats() {
         let texels = vec![4.0, 0.5, 0.0, 0.25, 0.25, 0.25];
         let image = image::Rgb32FImage::from_raw(2, 1, texels).expect("two texels");

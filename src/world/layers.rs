@@ -19,16 +19,18 @@ pub(super) fn are_constant(material: &Material, layers: &MaterialLayers) -> bool
 
 /// The layers but for textures and directions.
 pub(super) fn constant_layers(layers: &MaterialLayers) -> Layers {
+    // All fields are named, so that the compiler asks here about a new one.
     Layers {
         clearcoat: layers.clearcoat,
         clearcoat_roughness: layers.clearcoat_roughness,
+        clearcoat_normal: Layers::NONE.clearcoat_normal,
         sheen_color: layers.sheen_color,
         sheen_roughness: layers.sheen_roughness,
         anisotropy: layers.anisotropy,
+        anisotropy_direction: Layers::NONE.anisotropy_direction,
         iridescence: layers.iridescence,
         iridescence_ior: layers.iridescence_ior,
         iridescence_thickness: layers.iridescence_thickness[1],
-        ..Layers::NONE
     }
 }
 

@@ -60,6 +60,12 @@ impl LightSampler {
         self.table.is_none() && self.tree.is_none()
     }
 
+    /// Whether the choice depends on the point that asks.
+    #[inline(always)]
+    pub fn needs_context(&self) -> bool {
+        self.tree.is_some()
+    }
+
     /// A light and the probability with which it is chosen; `None`: none that shines there.
     #[inline]
     pub fn sample(&self, context: &LightSampleContext, u: f32) -> Option<(usize, f32)> {

@@ -10,7 +10,7 @@ use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
 use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::sampling::warp;
 use crate::scene::defaults::bounds;
-use crate::scene::{Scene, Triangles};
+use crate::scene::{AlphaMode, Scene, Triangles};
 
 /// All lights under one running number: punctual lights, then the environment if there is one,
 /// then emitting triangles by instance; and what chooses one.
@@ -32,6 +32,17 @@ pub(super) struct Emitter {
     pub instance: InstanceId,
     /// Its number in the instance's mesh.
     pub index: u32,
+    /// If it is as bright all over.
+    pub even: Option<EvenEmission>,
+}
+
+/// What a triangle emits at all of its points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EvenEmission {
+    /// In the world.
+    pub corners: [Vec3; 3],
+    pub radiance: Vec3,
+    pub both_sides: bool,
 }
 
 /// A light that was chosen.
@@ -67,13 +78,22 @@ impl Lights {
             let mesh = &scene.meshes[instance.mesh.index()];
             let first = triangles.first(InstanceId::from_index(index));
             let sides = if material.double_sided { 2.0 } else { 1.0 };
+            let is_even = material.emissive_texture.is_none()
+                && !material.unlit
+                && material.alpha_mode == AlphaMode::Opaque;
             for number in 0..mesh.indices.len() {
                 let id = TriangleId(first.0 + number as u32);
                 let area = 0.5 * triangles.triangle(id).double_area().length();
                 let radiance = mean_emission(scene, triangles, id);
                 weights.push(weight(PI * area * sides * radiance));
                 let instance = InstanceId::from_index(index);
-                emitters.push(Emitter { instance, index: number as u32 });
+                let triangle = triangles.triangle(id);
+                let even = is_even.then_some(EvenEmission {
+                    corners: [triangle.a, triangle.b, triangle.c],
+                    radiance: material.emissive,
+                    both_sides: material.double_sided,
+                });
+                emitters.push(Emitter { instance, index: number as u32, even });
             }
         }
         if let (Some(light), Some(environment)) = (environment, &scene.environment) {
@@ -129,6 +149,12 @@ impl Lights {
             ChosenLight::Environment
         };
         Some((chosen, pmf))
+    }
+
+    /// Whether the choice of a light depends on who asks.
+    #[inline(always)]
+    pub(super) fn need_context(&self) -> bool {
+        self.sampler.needs_context()
     }
 
     /// The probability that the environment is chosen.

@@ -5,6 +5,7 @@
 
 mod alpha;
 mod interpolation;
+pub mod lanes;
 mod layers;
 mod light_sampler;
 mod lights;
@@ -20,6 +21,7 @@ pub use alpha::AlphaFilter;
 pub use interpolation::Attributes;
 pub use light_sampler::LightSamplerKind;
 pub use lights::Lights;
+pub use prepared_material::BsdfClass;
 pub use sample_light::LightSample;
 pub use surface::Surface;
 pub use world::World;

@@ -5,15 +5,51 @@ use std::sync::Arc;
 use super::lookup::surface_params;
 use super::{Attributes, layers};
 use crate::geom::Mesh;
-use crate::material::{Bsdf, BsdfForm};
+use crate::material::lanes::BsdfRows;
+use crate::material::{BaseBsdf, Bsdf, BsdfForm};
 use crate::math::{MaterialId, Vec3};
 use crate::scene::{AlphaMode, Material, Scene, Volume};
+
+/// The classes of surfaces that are shaded in lanes, and all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BsdfClass {
+    /// Shaded one by one.
+    Other,
+    /// A [`Lambert`](crate::material::Lambert) without emission, normal map or inside.
+    Lambert,
+    /// The same of [`MetallicRoughness`](crate::material::MetallicRoughness).
+    MetallicRoughness,
+}
+
+/// The class of a material, whatever its textures say at a point.
+fn classify(material: &Material) -> BsdfClass {
+    let bare = material.layers.is_none() && !material.unlit && !material.is_emissive();
+    let smooth = material.normal_texture.is_none() && material.bump_texture.is_none();
+    if !(bare && smooth) || material.transmission > 0.0 {
+        return BsdfClass::Other;
+    }
+    let is_metallic = material.metallic > 0.0;
+    let is_coated = !(material.specular <= 0.0);
+    if !is_metallic && !is_coated {
+        BsdfClass::Lambert
+    } else if is_coated && material.specular_texture.is_none()
+        || is_metallic && material.metallic_roughness_texture.is_none()
+    {
+        BsdfClass::MetallicRoughness
+    } else {
+        BsdfClass::Other
+    }
+}
 
 /// What is known of a material before any point of it is seen.
 #[derive(Clone, Debug)]
 pub(super) struct PreparedMaterial {
     /// The scattering, if no texture changes it from point to point.
     pub bsdf: Option<Bsdf>,
+    /// What kernel in lanes its surfaces go through.
+    pub class: BsdfClass,
+    /// The scattering for that kernel, if no texture and no vertex changes it.
+    pub rows: Option<BsdfRows>,
     /// Whether something lies on it.
     pub layered: bool,
     /// Whether any texture is looked up at all.
@@ -48,8 +84,21 @@ impl PreparedMaterial {
                 None => Bsdf::new(&params, form),
             }
         };
+        let bsdf = constant.then(plain);
+        let class = classify(material);
         Self {
-            bsdf: constant.then(plain),
+            bsdf,
+            class,
+            rows: match (class, bsdf) {
+                (BsdfClass::Lambert, Some(Bsdf::Base(BaseBsdf::Lambert(bsdf)))) => {
+                    Some(bsdf.rows())
+                }
+                (
+                    BsdfClass::MetallicRoughness,
+                    Some(Bsdf::Base(BaseBsdf::MetallicRoughness(bsdf))),
+                ) => Some(bsdf.rows()),
+                _ => None,
+            },
             layered: layers.is_some(),
             textured: material.clone().textures_mut().next().is_some(),
             opaque: material.is_opaque(),

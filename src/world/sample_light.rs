@@ -95,7 +95,7 @@ impl World {
     fn sample_emitter(
         &self,
         surface: &Surface,
-        Emitter { instance, index }: Emitter,
+        Emitter { instance, index, .. }: Emitter,
         pmf: f32,
         u: Vec2,
     ) -> Option<LightSample> {

@@ -6,7 +6,7 @@ use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, Vec3};
 
 /// Bounds the relative error of seven roundings in a row: `n u / (1 - n u)` with n = 7 and
 /// u = 2^-24 (Higham).
-const GAMMA_7: f32 = 7.0 * HALF_ULP / (1.0 - 7.0 * HALF_ULP);
+pub(super) const GAMMA_7: f32 = 7.0 * HALF_ULP / (1.0 - 7.0 * HALF_ULP);
 const HALF_ULP: f32 = 0.5 * f32::EPSILON;
 
 /// A point of a surface.

@@ -218,7 +218,7 @@ impl World {
 
     /// The parameters of what a material scatters at a point, but for what lies on it.
     #[inline]
-    fn surface_params(&self, id: MaterialId, at: &Attributes) -> SurfaceParams {
+    pub(super) fn surface_params(&self, id: MaterialId, at: &Attributes) -> SurfaceParams {
         surface_params(&self.scene, self.material(id), at)
     }
 

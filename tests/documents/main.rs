@@ -112,7 +112,8 @@ fn paths_are_those_of_the_project() {
 fn names_in_the_design_are_those_of_the_sources() {
     // Words of the language, not of the project.
     const KEYWORDS: [&str; 3] = ["enum", "match", "mod"];
-    let (document, sources) = (read("docs/design.md"), sources(&root().join("src")));
+    let sources = ["src", "tests"].map(|folder| sources(&root().join(folder))).concat();
+    let document = read("docs/design.md");
     let is_name = |code: &&str| {
         let named = code.chars().all(|c| c.is_ascii_alphanumeric() || "_:!".contains(c));
         named && code.len() > 1 && !KEYWORDS.contains(code)
@@ -134,11 +135,17 @@ fn names_in_the_design_are_those_of_the_sources() {
     }
 }
 
-/// All sources of a folder, one after the other.
+/// All Rust sources of a folder, one after the other.
 fn sources(folder: &Path) -> String {
     let entries = fs::read_dir(folder).expect("is readable").map(|entry| entry.expect("is there"));
     let text = |path: PathBuf| {
-        if path.is_dir() { sources(&path) } else { fs::read_to_string(path).expect("is text") }
+        if path.is_dir() {
+            sources(&path)
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            fs::read_to_string(path).expect("is text")
+        } else {
+            String::new()
+        }
     };
     entries.map(|entry| text(entry.path())).collect()
 }

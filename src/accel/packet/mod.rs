@@ -9,6 +9,7 @@ mod options;
 mod rays;
 mod trace;
 
+pub use layout::PacketLayout;
 pub use options::SIZE;
 pub use rays::{BUNDLES, EnteredRays, PacketContext, PacketRays};
 pub use trace::{

@@ -8,7 +8,7 @@ use crate::cli::progress::{note, say};
 use crate::cli::shell;
 use crate::files::memory;
 use crate::geom::TriangleSource;
-use crate::render::{LostSample, Rendered};
+use crate::render::{LostSample, Rendered, Stage};
 
 /// Says what the scene asks for that is not honoured, and what was decided for the user.
 pub fn print_scene(job: &Job) {
@@ -108,6 +108,9 @@ pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
         "paths": rendered.paths,
         "rays": rendered.rays.total(),
         "shadow_rays": rendered.rays.shadow,
+        "breakdown_s": Stage::ALL.map(|stage| (stage.name(), rendered.breakdown.seconds(stage)))
+            .into_iter()
+            .collect::<std::collections::BTreeMap<_, _>>(),
         "render_s": rendered.elapsed.as_secs_f64(),
         "moments": moments,
         "load_s": loaded.as_secs_f64(),

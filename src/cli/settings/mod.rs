@@ -1,8 +1,9 @@
 //! The settings of `dapple render`: one table, from which everything about them follows.
 //!
 //! To add a setting, write an entry in the file of its group, give [`RenderArgs`] a field for its
-//! value, and read the field where it acts. The flag, its help and its checks, the key in TOML,
-//! `--print-config`, the line in a picture's header and `--from` follow from the entry.
+//! value, and read the field where it acts. The flag, its help and its checks follow from the
+//! entry. So do the key in TOML, `--print-config`, the line in a picture's header and `--from`,
+//! unless its role is `Run`.
 //!
 //! | file | what it holds |
 //! |---|---|

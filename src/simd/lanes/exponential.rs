@@ -2,7 +2,7 @@
 
 use std::f32::consts::{LOG2_E, SQRT_2};
 
-use super::{Float, Lanes, Mask, Uint};
+use super::traits::{Float, Lanes, Mask, Uint};
 
 /// e to the power of `x`, to 2e-7 of itself where that is a normal number; 0 and infinity beyond
 /// what f32 holds.

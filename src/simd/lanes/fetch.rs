@@ -1,6 +1,6 @@
 //! Rows from a table, one a lane.
 
-use super::{Lanes, MAX_LANES, Rows, Uint};
+use super::traits::{Lanes, MAX_LANES, Rows, Uint};
 
 /// The rows of a `table` at `places`, as four columns: a plain load a lane, which costs less than
 /// gathering four columns number by number.

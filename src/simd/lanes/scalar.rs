@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use super::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
+use super::traits::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
 
 /// One number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +34,8 @@ impl Lanes for Scalar {
     }
 
     #[inline(always)]
-    fn first(self, count: usize) -> bool {
-        count > 0
+    fn mask(self, bits: u32) -> bool {
+        bits & 1 != 0
     }
 
     #[inline(always)]

@@ -2,11 +2,11 @@
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::{Float, Lanes, Mask, Uint};
+use super::traits::{Float, Lanes, Mask, Uint};
 
 /// Sine and cosine of an angle within ±π/4, to 1e-7.
 #[inline(always)]
-fn sin_cos_eighth<L: Lanes>(angle: L::Float) -> (L::Float, L::Float) {
+pub fn sin_cos_eighth<L: Lanes>(angle: L::Float) -> (L::Float, L::Float) {
     let z = angle * angle;
     let sin = ((z * -1.951_529_6e-4 + 8.332_161e-3) * z - 1.666_665_5e-1) * z * angle + angle;
     let cos = (z * 2.443_315_7e-5 - 1.388_731_6e-3) * z + 4.166_664_6e-2;

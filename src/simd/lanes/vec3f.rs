@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Float, Lanes, Mask, Scalar, Uint};
+use super::scalar::Scalar;
+use super::traits::{Float, Lanes, Mask, Uint};
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,12 @@ impl<L: Lanes> Vec3f<L> {
         Self { x, y: x, z: x }
     }
 
+    /// The same vector in all lanes.
+    #[inline(always)]
+    pub fn of_vector(lanes: L, v: glam::Vec3) -> Self {
+        Self { x: lanes.float(v.x), y: lanes.float(v.y), z: lanes.float(v.z) }
+    }
+
     /// The first three of four columns.
     #[inline(always)]
     pub fn of_columns([x, y, z, _]: [L::Float; 4]) -> Self {
@@ -40,13 +47,20 @@ impl<L: Lanes> Vec3f<L> {
         [self.x, self.y, self.z, w]
     }
 
-    /// Each coordinate by itself.
+    /// Each coordinate by itself. The closure must be `#[inline(always)]` where it stands in the
+    /// call.
     #[inline(always)]
     pub fn map(self, mut f: impl FnMut(L::Float) -> L::Float) -> Self {
         Self { x: f(self.x), y: f(self.y), z: f(self.z) }
     }
 
-    /// The coordinates of two vectors, pair by pair.
+    /// Divided by a number a lane.
+    #[inline(always)]
+    pub fn divide(self, by: L::Float) -> Self {
+        Self { x: self.x / by, y: self.y / by, z: self.z / by }
+    }
+
+    /// The coordinates of two vectors, pair by pair; see [`Vec3f::map`].
     #[inline(always)]
     pub fn zip(self, other: Self, mut f: impl FnMut(L::Float, L::Float) -> L::Float) -> Self {
         Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }

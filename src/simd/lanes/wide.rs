@@ -5,7 +5,29 @@ use fearless_simd::{
     i32x8, i32x16, mask32x4, mask32x8, mask32x16, u32x4, u32x8, u32x16,
 };
 
-use super::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
+use super::traits::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
+
+// Closures bound by `let` are not inlined, and would make calls of the operations in them.
+
+/// Exchanges the bits of `$low` with those `$by` places above.
+macro_rules! swap {
+    ($x:expr, $by:literal, $low:literal) => {
+        (($x >> $by) & $low) | (($x & $low) << $by)
+    };
+}
+
+/// Four vectors in a row.
+macro_rules! load {
+    ($float:ident $width:literal, $simd:expr, $flat:expr) => {{
+        let flat = &$flat[..4 * $width];
+        [
+            $float::from_slice($simd, &flat[..$width]),
+            $float::from_slice($simd, &flat[$width..2 * $width]),
+            $float::from_slice($simd, &flat[2 * $width..3 * $width]),
+            $float::from_slice($simd, &flat[3 * $width..]),
+        ]
+    }};
+}
 
 macro_rules! lanes {
     ($name:ident $width:literal $float:ident $int:ident $uint:ident $mask:ident) => {
@@ -35,16 +57,15 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn first(self, count: usize) -> $mask<S> {
-                $mask::from_bitmask(self.0, (1 << count.min($width)) - 1)
+            fn mask(self, bits: u32) -> $mask<S> {
+                $mask::from_bitmask(self.0, u64::from(bits) & ((1 << $width) - 1))
             }
 
             #[inline(always)]
             fn columns(self, rows: &Rows) -> [$float<S>; 4] {
-                let flat = &rows.as_flattened()[..4 * $width];
-                let load = |k: usize| $float::from_slice(self.0, &flat[k * $width..][..$width]);
-                let (even, odd) = load(0).deinterleave(load(1));
-                let (even_after, odd_after) = load(2).deinterleave(load(3));
+                let [a, b, c, d] = load!($float $width, self.0, rows.as_flattened());
+                let (even, odd) = a.deinterleave(b);
+                let (even_after, odd_after) = c.deinterleave(d);
                 let (x, z) = even.deinterleave(even_after);
                 let (y, w) = odd.deinterleave(odd_after);
                 [x, y, z, w]
@@ -57,9 +78,10 @@ macro_rules! lanes {
                 let (a, b) = even.interleave(odd);
                 let (c, d) = even_after.interleave(odd_after);
                 let flat = &mut rows.as_flattened_mut()[..4 * $width];
-                for (vector, to) in [a, b, c, d].into_iter().zip(flat.chunks_exact_mut($width)) {
-                    vector.store_slice(to);
-                }
+                a.store_slice(&mut flat[..$width]);
+                b.store_slice(&mut flat[$width..2 * $width]);
+                c.store_slice(&mut flat[2 * $width..3 * $width]);
+                d.store_slice(&mut flat[3 * $width..]);
             }
         }
 
@@ -140,11 +162,10 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn reverse_bits(self) -> Self {
-                let swap = |x: Self, by: u32, low: u32| ((x >> by) & low) | ((x & low) << by);
-                let x = swap(self, 1, 0x5555_5555);
-                let x = swap(x, 2, 0x3333_3333);
-                let x = swap(x, 4, 0x0f0f_0f0f);
-                let x = swap(x, 8, 0x00ff_00ff);
+                let x = swap!(self, 1, 0x5555_5555);
+                let x = swap!(x, 2, 0x3333_3333);
+                let x = swap!(x, 4, 0x0f0f_0f0f);
+                let x = swap!(x, 8, 0x00ff_00ff);
                 (x >> 16) | (x << 16)
             }
 

@@ -86,7 +86,7 @@ where
             top: 1,
             stack,
         };
-        let Scratch { stacks, fetched } = scratch;
+        let Scratch { stacks, fetched, .. } = scratch;
         let mut next = rays.len().min(RAYS);
         let mut flights: Vec<Flight<'_, Q>> = (0..next).map(|index| start(index, index)).collect();
         while !flights.is_empty() {
@@ -156,9 +156,11 @@ where
     ) {
         let rays = slice.batch.rays();
         let covered = |ray| self.parts.is_none_or(|parts| parts.covers(ray));
-        let in_flight = is_wide(slice.simd) && !C::COUNTS && pays(rays);
-        if in_flight && rays.iter().all(covered) {
+        let in_lanes = is_wide(slice.simd) && !C::COUNTS;
+        if in_lanes && pays(rays) && rays.iter().all(covered) {
             self.fly(slice, scratch);
+        } else if in_lanes && self.side_by_side && rays.len() >= FEW {
+            self.trace_packets(slice, scratch);
         } else {
             slice.answer_each(
                 #[inline(always)]

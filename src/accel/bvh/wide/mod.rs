@@ -9,11 +9,14 @@
 //! 15 % and gains 4 at most.
 
 mod arena;
+mod beam;
 mod collapse;
 mod direct;
 mod flight;
 mod node;
 mod octants;
+mod packet;
+mod packet_walk;
 mod shape;
 mod stack;
 mod variants;

@@ -6,7 +6,7 @@ use crate::accel::PreparedRay;
 use crate::simd::order::{BIAS, DISTANCE};
 use crate::simd::{Vectors, Width};
 
-type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
+pub type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
 type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 
 /// The keys of those children that the ray enters before `t_max` (see [`crate::simd::order`]),
@@ -36,6 +36,19 @@ where
         enter = distance(axis, near, slab.inv_near[axis]).max(enter);
         exit = distance(axis, 1 - near, slab.inv_far[axis]).min(exit);
     }
+    make_keys(simd, enter, exit)
+}
+
+/// The same by where rays enter and leave the children.
+#[inline(always)]
+pub fn make_keys<S: Simd, const W: usize>(
+    simd: S,
+    enter: Floats<S, W>,
+    exit: Floats<S, W>,
+) -> ([u32; W], u32)
+where
+    Width: Vectors<W>,
+{
     let hits = enter.simd_le(exit);
     let lanes = Bits::<S, W>::from_fn(simd, |lane| lane as u32);
     let keys = Floats::<S, W>::from_bits(((enter.to_bits() & DISTANCE) | lanes) + BIAS);

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::arena::{Arena, BLOCK, Stripes};
+use super::packet::PacketScratch;
 use super::shape::{Shape, Source};
 use super::stack::{Sorting, Stack};
 use super::{collapse, direct, node, octants};
@@ -34,6 +35,8 @@ pub struct WideBvh<const W: usize> {
     by_octant: bool,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
     pub parts: Option<Parts>,
+    /// Whether rays from one point that run side by side are walked sixteen at a time.
+    pub side_by_side: bool,
     /// Row of the first leaf.
     first_leaf: usize,
     built: Built,
@@ -48,6 +51,8 @@ pub struct Scratch<const W: usize> {
     pub stacks: Box<[Stack<W>]>,
     /// Leaves that were fetched.
     pub fetched: Fetched<W>,
+    /// For rays side by side.
+    pub packet: Option<Box<PacketScratch<W>>>,
 }
 
 impl<const W: usize> WideBvh<W>
@@ -102,6 +107,7 @@ where
             arena,
             fetch,
             by_octant,
+            side_by_side: false,
             parts: shape.parts,
             first_leaf: shape.first_leaf(),
             built: Built {
@@ -135,7 +141,7 @@ where
 
     /// A leaf's triangles.
     #[inline(always)]
-    fn visit_leaf<'a, C: Counters>(
+    pub fn visit_leaf<'a, C: Counters>(
         &self,
         stripes: Stripes<'a, W>,
         link: Link,
@@ -192,7 +198,7 @@ where
     ) {
         let Some(mut link) = self.root else { return };
         let stripes = self.arena.stripes();
-        let Scratch { stacks, fetched } = scratch;
+        let Scratch { stacks, fetched, .. } = scratch;
         if self.parts.is_some_and(|parts| !parts.covers(&context.ray.ray)) {
             return self.test_all(context.reborrow(), fetched);
         }
@@ -238,7 +244,8 @@ where
     fn scratch(&self) -> Scratch<W> {
         let stacks = (0..RAYS).map(|_| Stack::new()).collect();
         let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.built.report.leaves));
-        Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none) }
+        let packet = self.side_by_side.then(Box::default);
+        Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none), packet }
     }
 
     fn built(&self) -> &Built {

@@ -1,0 +1,42 @@
+//! The environment in lanes: as a light, and where rays leave the scene.
+
+use super::super::World;
+use super::light::LightSamples;
+use super::surface::SurfaceLanes;
+use crate::light::{Environment, EnvironmentSamples};
+use crate::simd::lanes::{Float, Lanes, Vec3f};
+
+impl World {
+    /// [`World::environment`] in lanes: radiance and density of unit directions.
+    #[inline(always)]
+    pub fn environment_in_lanes<L: Lanes>(
+        &self,
+        lanes: L,
+        environment: &Environment,
+        direction: Vec3f<L>,
+    ) -> (Vec3f<L>, L::Float) {
+        let (radiance, pdf) = environment.radiance_and_pdf_in_lanes(lanes, direction);
+        (radiance, pdf * self.lights.environment_pmf())
+    }
+}
+
+/// Directions to the environment, which was chosen with probability `pmf`.
+#[inline(always)]
+pub(super) fn sample_environment<L: Lanes>(
+    lanes: L,
+    environment: &Environment,
+    surface: &SurfaceLanes<L>,
+    pmf: L::Float,
+    u: [L::Float; 2],
+) -> LightSamples<L> {
+    let EnvironmentSamples { direction, radiance, pdf } = environment.sample_in_lanes(lanes, u);
+    LightSamples {
+        direction,
+        radiance,
+        pdf: pmf * pdf,
+        origin: surface.offset_origin(lanes, direction),
+        segment: direction,
+        t_max: lanes.float(f32::INFINITY),
+        valid: pdf.gt(lanes.float(0.0)),
+    }
+}

@@ -1,0 +1,179 @@
+//! Sampling direct light in lanes.
+
+use super::super::World;
+use super::super::lights::{ChosenLight, Emitter};
+use super::environment::sample_environment;
+use super::surface::{SurfaceLanes, offset_origin, triangle_point};
+use crate::light::LightSampleContext;
+use crate::sampling::warp;
+use crate::simd::lanes::{Float, Lanes, Mask, Rows, Vec3f};
+
+/// A light chosen for each lane, and a direction to it; see [`super::super::LightSample`]. None
+/// without extent is among them.
+#[derive(Clone, Copy)]
+pub struct LightSamples<L: Lanes> {
+    /// Unit direction towards the light.
+    pub direction: Vec3f<L>,
+    /// Radiance that arrives if nothing is in between.
+    pub radiance: Vec3f<L>,
+    /// Density over solid angle.
+    pub pdf: L::Float,
+    /// From the surface to the light: the origin of the segment that must be free.
+    pub origin: Vec3f<L>,
+    /// And its direction, as long as `t_max` says.
+    pub segment: Vec3f<L>,
+    /// The segment's end.
+    pub t_max: L::Float,
+    /// Where light may arrive.
+    pub valid: L::Mask,
+}
+
+/// What the lights that were chosen are computed from.
+#[derive(Default)]
+struct LightRows {
+    /// The corners of an emitting triangle; in the fourth place, in turn: the probability of the
+    /// light, one if it shines from both sides, zero.
+    corners: [Rows; 3],
+    /// Its radiance, which is the same all over it.
+    radiance: Rows,
+    /// A bit for each lane whose light is a triangle; the environment; none of the two.
+    triangles: u32,
+    environment: u32,
+    others: u32,
+}
+
+impl World {
+    /// Chooses a light for each lane and a direction to it, as [`World::sample_light`] does; also
+    /// the lanes whose light must be sampled by that, since it is of a rarer kind.
+    #[inline(always)]
+    pub fn sample_light_in_lanes<L: Lanes>(
+        &self,
+        lanes: L,
+        surface: &SurfaceLanes<L>,
+        u_light: L::Float,
+        u: [L::Float; 2],
+    ) -> (LightSamples<L>, u32) {
+        let rows = self.choose_in_lanes(lanes, surface, u_light);
+        let mut samples = sample_triangles(lanes, surface, &rows, u, self.slack);
+        if let (Some(environment), true) = (&self.scene.environment, rows.environment != 0) {
+            let mask = lanes.mask(rows.environment);
+            let [_, _, _, pmf] = lanes.columns(&rows.corners[0]);
+            let far = sample_environment(lanes, environment, surface, pmf, u);
+            samples = LightSamples::select(mask, &far, &samples);
+        }
+        (samples, rows.others)
+    }
+
+    #[inline(always)]
+    fn choose_in_lanes<L: Lanes>(
+        &self,
+        lanes: L,
+        surface: &SurfaceLanes<L>,
+        u_light: L::Float,
+    ) -> LightRows {
+        let mut u = Rows::default();
+        let mut normals = Rows::default();
+        let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
+        lanes.rows(surface.position.columns(u_light), &mut u);
+        if self.lights.need_context() {
+            lanes.rows(normal.columns(u_light), &mut normals);
+        }
+        let mut rows = LightRows::default();
+        for lane in 0..L::WIDTH {
+            let ([x, y, z, u], [nx, ny, nz, _]) = (u[lane], normals[lane]);
+            let context = LightSampleContext {
+                position: glam::Vec3::new(x, y, z),
+                normal: glam::Vec3::new(nx, ny, nz),
+            };
+            let Some((light, pmf)) = self.lights.choose(&context, u) else { continue };
+            rows.fetch(lane, light, pmf);
+        }
+        rows
+    }
+}
+
+impl LightRows {
+    /// Fetches the light that was chosen for a lane.
+    #[inline(always)]
+    fn fetch(&mut self, lane: usize, light: ChosenLight, pmf: f32) {
+        let bit = 1 << lane;
+        match light {
+            ChosenLight::Emitter(Emitter { even: Some(even), .. }) => {
+                let last = [pmf, f32::from(even.both_sides), 0.0];
+                for (rows, (p, w)) in self.corners.iter_mut().zip(even.corners.iter().zip(last)) {
+                    rows[lane] = [p.x, p.y, p.z, w];
+                }
+                let radiance = even.radiance;
+                self.radiance[lane] = [radiance.x, radiance.y, radiance.z, 0.0];
+                self.triangles |= bit;
+            }
+            ChosenLight::Environment => {
+                self.corners[0][lane][3] = pmf;
+                self.environment |= bit;
+            }
+            _ => self.others |= bit,
+        }
+    }
+}
+
+impl<L: Lanes> LightSamples<L> {
+    #[inline(always)]
+    fn select(mask: L::Mask, a: &Self, b: &Self) -> Self {
+        Self {
+            direction: Vec3f::select(mask, a.direction, b.direction),
+            radiance: Vec3f::select(mask, a.radiance, b.radiance),
+            pdf: mask.select(a.pdf, b.pdf),
+            origin: Vec3f::select(mask, a.origin, b.origin),
+            segment: Vec3f::select(mask, a.segment, b.segment),
+            t_max: mask.select(a.t_max, b.t_max),
+            valid: (mask & a.valid) | (!mask & b.valid),
+        }
+    }
+}
+
+/// Points of triangles that emit evenly; where no triangle was fetched, nothing arrives.
+#[inline(always)]
+fn sample_triangles<L: Lanes>(
+    lanes: L,
+    surface: &SurfaceLanes<L>,
+    rows: &LightRows,
+    u: [L::Float; 2],
+    slack: f32,
+) -> LightSamples<L> {
+    let (zero, one) = (lanes.float(0.0), lanes.float(1.0));
+    let infinity = lanes.float(f32::INFINITY);
+    let [ax, ay, az, pmf] = lanes.columns(&rows.corners[0]);
+    let [bx, by, bz, both_sides] = lanes.columns(&rows.corners[1]);
+    let c = Vec3f::<L>::of_columns(lanes.columns(&rows.corners[2]));
+    let (a, b) = (Vec3f::<L>::new(ax, ay, az), Vec3f::<L>::new(bx, by, bz));
+    let radiance = Vec3f::<L>::of_columns(lanes.columns(&rows.radiance));
+
+    let double_area = (b - a).cross(c - a);
+    let length = double_area.dot(double_area).sqrt();
+    let has_area = length.gt(zero);
+    let flat = Vec3f::splat(zero);
+    let normal = Vec3f::select(has_area, double_area.divide(length), flat);
+    let area = length * 0.5;
+    let uv = warp::triangle_in_lanes::<L>(u);
+    let (point, error) = triangle_point(lanes, [a, b, c], uv, slack);
+    let towards = point - surface.position;
+    let distance2 = towards.dot(towards);
+    let inverse = one / distance2.sqrt();
+    let direction = towards.scale(inverse);
+    let cosine = -normal.dot(direction);
+    let pdf = pmf * (distance2 / (area * cosine.abs()));
+    let end = offset_origin(lanes, point, error, normal, -direction);
+    let origin = surface.offset_origin(lanes, direction);
+    LightSamples {
+        direction,
+        radiance,
+        pdf,
+        origin,
+        segment: end - origin,
+        t_max: one,
+        valid: (inverse.gt(zero) & inverse.lt(infinity))
+            & (pdf.gt(zero) & pdf.lt(infinity))
+            & (both_sides.gt(zero) | !cosine.lt(zero))
+            & !radiance.is_zero(),
+    }
+}

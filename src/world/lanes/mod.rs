@@ -1,0 +1,52 @@
+//! Surfaces and lights in lanes: for as many paths at once as a vector has lanes.
+//!
+//! What depends on where data lies is fetched lane by lane, as rows of four numbers; arithmetic is
+//! done for all lanes at once, with the bits of [`super::Surface`] and of
+//! [`World::sample_light`].
+
+mod environment;
+mod light;
+mod surface;
+
+pub use light::LightSamples;
+pub use surface::{SurfaceLanes, SurfaceRows};
+
+use super::World;
+use super::interpolation::Interpolation;
+use super::prepared_material::BsdfClass;
+use crate::accel::ClosestHit;
+use crate::geom::Mesh;
+use crate::material::lanes::BsdfRows;
+use crate::material::{Lambert, MetallicRoughness};
+use crate::math::{InstanceId, MaterialId};
+
+impl World {
+    /// The instance and the number of the triangle that was hit, and what class of BSDF it has.
+    #[inline(always)]
+    pub fn classify(&self, hit: &ClosestHit) -> (InstanceId, usize, BsdfClass) {
+        let (id, index) = self.triangles.locate(hit.triangle);
+        let instance = &self.scene.instances[id.index()];
+        (id, index, self.materials[instance.material.index()].class)
+    }
+
+    /// Bounds the error of a plane, see [`SurfaceLanes::new`].
+    pub fn slack(&self) -> f32 {
+        self.slack
+    }
+
+    /// The form of all BSDFs.
+    pub fn form(&self) -> crate::material::BsdfForm {
+        self.form
+    }
+
+    /// The rows of a BSDF that differs from point to point.
+    #[inline(never)]
+    fn bsdf_rows(&self, id: MaterialId, mesh: &Mesh, point: &Interpolation) -> BsdfRows {
+        let material = &self.materials[id.index()];
+        let params = self.surface_params(id, &point.attributes(mesh, material.textured));
+        match material.class {
+            BsdfClass::Lambert => Lambert { reflectance: params.base_color }.rows(),
+            _ => MetallicRoughness::new(&params, self.form).rows(),
+        }
+    }
+}
