@@ -138,12 +138,7 @@ impl Environment {
         lanes: L,
         direction: Vec3f<L>,
     ) -> (Vec3f<L>, L::Float) {
-        let behind = match &self.source {
-            Source::Constant(radiance) => {
-                (constant(lanes, *radiance), lanes.float(0.25 * FRAC_1_PI))
-            }
-            Source::Image(image) => image.radiance_and_pdf_in_lanes(lanes, direction),
-        };
+        let behind = self.behind_sun(lanes, direction);
         match &self.sun {
             Some((sun, share)) => add_sun(lanes, behind, direction, sun, *share),
             None => behind,
@@ -157,28 +152,44 @@ impl Environment {
         lanes: L,
         [x, y]: [L::Float; 2],
     ) -> EnvironmentSamples<L> {
-        let Some((sun, share)) = &self.sun else { return self.sample_behind(lanes, [x, y]) };
+        let Some((sun, share)) = &self.sun else { return self.sample_behind_sun(lanes, [x, y]) };
         let of_sun = x.lt(lanes.float(*share));
         let below_one = lanes.float(1.0 - 0.5 * f32::EPSILON);
         let rest = ((x - *share) / (1.0 - share)).least(below_one);
-        let behind = self.sample_behind(lanes, [rest, y]);
         let to_sun = sun.sample_in_lanes(lanes, [x / *share, y]);
-        let direction = Vec3f::select(of_sun, to_sun, behind.direction);
-        // What lies behind the sun is looked up there.
-        let at_sun = match &self.source {
-            _ if of_sun.to_bits() == 0 => (behind.radiance, behind.pdf),
-            Source::Constant(_) => (behind.radiance, behind.pdf),
-            Source::Image(image) => image.radiance_and_pdf_in_lanes(lanes, to_sun),
+        // What no lane asks for is left out.
+        let nothing = (constant(lanes, Vec3::ZERO), lanes.float(0.0));
+        let any_of_sun = of_sun.to_bits() != 0;
+        let at_sun = if any_of_sun { self.behind_sun(lanes, to_sun) } else { nothing };
+        let behind = if (!of_sun).to_bits() != 0 {
+            self.sample_behind_sun(lanes, [rest, y])
+        } else {
+            EnvironmentSamples { direction: to_sun, radiance: nothing.0, pdf: nothing.1 }
         };
+        let direction = Vec3f::select(of_sun, to_sun, behind.direction);
         let radiance = Vec3f::select(of_sun, at_sun.0, behind.radiance);
         let pdf = of_sun.select(at_sun.1, behind.pdf);
         let (radiance, pdf) = add_sun(lanes, (radiance, pdf), direction, sun, *share);
-        EnvironmentSamples { direction, radiance, pdf }
+        // No sample behind it stays none, also where the sun stands at an image's pole.
+        let none = lanes.float(0.0);
+        let any = of_sun | behind.pdf.gt(none);
+        EnvironmentSamples { direction, radiance, pdf: any.select(pdf, none) }
+    }
+
+    /// Radiance and density without the sun.
+    #[inline(always)]
+    fn behind_sun<L: Lanes>(&self, lanes: L, direction: Vec3f<L>) -> (Vec3f<L>, L::Float) {
+        match &self.source {
+            Source::Constant(radiance) => {
+                (constant(lanes, *radiance), lanes.float(0.25 * FRAC_1_PI))
+            }
+            Source::Image(image) => image.radiance_and_pdf_in_lanes(lanes, direction),
+        }
     }
 
     /// Samples directions without the sun.
     #[inline(always)]
-    fn sample_behind<L: Lanes>(&self, lanes: L, u: [L::Float; 2]) -> EnvironmentSamples<L> {
+    fn sample_behind_sun<L: Lanes>(&self, lanes: L, u: [L::Float; 2]) -> EnvironmentSamples<L> {
         match &self.source {
             Source::Constant(radiance) => EnvironmentSamples {
                 direction: warp::sphere_in_lanes(lanes, u),

@@ -229,7 +229,9 @@ impl Cells<'_> {
         let even = (EVEN_PART * sum / of_ones) as f32;
         for (row, weights) in weights.chunks_exact_mut(self.width).enumerate() {
             let sine = self.sine(row);
-            weights.iter_mut().for_each(|weight| *weight = (*weight - even).max(0.0) * sine);
+            for weight in weights {
+                *weight = (*weight - even).max(0.0) * sine;
+            }
         }
         weights
     }

@@ -10,6 +10,8 @@ mod cone;
 mod environment;
 mod environment_image;
 #[cfg(test)]
+mod environment_lanes_tests;
+#[cfg(test)]
 mod environment_tests;
 mod preetham;
 mod punctual;

@@ -125,8 +125,10 @@ impl Distribution2d {
         for level in &self.levels {
             let place = row * level.columns + column + level.start;
             let [left, upper_left, upper_right, _] = fetch(lanes, &self.nodes, place);
-            let right = x.split(lanes, left);
-            let below = y.split(lanes, right.select(upper_right, upper_left));
+            // Both borders before it is known which one is asked for.
+            let (of_left, of_right) = (y.border(lanes, upper_left), y.border(lanes, upper_right));
+            let right = x.split(x.border(lanes, left));
+            let below = y.split(right.select(of_right, of_left));
             row = (row << 1) | below.select_uint(one, zero);
             column = (column << 1) | right.select_uint(one, zero);
         }
@@ -149,15 +151,20 @@ impl<L: Lanes> Span<L> {
         Self { u: u.most(from).least(lanes.float(ONE_MINUS_EPSILON)), from, to }
     }
 
-    /// Keeps the first `share` of it or the rest, whichever has `u`: true where it is the rest,
-    /// which it never is at a share of one, nor the first at a share of zero.
+    /// The end of the first `share` of it: all of it at a share of one, nothing at zero.
     #[inline(always)]
-    fn split(&mut self, lanes: L, share: L::Float) -> L::Mask {
-        let border = self.from * (lanes.float(1.0) - share) + self.to * share;
-        let first = self.u.lt(border);
-        self.from = first.select(self.from, border);
-        self.to = first.select(border, self.to);
-        !first
+    fn border(&self, lanes: L, share: L::Float) -> L::Float {
+        self.from * (lanes.float(1.0) - share) + self.to * share
+    }
+
+    /// Keeps what lies before a border or what lies after, whichever has `u`: true where it is
+    /// after.
+    #[inline(always)]
+    fn split(&mut self, border: L::Float) -> L::Mask {
+        let before = self.u.lt(border);
+        self.from = before.select(self.from, border);
+        self.to = before.select(border, self.to);
+        !before
     }
 
     /// Where `u` lies in it, from 0 to 1.

@@ -10,8 +10,12 @@
 //! table, and [`Lanes::columns`] turns the rows of all lanes into four columns, one number a lane
 //! each.
 
+#[allow(dead_code, reason = "for the absorption of media, in lanes")]
+mod exponential;
 mod fetch;
 mod frame;
+#[cfg(test)]
+mod function_tests;
 mod scalar;
 #[cfg(test)]
 mod tests;
@@ -20,6 +24,8 @@ mod trigonometry;
 mod vec3f;
 mod wide;
 
+#[allow(unused_imports)]
+pub use exponential::{exp, ln, pow};
 pub use fetch::fetch;
 pub use frame::FrameLanes;
 pub use scalar::Scalar;

@@ -40,7 +40,7 @@ pub fn atan2<L: Lanes>(lanes: L, y: L::Float, x: L::Float) -> L::Float {
     let beyond = slope.gt(lanes.float(0.414_213_57)); // tan(π/8)
     let t = beyond.select((slope - 1.0) / (slope + 1.0), slope);
     let z = t * t;
-    let p = ((z * 8.053_744_5e-2 - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_294_9e-1;
+    let p = ((z * 8.053_744_5e-2 - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_295e-1;
     let angle = p * z * t + t;
     let angle = beyond.select(angle + FRAC_PI_4, angle);
     let angle = steep.select(lanes.float(FRAC_PI_2) - angle, angle);
