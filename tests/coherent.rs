@@ -153,7 +153,8 @@ fn rasters_are_answered_as_brute_force_does() {
             let filters = [None, Some(&Sieve as &dyn HitFilter)];
             let expected = filters.map(|filter| answers(&*oracle, &rays, filter, false));
             let hit = expected[0].0.iter().filter(|hit| hit.is_hit()).count();
-            assert!(hit > 20 || name == "room" && number == 3, "{name}, view {number}");
+            let sparse = ["room", "few"].contains(&name) && number == 3;
+            assert!(hit > 20 || sparse, "{name}, view {number}");
             for spec in SPECS {
                 for &isa in &isas {
                     let accel = structure(spec, isa);

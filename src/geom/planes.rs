@@ -15,8 +15,8 @@
 //! `|t||d| ≤ R` wherever a triangle is hit, `t` is off by less than `17εRi`, the point by less than
 //! `26εRi|d|`, and what `u` is of it by less than `50 |U| εRi|d|`, with `U` its gradient: 23 of
 //! them are its own roundings. The exact test's error adds little: where triangles are not thin,
-//! its double precision leaves 2^-35 of `u` times `i|d|`, a thousandth of the above. We allow `32εRi`
-//! for `t`, and twice that, times `|d|` and the gradient, for each of `u`, `v` and `u + v`.
+//! its double precision leaves 2^-35 of `u` times `i|d|`, a thousandth of the above. We allow
+//! `32εRi` for `t`, and twice that, times `|d|` and the gradient, for each of `u`, `v` and `u + v`.
 //!
 //! Of a plane across an axis, `n · o + k` is one subtraction of exact numbers, and `t` is off by
 //! less than `4εt`. What is left is the error of the exact test, at most 2^-31 `Si` by the above,

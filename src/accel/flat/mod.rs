@@ -12,19 +12,22 @@ mod tests;
 
 use std::ops::Range;
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8};
 
 use crate::accel::side_by_side::{LANES, Pairs, Questions};
 use crate::accel::{
-    BuildInput, BuildReport, Built, Counters, Event, MemoryReport, Phases, Query, SliceContext,
-    Structure, Traverse,
+    BuildInput, BuildReport, Built, Counters, Event, MemoryReport, Phases, Query, RayContext,
+    SliceContext, Structure, Traverse,
 };
 use crate::geom::{
     FilterLanes, FilterPlane, FilterSides, PairHits, PairTriangle, RayLanes, Reach, Triangle,
+    TriangleBlock,
 };
 use crate::math::{Ray, TriangleId};
 use crate::simd::vectorized;
 
+/// So few rays are faster one by one.
+const FEW: usize = 4;
 /// Triangles of a group at most: as many as there are bits.
 const GROUP: usize = 32;
 
@@ -34,6 +37,8 @@ pub struct Flat {
     sides: Vec<FilterSides>,
     pairs: Vec<PairTriangle>,
     groups: Vec<Group>,
+    /// The same triangles, for rays one by one.
+    blocks: Vec<TriangleBlock<8>>,
     reach: Reach,
     built: Built,
 }
@@ -86,6 +91,7 @@ impl Flat {
             sides: Vec::new(),
             pairs: Vec::new(),
             groups: Vec::new(),
+            blocks: Vec::new(),
             reach,
             built: Built { level: input.level, report: BuildReport::default() },
         };
@@ -93,6 +99,9 @@ impl Flat {
         if flat.planes.len() + count > limit {
             return None;
         }
+        let numbered: Vec<_> =
+            (0..count).map(|i| (TriangleId::from_index(i), triangles[i])).collect();
+        flat.blocks = numbered.chunks(8).map(TriangleBlock::new).collect();
         phases.end("triangles");
         flat.built.report = BuildReport {
             phases: phases.ended(),
@@ -114,7 +123,7 @@ impl Flat {
             let in_it = |&i: &usize| i == first || plane.holds(&triangles[i], self.reach);
             let (mut members, others) = left.iter().copied().partition::<Vec<_>, _>(in_it);
             left = others;
-            // A triangle that passes unseen can't share a plane.
+            // More than a group has room for go into several, each with the plane.
             while !members.is_empty() {
                 if group.triangles.len() == GROUP {
                     self.groups.push(group.clone());
@@ -235,6 +244,16 @@ impl Flat {
         }
     }
 
+    /// Holds one ray against all triangles, eight at a time.
+    #[inline(always)]
+    fn walk<S: Simd, Q: Query, C: Counters>(&self, context: &mut RayContext<'_, S, Q, C>) {
+        for block in &self.blocks {
+            if context.test_block::<f32x8<S>, 8>(block.parts()).is_break() {
+                return;
+            }
+        }
+    }
+
     /// Answers up to sixteen rays of a slice.
     #[inline(always)]
     fn trace_packet<S: Simd, Q: Query, C: Counters>(
@@ -314,7 +333,8 @@ impl Structure for Flat {
 
     fn memory(&self) -> MemoryReport {
         let planes = size_of_val(&*self.planes) + size_of_val(&*self.groups);
-        let triangles = size_of_val(&*self.sides) + size_of_val(&*self.pairs);
+        let triangles =
+            size_of_val(&*self.sides) + size_of_val(&*self.pairs) + size_of_val(&*self.blocks);
         MemoryReport::new([("planes", planes), ("triangles", triangles)])
     }
 }
@@ -326,8 +346,17 @@ impl Traverse for Flat {
         slice: &mut SliceContext<'_, S, Q, C>,
         scratch: &mut Box<Scratch>,
     ) {
-        for from in (0..slice.batch.rays().len()).step_by(LANES) {
+        let count = slice.batch.rays().len();
+        let few = if count % LANES <= FEW { count % LANES } else { 0 };
+        for from in (0..count - few).step_by(LANES) {
             self.trace_packet(slice, from, scratch);
+        }
+        for index in count - few..count {
+            slice.answer(
+                index,
+                #[inline(always)]
+                |context| self.walk(context),
+            );
         }
     }
 }
