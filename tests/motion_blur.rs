@@ -74,7 +74,9 @@ fn a_place_is_as_bright_as_the_time_is_long_that_it_is_covered() {
             assert!((value - covered).abs() < 0.03, "{moves}, x = {at}: {value} for {covered}");
             errors += value - covered;
         }
-        assert!(errors.abs() / (PIXELS as f32) < 1e-3, "{moves}: {errors}");
+        // Each edge passes a pixel in some 8 of the 256 moments, by chance: a standard deviation of
+        // .007 a pixel, of .001 over all.
+        assert!(errors.abs() / (PIXELS as f32) < 3e-3, "{moves}: {errors}");
     }
 }
 

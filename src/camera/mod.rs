@@ -1,13 +1,13 @@
 //! Cameras: from points of the film to rays.
 
 pub mod flight;
+mod lanes;
 
 use std::f32::consts::{PI, TAU};
 
 use crate::geom::Shaft;
 use crate::math::{Aabb, Affine3A, Frame, Mat3, Ray, Vec2, Vec3};
 use crate::sampling::warp;
-use crate::simd::lanes::{Lanes, Vec3f};
 
 /// How points of the film become directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,43 +185,6 @@ impl CameraRays {
         Ray::new(to_world.transform_point3(origin), direction, 0.0, f32::INFINITY)
     }
 
-    /// Whether [`CameraRays::ray_in_lanes`] can make its rays.
-    #[inline(always)]
-    pub fn has_lanes(&self) -> bool {
-        self.camera.projection != Projection::Panorama
-    }
-
-    /// Origins and directions of the rays of [`CameraRays::ray`], in lanes; of no panorama.
-    #[inline(always)]
-    pub fn ray_in_lanes<L: Lanes>(
-        &self,
-        lanes: L,
-        film: [L::Float; 2],
-        lens: [L::Float; 2],
-    ) -> (Vec3f<L>, Vec3f<L>) {
-        let zero = lanes.float(0.0);
-        let x = (film[0] * 2.0 - 1.0) * self.half.x;
-        let y = (lanes.float(1.0) - film[1] * 2.0) * self.half.y;
-        let (mut origin, mut direction) = match self.camera.projection {
-            Projection::Orthographic { .. } => {
-                (Vec3f::<L>::new(x, y, zero), Vec3f::<L>::new(zero, zero, lanes.float(-1.0)))
-            }
-            _ => (Vec3f::splat(zero), Vec3f::<L>::new(x, y, lanes.float(-1.0))),
-        };
-        if let Some(thin) = self.camera.lens {
-            let focus = origin + direction.scale(lanes.float(thin.focus_distance));
-            let [x, y] = warp::disk_in_lanes(lanes, lens);
-            let aside = Vec3f::<L>::new(x * thin.aperture_radius, y * thin.aperture_radius, zero);
-            origin = origin + aside;
-            direction = focus - origin;
-        }
-        let to_world = &self.camera.to_world;
-        let turn = turn_in_lanes(lanes, to_world, origin);
-        let eye = Vec3::from(to_world.translation);
-        let origin = Vec3f { x: turn.x + eye.x, y: turn.y + eye.y, z: turn.z + eye.z };
-        (origin, turn_in_lanes(lanes, to_world, direction).normalize(lanes))
-    }
-
     /// The region of all rays of the film, as far as rounding allows; `None` unless they spread
     /// from a point or a lens, by less than a half-space.
     pub fn region(&self) -> Option<Shaft> {
@@ -239,16 +202,6 @@ impl CameraRays {
         let corners = [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
         Shaft::pyramid(origins, corners)
     }
-}
-
-/// Vectors turned as a transform turns them.
-#[inline(always)]
-fn turn_in_lanes<L: Lanes>(lanes: L, to_world: &Affine3A, v: Vec3f<L>) -> Vec3f<L> {
-    let axes = &to_world.matrix3;
-    let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
-    Vec3f::of_vector(lanes, x.into()).scale(v.x)
-        + Vec3f::of_vector(lanes, y.into()).scale(v.y)
-        + Vec3f::of_vector(lanes, z.into()).scale(v.z)
 }
 
 /// The direction of a point of a panorama.

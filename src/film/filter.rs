@@ -10,7 +10,7 @@
 
 use crate::math::Vec2;
 use crate::names::choices;
-use crate::simd::lanes::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
+use crate::simd::lanes::{Float, Lanes, Mask, Uint};
 use std::sync::LazyLock;
 
 /// The shape of a pixel.
@@ -111,15 +111,9 @@ impl Inverse {
     #[inline(always)]
     fn invert_in_lanes<L: Lanes>(&self, lanes: L, [u, v]: [L::Float; 2]) -> [L::Float; 2] {
         let (x, y) = (Self::locate(lanes, u), Self::locate(lanes, v));
-        let [mut columns, mut lines] = [[0; MAX_LANES]; 2];
-        x.0.store(&mut columns);
-        y.0.store(&mut lines);
-        let mut ends = Rows::default();
-        for lane in 0..L::WIDTH {
-            let (i, j) = (columns[lane] as usize, lines[lane] as usize);
-            ends[lane] = [self.at[i], self.at[i + 1], self.at[j], self.at[j + 1]];
-        }
-        let [from_x, to_x, from_y, to_y] = lanes.columns(&ends);
+        let pair = |piece: usize| [self.at[piece], self.at[piece + 1], 0.0, 0.0];
+        let [from_x, to_x, ..] = lanes.gather(x.0, pair);
+        let [from_y, to_y, ..] = lanes.gather(y.0, pair);
         let left = [from_x + x.1 * (to_x - from_x), from_y + y.1 * (to_y - from_y)];
         let half = lanes.float(0.5);
         [u.lt(half).select(left[0], -left[0]), v.lt(half).select(left[1], -left[1])]

@@ -5,7 +5,7 @@
 //! for all lanes at once and has the bits of `advance`; a test holds it to that. Paths that turn
 //! out to need more are left to `advance`.
 
-use super::dimensions::first_dimension;
+use super::dimensions::{choice_dimension, direction_dimension, light_dimension};
 use super::path::PathTracer;
 use super::shadow_rays::ShadowRays;
 use super::state::{FirstHit, Path, PathSample, ShadowRay};
@@ -159,7 +159,7 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
     let throughput = Vec3f::new(r, g, b);
     let [key, index, ..] = lanes.columns(&rows.sampler);
     let sampler = SamplerLanes::<L>::new(key.to_bits(), index.to_bits());
-    let [u, v, u_lobe, u_roulette] = sampler.set(lanes, first_dimension(depth));
+    let [u_lobe, u_roulette, u_light, _] = sampler.set(lanes, choice_dimension(depth));
     let live = lanes.first(block.len());
     let mut vertex = VertexLanes { live, depth, throughput, eta_squared, surface, wo };
 
@@ -167,8 +167,8 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
     let lost = if world.lights.is_dark() {
         (live & !surface.valid).to_bits()
     } else {
-        let u_light = sampler.set(lanes, first_dimension(depth) + 4);
-        vertex.sample_direct(integrator, lanes, &bsdf, u_light, block, vertices)
+        let u = sampler.pair(lanes, light_dimension(depth));
+        vertex.sample_direct(integrator, lanes, &bsdf, (u_light, u), block, vertices)
     };
     vertex.live = live & !lanes.mask(lost);
     if depth == 1 {
@@ -176,7 +176,8 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
     }
 
     // Sample the BSDF for the next direction, and perhaps end the path there.
-    let scattered = bsdf.sample(lanes, wo, u_lobe, [u, v]);
+    let u = sampler.pair(lanes, direction_dimension(depth));
+    let scattered = bsdf.sample(lanes, wo, u_lobe, u);
     vertex.scatter(integrator, lanes, &scattered, u_roulette, block, vertices);
     lost
 }
@@ -189,13 +190,13 @@ impl<L: Lanes> VertexLanes<L> {
         integrator: &PathTracer<'_>,
         lanes: L,
         bsdf: &B,
-        [u, v, u_light, _]: [L::Float; 4],
+        (u_light, u): (L::Float, [L::Float; 2]),
         block: &[u32],
         vertices: &mut Vertices<'_>,
     ) -> u32 {
         let Self { surface, .. } = self;
         let world = integrator.world();
-        let (light, others) = world.sample_light_in_lanes(lanes, surface, u_light, [u, v]);
+        let (light, others) = world.sample_light_in_lanes(lanes, surface, u_light, u);
         let lost = (self.live & !surface.valid).to_bits() | (others & self.live.to_bits());
 
         let wi = surface.frame.to_local(light.direction);

@@ -2,6 +2,7 @@
 //! by the density with which the other would have found the same light.
 
 use super::crossing::classify_crossing;
+use super::dimensions::light_dimension;
 use super::mis::power_heuristic;
 use super::nested_dielectrics::interior_beyond;
 use super::state::{Path, PathSample, ShadowRay};
@@ -37,17 +38,19 @@ pub fn add_emission(
     }
 }
 
-/// Samples a light, and what of it would reach the camera by way of this vertex.
+/// Samples a light, chosen by `u_light`, and what of it would reach the camera by way of this
+/// vertex, the end of segment number `depth`.
 #[inline(always)]
 pub fn sample_direct(
     world: &World,
+    depth: u32,
     path: &mut Path,
-    surface: &Surface,
-    bsdf: &Bsdf,
+    (surface, bsdf): (&Surface, &Bsdf),
     wo: Vec3,
+    u_light: f32,
 ) -> Option<ShadowRay> {
+    path.sampler.seek(light_dimension(depth));
     let u = path.sampler.next_2d();
-    let u_light = path.sampler.next_1d();
     let light = world.sample_light(surface, &path.context, u_light, u)?;
     let wi = surface.frame.to_local(light.direction);
     let crossing = classify_crossing(surface, light.direction, wo, wi)?;

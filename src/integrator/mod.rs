@@ -29,6 +29,7 @@ mod russian_roulette;
 mod shadow_rays;
 mod state;
 
+pub use dimensions::{LENS_DIMENSION, PIXEL_DIMENSION};
 pub use lanes::{Vertices, add_environment_in_lanes, shade_in_lanes};
 pub use path::{PathTracer, Transport};
 pub use shadow_rays::{ShadowEnd, ShadowRays};

@@ -2,7 +2,7 @@
 //! hides, and the relative index of refraction.
 
 use super::crossing::Crossing;
-use super::dimensions::wavelength_dimension;
+use super::dimensions::choice_dimension;
 use super::interior::Interior;
 use super::state::Path;
 use crate::accel::ClosestHit;
@@ -91,7 +91,7 @@ fn bsdf_of_border(
     let outside = path.interior.without(inside).medium();
     let disperses = world.disperses(inside) || world.disperses(outside);
     if path.wavelength.is_none() && disperses {
-        path.sampler.seek(wavelength_dimension(depth));
+        path.sampler.seek(choice_dimension(depth) + 3);
         let (wavelength, weights) = Wavelength::sample(path.sampler.next_1d());
         path.wavelength = Some(wavelength);
         path.throughput *= weights;

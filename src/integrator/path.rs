@@ -15,7 +15,7 @@
 //! follows is sampled and weighed.
 
 use super::crossing::classify_crossing;
-use super::dimensions::first_dimension;
+use super::dimensions::{choice_dimension, direction_dimension};
 use super::light::{add_emission, add_environment, light_sample_context, sample_direct};
 use super::nested_dielectrics::{absorb, bsdf_for_path, interior_beyond, is_hidden, pass_hidden};
 use super::russian_roulette::survives_russian_roulette;
@@ -102,17 +102,21 @@ impl<'w> PathTracer<'w> {
             }
         }
         let wo = surface.frame.to_local(-ray.direction());
-        path.sampler.seek(first_dimension(depth));
-        let u_direction = path.sampler.next_2d();
-        let u_lobe = path.sampler.next_1d();
-        let u_roulette = path.sampler.next_1d();
+        path.sampler.seek(choice_dimension(depth));
+        let [u_lobe, u_roulette, u_light] = [(); 3].map(|()| path.sampler.next_1d());
 
         // Sample direct light.
         path.context = light_sample_context(&surface, &bsdf);
         let in_vain = bsdf.is_delta() || world.lights.is_dark();
-        let shadow = if in_vain { None } else { sample_direct(world, path, &surface, &bsdf, wo) };
+        let shadow = if in_vain {
+            None
+        } else {
+            sample_direct(world, depth, path, (&surface, &bsdf), wo, u_light)
+        };
 
         // Sample the BSDF for the next direction, and perhaps end the path there.
+        path.sampler.seek(direction_dimension(depth));
+        let u_direction = path.sampler.next_2d();
         let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
             let direction = scatter(world, path, &surface, wo, &scattered, sample)?;
             let goes_on = !self.plays_roulette(depth)

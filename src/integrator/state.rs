@@ -76,8 +76,7 @@ impl Step {
 }
 
 impl Path {
-    /// A path that starts at the camera. `sampler` is that of its sample, whose first four
-    /// dimensions are the camera's.
+    /// A path that starts at the camera. `sampler` is that of its sample.
     pub fn new(sampler: Sampler, key: u64, slot: u32) -> Self {
         Self {
             throughput: Vec3::ONE,

@@ -76,13 +76,12 @@ impl Albedos {
     /// Entries along each axis.
     pub const SIDE: usize = N;
 
-    /// The entries about a cell, whose first has this number: `f0` and `f90` of two of one row, and
-    /// the same of the next.
+    /// `f0` and `f90` of an entry, counted along the rows, and of the next.
     #[inline(always)]
-    pub fn corners(&self, first: usize) -> ([f32; 4], [f32; 4]) {
+    pub fn pair(&self, place: usize) -> [f32; 4] {
         let cells = self.cells.as_flattened();
-        let pair = |i: usize| [cells[i].f0, cells[i].f90, cells[i + 1].f0, cells[i + 1].f90];
-        (pair(first), pair(first + N))
+        let (a, b) = (cells[place], cells[place + 1]);
+        [a.f0, a.f90, b.f0, b.f90]
     }
 
     /// The table. The first call computes it.

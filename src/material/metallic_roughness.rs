@@ -1,19 +1,13 @@
 //! glTF's opaque material: metals, and dielectrics over a diffuse base.
 
-use std::f32::consts::FRAC_1_PI;
-
 use super::energy::{Albedo, Albedos, Row};
 use super::form::BsdfForm;
-use super::fresnel;
-use super::ggx::{self, MIN_ALPHA};
+use super::ggx::MIN_ALPHA;
+use super::lanes::{BsdfLanes, BsdfRows, MIN_SPECULAR_PROBABILITY, MetallicRoughnessLanes};
 use super::params::{SurfaceParams, saturate};
-use super::sample::{BsdfSample, is_above, mean};
+use super::sample::{BsdfSample, mean};
 use crate::math::{Vec2, Vec3};
-use crate::sampling::warp;
-
-/// The specular lobe is sampled with at least this probability where it has any weight: a coat that
-/// reflects little in all reflects nearly everything at grazing half vectors.
-pub(super) const MIN_SPECULAR_PROBABILITY: f32 = 0.1;
+use crate::simd::lanes::Scalar;
 
 /// A metal and a coated diffuse base, mixed by `metallic`: a specular lobe, and one that follows
 /// the cosine.
@@ -46,13 +40,6 @@ pub struct MetallicRoughness {
     /// `1 / (1 - E_avg)`.
     pub(super) multiple_scale: f32,
     form: BsdfForm,
-}
-
-/// What depends on the direction towards the viewer alone.
-struct View {
-    albedo: Albedo,
-    /// Probability of the specular lobe.
-    specular: f32,
 }
 
 impl MetallicRoughness {
@@ -135,41 +122,33 @@ impl MetallicRoughness {
     /// See [`super::Bsdf::eval`].
     #[inline(always)]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        // The other side is the same one turned about a tangent, which no isotropic lobe sees.
-        let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
-        if !(is_above(wo.z) && is_above(wi.z)) {
-            return (Vec3::ZERO, 0.0);
-        }
-        self.evaluate(&self.view(wo.z), wo, wi, (wo + wi).normalize())
+        let bsdf = self.facing(wo);
+        let (value, pdf) = bsdf.eval(Scalar, wo.into(), wi.into());
+        (value.into(), pdf)
     }
 
     /// See [`super::Bsdf::sample`].
     #[inline(always)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
-        let wo = wo * side;
-        if !is_above(wo.z) {
-            return None;
-        }
-        let view = self.view(wo.z);
-        let (wi, h) = if u_lobe < view.specular {
-            let h = ggx::sample_visible_normal(wo, self.alpha, u);
-            (h * (2.0 * wo.dot(h)) - wo, h)
-        } else {
-            let wi = warp::cosine_hemisphere(u);
-            (wi, (wo + wi).normalize())
-        };
-        if !is_above(wi.z) {
-            return None;
-        }
-        let (value, pdf) = self.evaluate(&view, wo, wi, h);
-        BsdfSample::from_value(wi * side, value, pdf, 1.0)
+        let bsdf = self.facing(wo);
+        bsdf.sample(Scalar, wo.into(), u_lobe, u.to_array()).first()
     }
 
-    #[inline]
-    fn view(&self, cos: f32) -> View {
-        let albedo = Albedos::get().at(self.row, cos);
-        View { albedo, specular: self.specular_probability(albedo) }
+    /// For [`MetallicRoughnessLanes`].
+    pub(crate) fn rows(&self) -> BsdfRows {
+        let row = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
+        [
+            row(self.diffuse, self.f90),
+            row(self.f0, self.alpha),
+            row(self.multiple, self.multiple_scale),
+            [self.row.place(), self.coat_f0, self.coat_f90, self.coat_scale],
+        ]
+    }
+
+    /// The one form of its formulas, for one lane.
+    #[inline(always)]
+    fn facing(&self, wo: Vec3) -> MetallicRoughnessLanes<Scalar> {
+        MetallicRoughnessLanes::new(Scalar, self.rows(), self.form, wo.into())
     }
 
     /// The probability of the specular lobe where its albedo is this.
@@ -185,18 +164,6 @@ impl MetallicRoughness {
         } else {
             (specular / (specular + other)).max(MIN_SPECULAR_PROBABILITY)
         }
-    }
-
-    #[inline]
-    fn evaluate(&self, view: &View, wo: Vec3, wi: Vec3, h: Vec3) -> (Vec3, f32) {
-        let weight = fresnel::schlick_weight(wo.dot(h));
-        let lobe = ggx::Lobe::new(h, wo.z, wi.z, self.alpha);
-        let specular = self.fresnel(weight) * lobe.reflected;
-        let smooth = self.smooth(weight, view.albedo, || Albedos::get().at(self.row, wi.z));
-        let value = (smooth * FRAC_1_PI + specular) * wi.z;
-        let choice = view.specular;
-        let pdf = choice * lobe.visible * 0.5 + (1.0 - choice) * wi.z * FRAC_1_PI;
-        (value, pdf)
     }
 
     /// The specular lobe's colour, of Schlick's weight at the half vector.

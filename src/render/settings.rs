@@ -2,7 +2,7 @@
 
 use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
-use crate::integrator::{Path, Transport};
+use crate::integrator::{LENS_DIMENSION, Path, Transport};
 use crate::math::{Ray, Vec2};
 use crate::names::choices;
 use crate::sampling::{SamplePattern, Sampler};
@@ -90,7 +90,7 @@ impl Settings {
     #[inline(always)]
     pub(super) fn next_sampler(&self, before: Sampler, pixel: u64, sample: u64) -> Sampler {
         match (self.pattern, before.next_sample()) {
-            (SamplePattern::Sobol, Some(next)) => next,
+            (SamplePattern::Lattice | SamplePattern::Sobol, Some(next)) => next,
             _ => self.pattern.sampler(pixel, sample, self.seed),
         }
     }
@@ -109,6 +109,7 @@ impl Settings {
         let mut sampler = self.pattern.sampler(pixel, sample, self.seed);
         let (width, height) = (self.resolution.0 as f32, self.resolution.1 as f32);
         let offset = self.filter.sample(sampler.next_2d());
+        sampler.seek(LENS_DIMENSION);
         let lens = sampler.next_2d();
         let place = Vec2::new(x as f32, y as f32) + 0.5 + offset;
         let ray = camera.ray(place / Vec2::new(width, height), lens);

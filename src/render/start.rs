@@ -3,7 +3,7 @@
 use super::settings::{Settings, hash_path};
 use crate::camera::CameraRays;
 use crate::geom::are_usable;
-use crate::integrator::{Path, PathSample};
+use crate::integrator::{LENS_DIMENSION, PIXEL_DIMENSION, Path, PathSample};
 use crate::math::{Ray, Vec3};
 use crate::sampling::{Sampler, SamplerLanes};
 use crate::simd::lanes::{Float, Lanes, MAX_LANES, Mask, Rows};
@@ -116,11 +116,12 @@ impl Starts<'_> {
     fn start_block<L: Lanes>(&self, lanes: L, block: &mut Block, started: &mut Started<'_>) {
         let [key, index, x, y] = lanes.columns(&block.rows);
         let sampler = SamplerLanes::<L>::new(key.to_bits(), index.to_bits());
-        let [filter_u, filter_v, lens_u, lens_v] = sampler.set(lanes, 0);
-        let [dx, dy] = self.settings.filter.sample_in_lanes(lanes, [filter_u, filter_v]);
+        let u_filter = sampler.pair(lanes, PIXEL_DIMENSION);
+        let [dx, dy] = self.settings.filter.sample_in_lanes(lanes, u_filter);
         let (width, height) = self.settings.resolution;
         let film = [(x + 0.5 + dx) / width as f32, (y + 0.5 + dy) / height as f32];
-        let (origin, direction) = self.camera.ray_in_lanes(lanes, film, [lens_u, lens_v]);
+        let u_lens = sampler.pair(lanes, LENS_DIMENSION);
+        let (origin, direction) = self.camera.ray_in_lanes(lanes, film, u_lens);
         let [mut origins, mut directions] = [Rows::default(); 2];
         lanes.rows(origin.columns(x), &mut origins);
         lanes.rows(direction.columns(y), &mut directions);

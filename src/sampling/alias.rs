@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::ONE_MINUS_EPSILON;
+
 /// Why weights make no [`AliasTable`].
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AliasError {
@@ -96,14 +98,22 @@ impl AliasTable {
     /// entries the odds between a slot's two halves are rounded visibly.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, f32) {
+        let (index, pmf, _) = self.sample_and_reuse(u);
+        (index, pmf)
+    }
+
+    /// The same, and where `u` lies in the share that chose the index: a number in `[0, 1)` again.
+    #[inline]
+    pub fn sample_and_reuse(&self, u: f32) -> (usize, f32, f32) {
         let scaled = f64::from(u) * self.slots.len() as f64;
         let index = (scaled as usize).min(self.slots.len() - 1);
         let slot = self.slots[index];
-        if ((scaled - index as f64) as f32) < slot.keep {
-            (index, slot.pmf)
+        let rest = (scaled - index as f64) as f32;
+        if rest < slot.keep {
+            (index, slot.pmf, (rest / slot.keep).min(ONE_MINUS_EPSILON))
         } else {
-            let alias = slot.alias as usize;
-            (alias, self.slots[alias].pmf)
+            let (alias, rest) = (slot.alias as usize, (rest - slot.keep) / (1.0 - slot.keep));
+            (alias, self.slots[alias].pmf, rest.min(ONE_MINUS_EPSILON))
         }
     }
 

@@ -8,7 +8,10 @@ mod alias;
 #[cfg(test)]
 pub(crate) mod chi_squared;
 mod distribution;
+mod lattice;
 mod sampler;
+mod sampler_lanes;
+mod scramble;
 mod sobol;
 mod sums;
 pub mod warp;
@@ -16,5 +19,5 @@ pub mod warp;
 pub use alias::{AliasError, AliasTable};
 pub use distribution::{CellSample, Distribution2d, DistributionError};
 pub use sampler::{ONE_MINUS_EPSILON, SamplePattern, Sampler};
-pub use sobol::SamplerLanes;
+pub use sampler_lanes::SamplerLanes;
 pub use sums::{BLOCK, BlockSums, NotAdjacent};

@@ -1,19 +1,20 @@
-//! The sampler: Owen-scrambled Sobol points, without state.
+//! The sampler: points of low discrepancy, without state.
 //!
 //! A value depends on pixel, sample, dimension and seed alone, so that any sample of any pixel can
-//! be had at any time by any thread. Dimensions come in sets of four, each a shuffled and scrambled
-//! copy of the first four Sobol dimensions under a seed of its own ("padding"): stratified within,
-//! independent between sets. Within a set, lanes 0 and 1 are the best pair, a (0, m, 2)-net in base
-//! two: give the most important two-dimensional decision these.
+//! be had at any time by any thread. Dimensions come in sets of four, each a shuffled copy of the
+//! same four-dimensional points under a seed of its own ("padding"): stratified within,
+//! independent between sets. Give the decisions whose effects are joint one set, and the most
+//! important ones of two dimensions its lanes 0 and 1, or 2 and 3.
 //!
-//! Burley, "Practical Hash-based Owen Scrambling", JCGT 2020, with Vegdahl's improved hash (crate
-//! `sobol_burley`). A sequence ends after 65,536 points; a sample beyond them is a point of another
-//! sequence, seeded by `sample >> 16`, so that each run of 65,536 is stratified by itself.
+//! The points are those of a [`super::lattice`], or [`super::sobol`]'s. A sequence ends after
+//! 65,536 points; a sample beyond them is a point of another sequence, seeded by `sample >> 16`, so
+//! that each run of 65,536 is stratified by itself.
 
-use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_scramble_rev};
-
+use super::sampler_lanes::{SOBOL, SamplerLanes};
+use super::scramble::mix32;
 use crate::math::Vec2;
 use crate::names::choices;
+use crate::simd::lanes::Scalar;
 
 /// The largest `f32` below one.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -21,22 +22,29 @@ pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 /// How the samples of one pixel relate to each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplePattern {
-    /// Owen-scrambled Sobol points: the least noise, but a variance estimated as if samples were
+    /// A shifted and shuffled lattice: the least noise, but a variance estimated as if samples were
     /// independent is too high.
     #[default]
+    Lattice,
+    /// Owen-scrambled Sobol points: the same with a little more noise, and with nets of base two.
     Sobol,
     /// Independent samples: more noise, whose variance is estimated without bias. For statistics.
     Independent,
 }
 
-choices!(SamplePattern, "sampler", [Sobol => "sobol", Independent => "independent"]);
+choices!(SamplePattern, "sampler", [
+    Lattice => "lattice",
+    Sobol => "sobol",
+    Independent => "independent",
+]);
 
 impl SamplePattern {
     /// The stream of a sample, see [`Sampler::new`].
     #[inline(always)]
     pub fn sampler(self, pixel: u64, sample: u64, seed: u64) -> Sampler {
         match self {
-            Self::Sobol => Sampler::new(pixel, sample, seed),
+            Self::Lattice => Sampler::new(pixel, sample, seed),
+            Self::Sobol => Sampler::sobol(pixel, sample, seed),
             Self::Independent => Sampler::independent(pixel, sample, seed),
         }
     }
@@ -59,7 +67,7 @@ pub struct Sampler {
     values: [f32; 4],
     /// Hash of pixel, seed and the upper bits of the sample.
     key: u32,
-    /// The lower 16 bits of the sample.
+    /// The lower 16 bits of the sample, and [`SOBOL`] if the points are Sobol's.
     index: u32,
     /// Of the next value.
     dimension: u32,
@@ -71,6 +79,13 @@ impl Sampler {
     #[inline(always)]
     pub fn new(pixel: u64, sample: u64, seed: u64) -> Self {
         Self::of_run(pixel, sample >> 16, seed, (sample & 0xffff) as u32)
+    }
+
+    /// As [`Sampler::new`], of [`SamplePattern::Sobol`].
+    #[inline(always)]
+    pub fn sobol(pixel: u64, sample: u64, seed: u64) -> Self {
+        let lattice = Self::new(pixel, sample, seed);
+        Self { index: lattice.index | SOBOL, ..lattice }
     }
 
     /// As [`Sampler::new`], but each sample is a point of a sequence of its own.
@@ -88,12 +103,12 @@ impl Sampler {
         Self { values: [0.0; 4], key, index, dimension: 0 }
     }
 
-    /// The stream of the same pixel's next sample, of a [`SamplePattern::Sobol`]; `None` where
-    /// another sequence begins.
+    /// The stream of the same pixel's next sample, not of [`SamplePattern::Independent`]; `None`
+    /// where another sequence begins.
     #[inline(always)]
     pub fn next_sample(&self) -> Option<Self> {
         let next = Self { index: self.index + 1, dimension: 0, ..*self };
-        (next.index < 0x1_0000).then_some(next)
+        (next.index & 0xffff != 0).then_some(next)
     }
 
     /// Makes `dimension` the next value's. Multiples of four are free.
@@ -127,7 +142,7 @@ impl Sampler {
         Vec2::new(x, self.next_1d())
     }
 
-    /// What tells it from others: a key, and the number of its point below 65,536; for
+    /// What tells it from others: a key, and the number of its point; for
     /// [`super::SamplerLanes`].
     #[inline(always)]
     pub fn parts(&self) -> [u32; 2] {
@@ -136,80 +151,10 @@ impl Sampler {
 
     #[inline(always)]
     fn fill(&mut self) {
-        let set = self.dimension >> 2;
-        let seed = mix32(self.key ^ mix32(set.wrapping_mul(0x9e37_79b9).wrapping_add(0x85eb_ca6b)));
-        self.values = sobol(self.index, seed);
+        let [key, index] = self.parts().map(Into::into);
+        let lanes = SamplerLanes::<Scalar>::new(key, index);
+        self.values = lanes.set(Scalar, self.dimension & !3);
     }
-}
-
-/// The first four dimensions of point `index`, below 65,536, under `seed`: the bits of
-/// `sobol_burley::sample_4d(index, 0, seed)` in some half of its time, by tables of four index bits
-/// each where that walks the index bit by bit.
-#[inline(always)]
-fn sobol(index: u32, seed: u32) -> [f32; 4] {
-    let shuffled = owen_scramble_rev(index.reverse_bits(), hash(seed ^ 0x79c6_8e4a));
-    let row = |table: usize| Int4::from(SOBOL[table][(shuffled >> (28 - 4 * table)) as usize & 15]);
-    let point = (row(0) ^ row(1)) ^ (row(2) ^ row(3));
-    let lanes = Int4::from([0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8]);
-    let scramble = Int4::from([seed.wrapping_mul(0x9c8f_2d3b); 4]) ^ lanes;
-    owen_scramble_int4_rev(point, hash_int4(scramble)).reverse_bits().to_f32_norm()
-}
-
-/// For each four bits of a bit-reversed index, from the top: the point, bit-reversed.
-static SOBOL: [[[u32; 4]; 16]; 4] = {
-    let directions = [
-        directions(0, 0, [0; 3]),
-        directions(1, 0, [1, 0, 0]),
-        directions(2, 1, [1, 3, 0]),
-        directions(3, 1, [1, 3, 1]),
-    ];
-    let mut tables = [[[0; 4]; 16]; 4];
-    let mut i = 0;
-    while i < 4 * 16 * 4 * 4 {
-        let (table, value, bit, lane) = (i >> 8, (i >> 4) & 15, (i >> 2) & 3, i & 3);
-        if value >> (3 - bit) & 1 == 1 {
-            tables[table][value][lane] ^= directions[lane][4 * table + bit].reverse_bits();
-        }
-        i += 1;
-    }
-    tables
-};
-
-/// Direction numbers of the primitive polynomial of that degree and those inner coefficients,
-/// grown from `initial`; of van der Corput's sequence for degree 0.
-///
-/// Joe and Kuo, "Constructing Sobol sequences with better two-dimensional projections", 2008.
-pub(super) const fn directions(degree: usize, coefficients: u32, initial: [u32; 3]) -> [u32; 16] {
-    let mut v = [0; 16];
-    let mut i = 0;
-    while i < 16 {
-        if degree == 0 {
-            v[i] = 1 << (31 - i);
-        } else if i < degree {
-            v[i] = initial[i] << (31 - i);
-        } else {
-            v[i] = v[i - degree] ^ (v[i - degree] >> degree);
-            let mut k = 1;
-            while k < degree {
-                if coefficients >> (degree - 1 - k) & 1 == 1 {
-                    v[i] ^= v[i - k];
-                }
-                k += 1;
-            }
-        }
-        i += 1;
-    }
-    v
-}
-
-/// A one-to-one hash of 32 bits (Wellons, "lowbias32").
-#[inline]
-pub(super) const fn mix32(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
 }
 
 /// A one-to-one hash of 64 bits (the finaliser of `SplitMix64`).
@@ -229,14 +174,6 @@ mod tests {
 
     fn pixel(x: u64, y: u64) -> u64 {
         y << 32 | x
-    }
-
-    #[test]
-    fn points_are_those_of_the_crate() {
-        for i in 0..20_000_u32 {
-            let (index, seed) = (mix32(i) >> 16, mix32(i ^ 0xabcd_ef01));
-            assert_eq!(sobol(index, seed), sobol_burley::sample_4d(index, 0, seed));
-        }
     }
 
     #[test]
@@ -264,8 +201,8 @@ mod tests {
         assert_eq!(pair, second_set.next_2d());
     }
 
-    /// Every power-of-two prefix of the first pair of any set puts one point into each elementary
-    /// interval: the definition of a (0, m, 2)-net in base two.
+    /// Of Sobol points, every power-of-two prefix of the first pair of any set puts one point into
+    /// each elementary interval: the definition of a (0, m, 2)-net in base two.
     #[test]
     fn prefixes_are_nets() {
         for (place, set) in [(pixel(0, 0), 0), (pixel(17, 4), 3), (pixel(1919, 1079), 41)] {
@@ -276,7 +213,7 @@ mod tests {
                         let (columns, rows) = (1 << log2_columns, 1 << (log2_count - log2_columns));
                         let mut seen = vec![false; count as usize];
                         for sample in 0..count {
-                            let mut sampler = Sampler::new(place, (run << 16) + sample, 7);
+                            let mut sampler = Sampler::sobol(place, (run << 16) + sample, 7);
                             sampler.seek(set * 4);
                             let point = sampler.next_2d();
                             let column = (point.x * columns as f32) as usize;

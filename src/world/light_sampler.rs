@@ -2,7 +2,7 @@
 
 use crate::geom::TriangleSource;
 use crate::light::{LightBounds, LightSampleContext, LightTree, PunctualKind, Sides};
-use crate::math::{InstanceId, TriangleId, Vec3};
+use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::names::choices;
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON};
 use crate::scene::{Scene, Triangles};
@@ -18,6 +18,9 @@ pub enum LightSamplerKind {
 }
 
 choices!(LightSamplerKind, "choice of lights", [Power => "power", Tree => "tree"]);
+
+/// As many lights share one number: it has bits enough for the point on each.
+const FEW: usize = 64;
 
 /// Chooses lights by their running number.
 #[derive(Debug)]
@@ -79,6 +82,24 @@ impl LightSampler {
         let u = ((u - self.tree_share) / rest).min(ONE_MINUS_EPSILON);
         let (light, probability) = self.table.as_ref()?.sample(u);
         Some((light, probability * rest))
+    }
+
+    /// The same by the first of two numbers, if there are few lights: then that number's place in
+    /// its share serves again. So light and point on it are stratified together.
+    #[inline]
+    pub fn sample_and_reuse(
+        &self,
+        context: &LightSampleContext,
+        u_light: f32,
+        u: Vec2,
+    ) -> Option<(usize, f32, Vec2)> {
+        match (&self.tree, &self.table) {
+            (None, Some(table)) if table.len() <= FEW => {
+                let (light, pmf, rest) = table.sample_and_reuse(u.x);
+                Some((light, pmf, Vec2::new(rest, u.y)))
+            }
+            _ => self.sample(context, u_light).map(|(light, pmf)| (light, pmf, u)),
+        }
     }
 
     /// The probability with which a light that is nowhere in particular is chosen.

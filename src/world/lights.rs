@@ -133,14 +133,16 @@ impl Lights {
         self.len() == 0
     }
 
-    /// Chooses a light for a point by `u`, with its probability; `None`: none shines there.
+    /// Chooses a light for a point by `u_light`, with its probability and what is to choose the
+    /// place on it instead of `u`; `None`: none shines there.
     #[inline(always)]
     pub(super) fn choose(
         &self,
         context: &LightSampleContext,
-        u: f32,
-    ) -> Option<(ChosenLight, f32)> {
-        let (light, pmf) = self.sampler.sample(context, u)?;
+        u_light: f32,
+        u: Vec2,
+    ) -> Option<(ChosenLight, f32, Vec2)> {
+        let (light, pmf, u) = self.sampler.sample_and_reuse(context, u_light, u)?;
         let chosen = if light >= self.first_triangle {
             ChosenLight::Emitter(self.triangles[light - self.first_triangle])
         } else if light < self.punctual {
@@ -148,7 +150,7 @@ impl Lights {
         } else {
             ChosenLight::Environment
         };
-        Some((chosen, pmf))
+        Some((chosen, pmf, u))
     }
 
     /// Whether the choice of a light depends on who asks.

@@ -29,7 +29,7 @@ fn classify(material: &Material) -> BsdfClass {
         return BsdfClass::Other;
     }
     let is_metallic = material.metallic > 0.0;
-    let is_coated = !(material.specular <= 0.0);
+    let is_coated = material.specular > 0.0 || material.specular.is_nan();
     if !is_metallic && !is_coated {
         BsdfClass::Lambert
     } else if is_coated && material.specular_texture.is_none()

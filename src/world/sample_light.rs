@@ -33,7 +33,7 @@ impl World {
         u_light: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let (light, pmf) = self.lights.choose(context, u_light)?;
+        let (light, pmf, u) = self.lights.choose(context, u_light, u)?;
         match light {
             ChosenLight::Emitter(emitter) => self.sample_emitter(surface, emitter, pmf, u),
             ChosenLight::Punctual(light) => {

@@ -45,10 +45,10 @@ pub static IMAGE: &[Setting] = &[
     Setting {
         name: "sampler",
         value: "PATTERN",
-        default: Some("sobol"),
+        default: Some("lattice"),
         example: "independent",
-        help: "How samples are placed: sobol (least noise) or independent (for statistics of the \
-               noise)",
+        help: "How samples are placed: lattice (least noise), sobol, or independent (for \
+               statistics of the noise)",
         advanced: true,
         read: Reader::Text(|word| {
             assign(from_str::<SamplePattern>(word), |args| &mut args.sampler)

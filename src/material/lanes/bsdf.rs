@@ -1,12 +1,13 @@
 //! What a BSDF in lanes can do.
 
 use super::super::form::BsdfForm;
-use crate::simd::lanes::{Float, Lanes, Mask, Rows, Vec3f};
+use super::super::sample::BsdfSample;
+use crate::simd::lanes::{Float, Lanes, Mask, Rows, Scalar, Vec3f};
 
-/// The most rows of four numbers that describe a BSDF to [`BsdfLanes::load`].
+/// The most rows of four numbers that describe a BSDF to [`BsdfLanes::new`].
 pub const BSDF_ROWS: usize = 4;
 
-/// What describes a BSDF to [`BsdfLanes::load`].
+/// What describes a BSDF to [`BsdfLanes::new`].
 pub type BsdfRows = [[f32; 4]; BSDF_ROWS];
 
 /// A BSDF in each lane, all of one kind.
@@ -14,8 +15,18 @@ pub trait BsdfLanes<L: Lanes>: Copy {
     /// How many of the rows count.
     const ROWS: usize;
 
-    /// From the rows of each lane's BSDF, for a viewer in the local direction `wo`.
-    fn load(lanes: L, rows: &[Rows; BSDF_ROWS], form: BsdfForm, wo: Vec3f<L>) -> Self;
+    /// From what describes each lane's BSDF, for a viewer in the local direction `wo`.
+    fn new(lanes: L, columns: [[L::Float; 4]; BSDF_ROWS], form: BsdfForm, wo: Vec3f<L>) -> Self;
+
+    /// The same from the rows of each lane.
+    #[inline(always)]
+    fn load(lanes: L, rows: &[Rows; BSDF_ROWS], form: BsdfForm, wo: Vec3f<L>) -> Self {
+        let mut columns = [[lanes.float(0.0); 4]; BSDF_ROWS];
+        for row in 0..Self::ROWS {
+            columns[row] = lanes.columns(&rows[row]);
+        }
+        Self::new(lanes, columns, form, wo)
+    }
 
     /// See [`crate::material::Bsdf::eval`].
     fn eval(&self, lanes: L, wo: Vec3f<L>, wi: Vec3f<L>) -> (Vec3f<L>, L::Float);
@@ -38,6 +49,17 @@ pub struct BsdfSamples<L: Lanes> {
     pub pdf: L::Float,
     /// Where there is a sample.
     pub valid: L::Mask,
+}
+
+impl BsdfSamples<Scalar> {
+    /// The sample of the only lane.
+    #[inline(always)]
+    pub fn first(self) -> Option<BsdfSample> {
+        let Self { wi, weight, pdf, valid } = self;
+        let sample =
+            BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta: false, eta: 1.0 };
+        valid.then_some(sample)
+    }
 }
 
 /// See [`super::super::sample::is_above`].

@@ -3,32 +3,22 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::super::form::BsdfForm;
-use super::super::lambert::Lambert;
-use super::bsdf::{BSDF_ROWS, BsdfLanes, BsdfRows, BsdfSamples, is_above, or_zero};
+use super::bsdf::{BSDF_ROWS, BsdfLanes, BsdfSamples, is_above, or_zero};
 use crate::sampling::warp;
-use crate::simd::lanes::{Float, Lanes, Rows, Vec3f};
+use crate::simd::lanes::{Float, Lanes, Vec3f};
 
-/// [`Lambert`] in lanes.
+/// [`crate::material::Lambert`] in lanes.
 #[derive(Clone, Copy)]
 pub struct LambertLanes<L: Lanes> {
     reflectance: Vec3f<L>,
-}
-
-impl Lambert {
-    /// For [`LambertLanes`].
-    pub(crate) fn rows(&self) -> BsdfRows {
-        let mut rows = BsdfRows::default();
-        rows[0][..3].copy_from_slice(&self.reflectance.to_array());
-        rows
-    }
 }
 
 impl<L: Lanes> BsdfLanes<L> for LambertLanes<L> {
     const ROWS: usize = 1;
 
     #[inline(always)]
-    fn load(lanes: L, rows: &[Rows; BSDF_ROWS], _: BsdfForm, _: Vec3f<L>) -> Self {
-        Self { reflectance: Vec3f::of_columns(lanes.columns(&rows[0])) }
+    fn new(_: L, columns: [[L::Float; 4]; BSDF_ROWS], _: BsdfForm, _: Vec3f<L>) -> Self {
+        Self { reflectance: Vec3f::of_columns(columns[0]) }
     }
 
     #[inline(always)]

@@ -4,12 +4,15 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::super::energy::Albedos;
 use super::super::form::BsdfForm;
-use super::super::metallic_roughness::{MIN_SPECULAR_PROBABILITY, MetallicRoughness};
 use super::bsdf::{BSDF_ROWS, BsdfLanes, BsdfSamples, is_above, or_zero};
 use crate::sampling::warp;
-use crate::simd::lanes::{Float, Lanes, Mask, Rows, Uint, Vec3f, unit_circle};
+use crate::simd::lanes::{Float, Lanes, Mask, Uint, Vec3f, unit_circle};
 
-/// [`MetallicRoughness`] in lanes, for a viewer.
+/// The specular lobe is sampled with at least this probability where it has any weight: a coat that
+/// reflects little in all reflects nearly everything at grazing half vectors.
+pub(crate) const MIN_SPECULAR_PROBABILITY: f32 = 0.1;
+
+/// [`crate::material::MetallicRoughness`] in lanes, for a viewer.
 #[derive(Clone, Copy)]
 pub struct MetallicRoughnessLanes<L: Lanes> {
     diffuse: Vec3f<L>,
@@ -53,15 +56,9 @@ impl<L: Lanes> AlbedoLanes<L> {
     fn look_up(lanes: L, row: L::Float, cos: L::Float) -> Self {
         let (i, row_t) = locate(lanes, row);
         let (j, t) = locate(lanes, cos.sqrt() * (Albedos::SIDE - 1) as f32);
-        let (mut below, mut above) = (Rows::default(), Rows::default());
-        let mut places = [0; crate::simd::lanes::MAX_LANES];
-        (i * Albedos::SIDE as u32 + j).store(&mut places);
-        let table = Albedos::get();
-        for lane in 0..L::WIDTH {
-            (below[lane], above[lane]) = table.corners(places[lane] as usize);
-        }
-        let [a, b, c, d] = lanes.columns(&below);
-        let [e, f, g, h] = lanes.columns(&above);
+        let (table, first) = (Albedos::get(), i * Albedos::SIDE as u32 + j);
+        let [a, b, c, d] = lanes.gather(first, |place| table.pair(place));
+        let [e, f, g, h] = lanes.gather(first, |place| table.pair(place + Albedos::SIDE));
         Self {
             f0: mix::<L>(mix::<L>(a, c, t), mix::<L>(e, g, t), row_t),
             f90: mix::<L>(mix::<L>(b, d, t), mix::<L>(f, h, t), row_t),
@@ -83,7 +80,7 @@ fn mix<L: Lanes>(a: L::Float, b: L::Float, t: L::Float) -> L::Float {
 }
 
 impl<L: Lanes> MetallicRoughnessLanes<L> {
-    /// See [`MetallicRoughness::specular_probability`].
+    /// See [`crate::material::MetallicRoughness::specular_probability`].
     #[inline(always)]
     fn specular_probability(&self, lanes: L) -> L::Float {
         let (zero, one) = (lanes.float(0.0), lanes.float(1.0));
@@ -116,7 +113,7 @@ impl<L: Lanes> MetallicRoughnessLanes<L> {
         (value, pdf)
     }
 
-    /// See [`MetallicRoughness::smooth`].
+    /// See [`crate::material::MetallicRoughness::smooth`].
     #[inline(always)]
     fn smooth(&self, lanes: L, weight: L::Float, cos: L::Float) -> Vec3f<L> {
         let one = lanes.float(1.0);
@@ -137,28 +134,13 @@ impl<L: Lanes> MetallicRoughnessLanes<L> {
     }
 }
 
-impl MetallicRoughness {
-    /// For [`MetallicRoughnessLanes`].
-    pub(crate) fn rows(&self) -> super::bsdf::BsdfRows {
-        let row = |v: crate::math::Vec3, w: f32| [v.x, v.y, v.z, w];
-        [
-            row(self.diffuse, self.f90),
-            row(self.f0, self.alpha),
-            row(self.multiple, self.multiple_scale),
-            [self.row.place(), self.coat_f0, self.coat_f90, self.coat_scale],
-        ]
-    }
-}
-
 impl<L: Lanes> BsdfLanes<L> for MetallicRoughnessLanes<L> {
     const ROWS: usize = 4;
 
     #[inline(always)]
-    fn load(lanes: L, rows: &[Rows; BSDF_ROWS], form: BsdfForm, wo: Vec3f<L>) -> Self {
-        let [dx, dy, dz, f90] = lanes.columns(&rows[0]);
-        let [fx, fy, fz, alpha] = lanes.columns(&rows[1]);
-        let [mx, my, mz, multiple_scale] = lanes.columns(&rows[2]);
-        let [row, coat_f0, coat_f90, coat_scale] = lanes.columns(&rows[3]);
+    fn new(lanes: L, columns: [[L::Float; 4]; BSDF_ROWS], form: BsdfForm, wo: Vec3f<L>) -> Self {
+        let [[dx, dy, dz, f90], [fx, fy, fz, alpha], [mx, my, mz, multiple_scale], last] = columns;
+        let [row, coat_f0, coat_f90, coat_scale] = last;
         let mut bsdf = Self {
             diffuse: Vec3f::new(dx, dy, dz),
             f0: Vec3f::new(fx, fy, fz),

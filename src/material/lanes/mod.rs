@@ -8,4 +8,5 @@ mod metallic_roughness;
 
 pub use bsdf::{BSDF_ROWS, BsdfLanes, BsdfRows, BsdfSamples};
 pub use lambert::LambertLanes;
+pub(super) use metallic_roughness::MIN_SPECULAR_PROBABILITY;
 pub use metallic_roughness::MetallicRoughnessLanes;

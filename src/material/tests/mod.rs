@@ -3,4 +3,5 @@
 mod delta;
 mod every_bsdf;
 mod family;
+mod lanes;
 mod layers;

@@ -32,13 +32,13 @@ impl<L: Lanes> FrameLanes<L> {
 
     /// From world to this frame.
     #[inline(always)]
-    pub fn to_local(&self, v: Vec3f<L>) -> Vec3f<L> {
+    pub fn to_local(self, v: Vec3f<L>) -> Vec3f<L> {
         Vec3f { x: v.dot(self.tangent), y: v.dot(self.bitangent), z: v.dot(self.normal) }
     }
 
     /// From this frame to world.
     #[inline(always)]
-    pub fn to_world(&self, v: Vec3f<L>) -> Vec3f<L> {
+    pub fn to_world(self, v: Vec3f<L>) -> Vec3f<L> {
         self.tangent.scale(v.x) + self.bitangent.scale(v.y) + self.normal.scale(v.z)
     }
 }

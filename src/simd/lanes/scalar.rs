@@ -12,6 +12,13 @@ pub struct Scalar;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wrapping(pub u32);
 
+impl From<u32> for Wrapping {
+    #[inline(always)]
+    fn from(x: u32) -> Self {
+        Self(x)
+    }
+}
+
 impl Lanes for Scalar {
     const WIDTH: usize = 1;
     type Float = f32;
@@ -41,6 +48,11 @@ impl Lanes for Scalar {
     #[inline(always)]
     fn columns(self, rows: &Rows) -> [f32; 4] {
         rows[0]
+    }
+
+    #[inline(always)]
+    fn gather(self, place: Wrapping, row: impl Fn(usize) -> [f32; 4]) -> [f32; 4] {
+        row(place.0 as usize)
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The environment in lanes: as a light, and where rays leave the scene.
 
 use super::super::World;
-use super::light::LightSamples;
+use super::light_samples::LightSamples;
 use super::surface::SurfaceLanes;
 use crate::light::{Environment, EnvironmentSamples};
 use crate::simd::lanes::{Float, Lanes, Vec3f};

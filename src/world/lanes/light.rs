@@ -3,30 +3,12 @@
 use super::super::World;
 use super::super::lights::{ChosenLight, Emitter};
 use super::environment::sample_environment;
+use super::light_samples::LightSamples;
 use super::surface::{SurfaceLanes, offset_origin, triangle_point};
 use crate::light::LightSampleContext;
+use crate::math::Vec2;
 use crate::sampling::warp;
-use crate::simd::lanes::{Float, Lanes, Mask, Rows, Vec3f};
-
-/// A light chosen for each lane, and a direction to it; see [`super::super::LightSample`]. None
-/// without extent is among them.
-#[derive(Clone, Copy)]
-pub struct LightSamples<L: Lanes> {
-    /// Unit direction towards the light.
-    pub direction: Vec3f<L>,
-    /// Radiance that arrives if nothing is in between.
-    pub radiance: Vec3f<L>,
-    /// Density over solid angle.
-    pub pdf: L::Float,
-    /// From the surface to the light: the origin of the segment that must be free.
-    pub origin: Vec3f<L>,
-    /// And its direction, as long as `t_max` says.
-    pub segment: Vec3f<L>,
-    /// The segment's end.
-    pub t_max: L::Float,
-    /// Where light may arrive.
-    pub valid: L::Mask,
-}
+use crate::simd::lanes::{Float, Lanes, Rows, Vec3f};
 
 /// What the lights that were chosen are computed from.
 #[derive(Default)]
@@ -34,6 +16,8 @@ struct LightRows {
     /// The corners of an emitting triangle; in the fourth place, in turn: the probability of the
     /// light, one if it shines from both sides, zero.
     corners: [Rows; 3],
+    /// What chooses the place on the light.
+    u: Rows,
     /// Its radiance, which is the same all over it.
     radiance: Rows,
     /// A bit for each lane whose light is a triangle; the environment; none of the two.
@@ -53,7 +37,9 @@ impl World {
         u_light: L::Float,
         u: [L::Float; 2],
     ) -> (LightSamples<L>, u32) {
-        let rows = self.choose_in_lanes(lanes, surface, u_light);
+        let rows = self.choose_in_lanes(lanes, surface, u_light, u);
+        let [u, v, ..] = lanes.columns(&rows.u);
+        let u = [u, v];
         let mut samples = sample_triangles(lanes, surface, &rows, u, self.slack);
         if let (Some(environment), true) = (&self.scene.environment, rows.environment != 0) {
             let mask = lanes.mask(rows.environment);
@@ -70,22 +56,28 @@ impl World {
         lanes: L,
         surface: &SurfaceLanes<L>,
         u_light: L::Float,
+        [u, v]: [L::Float; 2],
     ) -> LightRows {
-        let mut u = Rows::default();
+        let mut numbers = Rows::default();
+        lanes.rows([u_light, u, v, u], &mut numbers);
+        let mut positions = Rows::default();
         let mut normals = Rows::default();
         let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
-        lanes.rows(surface.position.columns(u_light), &mut u);
         if self.lights.need_context() {
+            lanes.rows(surface.position.columns(u_light), &mut positions);
             lanes.rows(normal.columns(u_light), &mut normals);
         }
         let mut rows = LightRows::default();
         for lane in 0..L::WIDTH {
-            let ([x, y, z, u], [nx, ny, nz, _]) = (u[lane], normals[lane]);
+            let ([x, y, z, _], [nx, ny, nz, _]) = (positions[lane], normals[lane]);
+            let [u_light, u, v, _] = numbers[lane];
             let context = LightSampleContext {
                 position: glam::Vec3::new(x, y, z),
                 normal: glam::Vec3::new(nx, ny, nz),
             };
-            let Some((light, pmf)) = self.lights.choose(&context, u) else { continue };
+            let chosen = self.lights.choose(&context, u_light, Vec2::new(u, v));
+            let Some((light, pmf, u)) = chosen else { continue };
+            rows.u[lane] = [u.x, u.y, 0.0, 0.0];
             rows.fetch(lane, light, pmf);
         }
         rows
@@ -112,21 +104,6 @@ impl LightRows {
                 self.environment |= bit;
             }
             _ => self.others |= bit,
-        }
-    }
-}
-
-impl<L: Lanes> LightSamples<L> {
-    #[inline(always)]
-    fn select(mask: L::Mask, a: &Self, b: &Self) -> Self {
-        Self {
-            direction: Vec3f::select(mask, a.direction, b.direction),
-            radiance: Vec3f::select(mask, a.radiance, b.radiance),
-            pdf: mask.select(a.pdf, b.pdf),
-            origin: Vec3f::select(mask, a.origin, b.origin),
-            segment: Vec3f::select(mask, a.segment, b.segment),
-            t_max: mask.select(a.t_max, b.t_max),
-            valid: (mask & a.valid) | (!mask & b.valid),
         }
     }
 }

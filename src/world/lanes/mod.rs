@@ -6,9 +6,10 @@
 
 mod environment;
 mod light;
+mod light_samples;
 mod surface;
 
-pub use light::LightSamples;
+pub use light_samples::LightSamples;
 pub use surface::{SurfaceLanes, SurfaceRows};
 
 use super::World;

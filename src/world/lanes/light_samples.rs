@@ -1,0 +1,39 @@
+//! Lights that were sampled, in lanes.
+
+use crate::simd::lanes::{Lanes, Mask, Vec3f};
+
+/// A light chosen for each lane, and a direction to it; see [`super::super::LightSample`]. None
+/// without extent is among them.
+#[derive(Clone, Copy)]
+pub struct LightSamples<L: Lanes> {
+    /// Unit direction towards the light.
+    pub direction: Vec3f<L>,
+    /// Radiance that arrives if nothing is in between.
+    pub radiance: Vec3f<L>,
+    /// Density over solid angle.
+    pub pdf: L::Float,
+    /// From the surface to the light: the origin of the segment that must be free.
+    pub origin: Vec3f<L>,
+    /// And its direction, as long as `t_max` says.
+    pub segment: Vec3f<L>,
+    /// The segment's end.
+    pub t_max: L::Float,
+    /// Where light may arrive.
+    pub valid: L::Mask,
+}
+
+impl<L: Lanes> LightSamples<L> {
+    /// `a` where the mask is true, else `b`.
+    #[inline(always)]
+    pub fn select(mask: L::Mask, a: &Self, b: &Self) -> Self {
+        Self {
+            direction: Vec3f::select(mask, a.direction, b.direction),
+            radiance: Vec3f::select(mask, a.radiance, b.radiance),
+            pdf: mask.select(a.pdf, b.pdf),
+            origin: Vec3f::select(mask, a.origin, b.origin),
+            segment: Vec3f::select(mask, a.segment, b.segment),
+            t_max: mask.select(a.t_max, b.t_max),
+            valid: (mask & a.valid) | (!mask & b.valid),
+        }
+    }
+}
