@@ -16,7 +16,7 @@ use crate::material::lanes::{BsdfLanes, BsdfSamples};
 use crate::math::{InstanceId, Ray, Vec3};
 use crate::sampling::SamplerLanes;
 use crate::simd::lanes::{Float, Lanes, Mask, Rows, Vec3f};
-use crate::world::lanes::{SurfaceLanes, SurfaceRows};
+use crate::world::lanes::{LightRows, SurfaceLanes, SurfaceRows};
 
 /// Paths at the ends of their current segments, in columns.
 pub struct Vertices<'a> {
@@ -47,6 +47,13 @@ struct VertexRows {
     surface: SurfaceRows,
 }
 
+/// Where blocks of paths put rows; one for many blocks, since it takes time to clear.
+#[derive(Default)]
+struct Scratch {
+    light: LightRows,
+    out: [Rows; 5],
+}
+
 /// What a block of paths has come to.
 struct VertexLanes<L: Lanes> {
     /// The lanes that hold a path.
@@ -71,10 +78,11 @@ pub fn shade_in_lanes<L: Lanes, B: BsdfLanes<L>>(
     vertices: &mut Vertices<'_>,
     rest: &mut Vec<u32>,
 ) {
-    let mut rows = VertexRows::default();
+    let (mut rows, mut scratch) = (VertexRows::default(), Scratch::default());
     for block in order.chunks(L::WIDTH) {
         rows.fetch(integrator, lanes, B::ROWS, block, vertices);
-        let lost = shade_block::<L, B>(integrator, lanes, depth, block, &rows, vertices);
+        let lost =
+            shade_block::<L, B>(integrator, lanes, depth, block, (&rows, &mut scratch), vertices);
         for_each_lane(lost, |lane| rest.push(block[lane]));
     }
 }
@@ -146,7 +154,7 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
     lanes: L,
     depth: u32,
     block: &[u32],
-    rows: &VertexRows,
+    (rows, scratch): (&VertexRows, &mut Scratch),
     vertices: &mut Vertices<'_>,
 ) -> u32 {
     let world = integrator.world();
@@ -168,7 +176,7 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
         (live & !surface.valid).to_bits()
     } else {
         let u = sampler.pair(lanes, light_dimension(depth));
-        vertex.sample_direct(integrator, lanes, &bsdf, (u_light, u), block, vertices)
+        vertex.sample_direct(integrator, lanes, &bsdf, (u_light, u), block, (scratch, vertices))
     };
     vertex.live = live & !lanes.mask(lost);
     if depth == 1 {
@@ -178,7 +186,7 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
     // Sample the BSDF for the next direction, and perhaps end the path there.
     let u = sampler.pair(lanes, direction_dimension(depth));
     let scattered = bsdf.sample(lanes, wo, u_lobe, u);
-    vertex.scatter(integrator, lanes, &scattered, u_roulette, block, vertices);
+    vertex.scatter(integrator, lanes, &scattered, u_roulette, block, (scratch, vertices));
     lost
 }
 
@@ -192,11 +200,12 @@ impl<L: Lanes> VertexLanes<L> {
         bsdf: &B,
         (u_light, u): (L::Float, [L::Float; 2]),
         block: &[u32],
-        vertices: &mut Vertices<'_>,
+        (scratch, vertices): (&mut Scratch, &mut Vertices<'_>),
     ) -> u32 {
         let Self { surface, .. } = self;
         let world = integrator.world();
-        let (light, others) = world.sample_light_in_lanes(lanes, surface, u_light, u);
+        let (light, others) =
+            world.sample_light_in_lanes(lanes, surface, u_light, u, &mut scratch.light);
         let lost = (self.live & !surface.valid).to_bits() | (others & self.live.to_bits());
 
         let wi = surface.frame.to_local(light.direction);
@@ -212,10 +221,10 @@ impl<L: Lanes> VertexLanes<L> {
         if asks != 0 {
             let zero = lanes.float(0.0);
             let usable = are_usable(lanes, light.origin, light.segment).to_bits();
-            let [mut origins, mut segments, mut radiances] = [Rows::default(); 3];
-            lanes.rows(light.origin.columns(zero), &mut origins);
-            lanes.rows(light.segment.columns(light.t_max), &mut segments);
-            lanes.rows(radiance.columns(zero), &mut radiances);
+            let [origins, segments, radiances, ..] = &mut scratch.out;
+            lanes.rows(light.origin.columns(zero), origins);
+            lanes.rows(light.segment.columns(light.t_max), segments);
+            lanes.rows(radiance.columns(zero), radiances);
             for_each_lane(asks, |lane| {
                 let ([x, y, z, t_max], path) = (segments[lane], block[lane] as usize);
                 let segment = Vec3::new(x, y, z);
@@ -251,7 +260,7 @@ impl<L: Lanes> VertexLanes<L> {
         scattered: &BsdfSamples<L>,
         u_roulette: L::Float,
         block: &[u32],
-        vertices: &mut Vertices<'_>,
+        (scratch, vertices): (&mut Scratch, &mut Vertices<'_>),
     ) {
         let (zero, surface) = (lanes.float(0.0), &self.surface);
         let direction = surface.frame.to_world(scattered.wi);
@@ -274,13 +283,12 @@ impl<L: Lanes> VertexLanes<L> {
         let lost = lost | (goes_on & !usable);
         goes_on = goes_on & usable;
         let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
-        let [mut origins, mut directions, mut throughputs, mut positions, mut normals] =
-            [Rows::default(); 5];
-        lanes.rows(origin.columns(zero), &mut origins);
-        lanes.rows(direction.columns(zero), &mut directions);
-        lanes.rows(throughput.columns(scattered.pdf), &mut throughputs);
-        lanes.rows(surface.position.columns(zero), &mut positions);
-        lanes.rows(normal.columns(zero), &mut normals);
+        let [origins, directions, throughputs, positions, normals] = &mut scratch.out;
+        lanes.rows(origin.columns(zero), origins);
+        lanes.rows(direction.columns(zero), directions);
+        lanes.rows(throughput.columns(scattered.pdf), throughputs);
+        lanes.rows(surface.position.columns(zero), positions);
+        lanes.rows(normal.columns(zero), normals);
         for_each_lane(goes_on.to_bits(), |lane| {
             let i = block[lane] as usize;
             let (origin, direction) = (vec3(origins[lane]), vec3(directions[lane]));

@@ -103,7 +103,7 @@ impl AliasTable {
     }
 
     /// The same, and where `u` lies in the share that chose the index: a number in `[0, 1)` again.
-    #[inline]
+    #[inline(always)]
     pub fn sample_and_reuse(&self, u: f32) -> (usize, f32, f32) {
         let scaled = f64::from(u) * self.slots.len() as f64;
         let index = (scaled as usize).min(self.slots.len() - 1);

@@ -86,7 +86,7 @@ impl LightSampler {
 
     /// The same by the first of two numbers, if there are few lights: then that number's place in
     /// its share serves again. So light and point on it are stratified together.
-    #[inline]
+    #[inline(always)]
     pub fn sample_and_reuse(
         &self,
         context: &LightSampleContext,

@@ -10,14 +10,18 @@ use crate::math::Vec2;
 use crate::sampling::warp;
 use crate::simd::lanes::{Float, Lanes, Rows, Vec3f};
 
-/// What the lights that were chosen are computed from.
+/// What the lights that were chosen are computed from; one for many blocks of lanes, since it takes
+/// time to clear.
 #[derive(Default)]
-struct LightRows {
+pub struct LightRows {
+    /// Who asks: only if the choice depends on it.
+    positions: Rows,
+    normals: Rows,
+    /// The number that chooses the light and those that choose the place on it; then the latter.
+    u: Rows,
     /// The corners of an emitting triangle; in the fourth place, in turn: the probability of the
     /// light, one if it shines from both sides, zero.
     corners: [Rows; 3],
-    /// What chooses the place on the light.
-    u: Rows,
     /// Its radiance, which is the same all over it.
     radiance: Rows,
     /// A bit for each lane whose light is a triangle; the environment; none of the two.
@@ -36,11 +40,12 @@ impl World {
         surface: &SurfaceLanes<L>,
         u_light: L::Float,
         u: [L::Float; 2],
+        rows: &mut LightRows,
     ) -> (LightSamples<L>, u32) {
-        let rows = self.choose_in_lanes(lanes, surface, u_light, u);
+        self.choose_in_lanes(lanes, surface, u_light, u, rows);
         let [u, v, ..] = lanes.columns(&rows.u);
         let u = [u, v];
-        let mut samples = sample_triangles(lanes, surface, &rows, u, self.slack);
+        let mut samples = sample_triangles(lanes, surface, rows, u, self.slack);
         if let (Some(environment), true) = (&self.scene.environment, rows.environment != 0) {
             let mask = lanes.mask(rows.environment);
             let [_, _, _, pmf] = lanes.columns(&rows.corners[0]);
@@ -57,20 +62,18 @@ impl World {
         surface: &SurfaceLanes<L>,
         u_light: L::Float,
         [u, v]: [L::Float; 2],
-    ) -> LightRows {
-        let mut numbers = Rows::default();
-        lanes.rows([u_light, u, v, u], &mut numbers);
-        let mut positions = Rows::default();
-        let mut normals = Rows::default();
+        rows: &mut LightRows,
+    ) {
+        (rows.triangles, rows.environment, rows.others) = (0, 0, 0);
+        lanes.rows([u_light, u, v, u], &mut rows.u);
         let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
         if self.lights.need_context() {
-            lanes.rows(surface.position.columns(u_light), &mut positions);
-            lanes.rows(normal.columns(u_light), &mut normals);
+            lanes.rows(surface.position.columns(u_light), &mut rows.positions);
+            lanes.rows(normal.columns(u_light), &mut rows.normals);
         }
-        let mut rows = LightRows::default();
         for lane in 0..L::WIDTH {
-            let ([x, y, z, _], [nx, ny, nz, _]) = (positions[lane], normals[lane]);
-            let [u_light, u, v, _] = numbers[lane];
+            let ([x, y, z, _], [nx, ny, nz, _]) = (rows.positions[lane], rows.normals[lane]);
+            let [u_light, u, v, _] = rows.u[lane];
             let context = LightSampleContext {
                 position: glam::Vec3::new(x, y, z),
                 normal: glam::Vec3::new(nx, ny, nz),
@@ -80,7 +83,6 @@ impl World {
             rows.u[lane] = [u.x, u.y, 0.0, 0.0];
             rows.fetch(lane, light, pmf);
         }
-        rows
     }
 }
 
@@ -151,6 +153,7 @@ fn sample_triangles<L: Lanes>(
         valid: (inverse.gt(zero) & inverse.lt(infinity))
             & (pdf.gt(zero) & pdf.lt(infinity))
             & (both_sides.gt(zero) | !cosine.lt(zero))
-            & !radiance.is_zero(),
+            & !radiance.is_zero()
+            & lanes.mask(rows.triangles),
     }
 }

@@ -9,6 +9,7 @@ mod light;
 mod light_samples;
 mod surface;
 
+pub use light::LightRows;
 pub use light_samples::LightSamples;
 pub use surface::{SurfaceLanes, SurfaceRows};
 
