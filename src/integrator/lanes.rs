@@ -211,7 +211,8 @@ impl<L: Lanes> VertexLanes<L> {
         let wi = surface.frame.to_local(light.direction);
         let (scattered, pdf) = bsdf.eval(lanes, self.wo, wi);
         let ratio = pdf / light.pdf;
-        let weight = lanes.float(1.0) / (ratio * ratio + 1.0);
+        let one = lanes.float(1.0);
+        let weight = light.delta.select(one, one / (ratio * ratio + 1.0));
         let radiance = (self.throughput * scattered * light.radiance).scale(weight / light.pdf);
         let asks = light.valid
             & self.stays_on_its_side(lanes, light.direction, wi)

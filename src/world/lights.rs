@@ -153,10 +153,10 @@ impl Lights {
         Some((chosen, pmf, u))
     }
 
-    /// Whether the choice of a light depends on who asks.
+    /// Whether the choice of a light, or what one without extent sends, depends on who asks.
     #[inline(always)]
     pub(super) fn need_context(&self) -> bool {
-        self.sampler.needs_context()
+        self.sampler.needs_context() || self.punctual > 0
     }
 
     /// The probability that the environment is chosen.

@@ -34,6 +34,7 @@ pub(super) fn sample_environment<L: Lanes>(
         direction,
         radiance,
         pdf: pmf * pdf,
+        delta: lanes.mask(0),
         origin: surface.offset_origin(lanes, direction),
         segment: direction,
         t_max: lanes.float(f32::INFINITY),

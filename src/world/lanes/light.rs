@@ -5,10 +5,10 @@ use super::super::lights::{ChosenLight, Emitter};
 use super::environment::sample_environment;
 use super::light_samples::LightSamples;
 use super::surface::{SurfaceLanes, offset_origin, triangle_point};
-use crate::light::LightSampleContext;
-use crate::math::Vec2;
+use crate::light::{Illumination, LightSampleContext};
+use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
-use crate::simd::lanes::{Float, Lanes, Rows, Vec3f};
+use crate::simd::lanes::{Float, Lanes, Mask, Rows, Vec3f};
 
 /// What the lights that were chosen are computed from; one for many blocks of lanes, since it takes
 /// time to clear.
@@ -20,12 +20,15 @@ pub struct LightRows {
     /// The number that chooses the light and those that choose the place on it; then the latter.
     u: Rows,
     /// The corners of an emitting triangle; in the fourth place, in turn: the probability of the
-    /// light, one if it shines from both sides, zero.
+    /// light, one if it shines from both sides, zero. Or the direction to a light without extent
+    /// and the light's place; in the fourth: the probability, one if it has a place.
     corners: [Rows; 3],
-    /// Its radiance, which is the same all over it.
+    /// The triangle's radiance, which is the same all over it, or the irradiance.
     radiance: Rows,
-    /// A bit for each lane whose light is a triangle; the environment; none of the two.
+    /// A bit for each lane whose light is a triangle; one without extent; the environment; none
+    /// of these.
     triangles: u32,
+    punctual: u32,
     environment: u32,
     others: u32,
 }
@@ -52,6 +55,10 @@ impl World {
             let far = sample_environment(lanes, environment, surface, pmf, u);
             samples = LightSamples::select(mask, &far, &samples);
         }
+        if rows.punctual != 0 {
+            let mask = lanes.mask(rows.punctual);
+            samples = LightSamples::select(mask, &towards_punctual(lanes, surface, rows), &samples);
+        }
         (samples, rows.others)
     }
 
@@ -64,7 +71,7 @@ impl World {
         [u, v]: [L::Float; 2],
         rows: &mut LightRows,
     ) {
-        (rows.triangles, rows.environment, rows.others) = (0, 0, 0);
+        (rows.triangles, rows.punctual, rows.environment, rows.others) = (0, 0, 0, 0);
         lanes.rows([u_light, u, v, u], &mut rows.u);
         let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
         if self.lights.need_context() {
@@ -74,19 +81,33 @@ impl World {
         for lane in 0..L::WIDTH {
             let ([x, y, z, _], [nx, ny, nz, _]) = (rows.positions[lane], rows.normals[lane]);
             let [u_light, u, v, _] = rows.u[lane];
-            let context = LightSampleContext {
-                position: glam::Vec3::new(x, y, z),
-                normal: glam::Vec3::new(nx, ny, nz),
-            };
+            let context =
+                LightSampleContext { position: Vec3::new(x, y, z), normal: Vec3::new(nx, ny, nz) };
             let chosen = self.lights.choose(&context, u_light, Vec2::new(u, v));
             let Some((light, pmf, u)) = chosen else { continue };
             rows.u[lane] = [u.x, u.y, 0.0, 0.0];
-            rows.fetch(lane, light, pmf);
+            match light {
+                ChosenLight::Punctual(light) => {
+                    let lit = self.scene.lights[light].illuminate(context.position);
+                    rows.fetch_punctual(lane, lit, pmf);
+                }
+                light => rows.fetch(lane, light, pmf),
+            }
         }
     }
 }
 
 impl LightRows {
+    /// Fetches what a light without extent sends to a lane, if anything.
+    fn fetch_punctual(&mut self, lane: usize, lit: Option<Illumination>, pmf: f32) {
+        let Some(Illumination { direction, origin, irradiance }) = lit else { return };
+        let end = origin.unwrap_or(Vec3::ZERO);
+        self.corners[0][lane] = [direction.x, direction.y, direction.z, pmf];
+        self.corners[1][lane] = [end.x, end.y, end.z, f32::from(origin.is_some())];
+        self.radiance[lane] = [irradiance.x, irradiance.y, irradiance.z, 0.0];
+        self.punctual |= 1 << lane;
+    }
+
     /// Fetches the light that was chosen for a lane.
     #[inline(always)]
     fn fetch(&mut self, lane: usize, light: ChosenLight, pmf: f32) {
@@ -147,6 +168,7 @@ fn sample_triangles<L: Lanes>(
         direction,
         radiance,
         pdf,
+        delta: lanes.mask(0),
         origin,
         segment: end - origin,
         t_max: one,
@@ -155,5 +177,31 @@ fn sample_triangles<L: Lanes>(
             & (both_sides.gt(zero) | !cosine.lt(zero))
             & !radiance.is_zero()
             & lanes.mask(rows.triangles),
+    }
+}
+
+/// Lights without extent.
+#[inline(always)]
+fn towards_punctual<L: Lanes>(
+    lanes: L,
+    surface: &SurfaceLanes<L>,
+    rows: &LightRows,
+) -> LightSamples<L> {
+    let [x, y, z, pmf] = lanes.columns(&rows.corners[0]);
+    let direction = Vec3f::new(x, y, z);
+    let [x, y, z, has_place] = lanes.columns(&rows.corners[1]);
+    let place = Vec3f::<L>::new(x, y, z);
+    let is_near = has_place.gt(lanes.float(0.0));
+    let origin = surface.offset_origin(lanes, direction);
+    let all = lanes.first(L::WIDTH);
+    LightSamples {
+        direction,
+        radiance: Vec3f::of_columns(lanes.columns(&rows.radiance)),
+        pdf: pmf,
+        delta: all,
+        origin,
+        segment: Vec3f::select(is_near, place - origin, direction),
+        t_max: is_near.select(lanes.float(1.0), lanes.float(f32::INFINITY)),
+        valid: all,
     }
 }

@@ -2,16 +2,17 @@
 
 use crate::simd::lanes::{Lanes, Mask, Vec3f};
 
-/// A light chosen for each lane, and a direction to it; see [`super::super::LightSample`]. None
-/// without extent is among them.
+/// A light chosen for each lane, and a direction to it; see [`super::super::LightSample`].
 #[derive(Clone, Copy)]
 pub struct LightSamples<L: Lanes> {
     /// Unit direction towards the light.
     pub direction: Vec3f<L>,
-    /// Radiance that arrives if nothing is in between.
+    /// Radiance that arrives if nothing is in between; irradiance where `delta`.
     pub radiance: Vec3f<L>,
-    /// Density over solid angle.
+    /// Density over solid angle, or the light's probability where `delta`; times one another.
     pub pdf: L::Float,
+    /// Where the light has no extent, so that no other strategy could find it.
+    pub delta: L::Mask,
     /// From the surface to the light: the origin of the segment that must be free.
     pub origin: Vec3f<L>,
     /// And its direction, as long as `t_max` says.
@@ -30,6 +31,7 @@ impl<L: Lanes> LightSamples<L> {
             direction: Vec3f::select(mask, a.direction, b.direction),
             radiance: Vec3f::select(mask, a.radiance, b.radiance),
             pdf: mask.select(a.pdf, b.pdf),
+            delta: (mask & a.delta) | (!mask & b.delta),
             origin: Vec3f::select(mask, a.origin, b.origin),
             segment: Vec3f::select(mask, a.segment, b.segment),
             t_max: mask.select(a.t_max, b.t_max),
