@@ -5,7 +5,7 @@ use fearless_simd::Simd;
 use super::{Environment, Sun};
 use crate::math::Vec3;
 use crate::sampling::{Sampler, warp};
-use crate::simd::lanes::{Float, Lanes, Lanes4, Lanes8, Lanes16, MAX_LANES, Scalar, Uint, Vec3f};
+use crate::simd::lanes::{Float, Lanes, Lanes8, Lanes16, MAX_LANES, Scalar, Uint, Vec3f};
 use crate::simd::{Isa, vectorized};
 
 /// Numbers by lane: a direction to look up, and a point of the unit square.
@@ -43,7 +43,6 @@ fn check<S: Simd>(
             assert_eq!(found.map(|bits| bits[lane]), *plain, "of {input:?}");
         }
     };
-    same(compute(Lanes4(simd), environment, inputs), 4);
     same(compute(Lanes8(simd), environment, inputs), 8);
     same(compute(Lanes16(simd), environment, inputs), 16);
 }

@@ -49,7 +49,7 @@ impl<L: Lanes> SamplerLanes<L> {
 mod tests {
     use super::*;
     use crate::sampling::{SamplePattern, Sampler};
-    use crate::simd::lanes::{Float, Lanes4, Lanes8, Lanes16, MAX_LANES, Scalar};
+    use crate::simd::lanes::{Float, Lanes8, Lanes16, MAX_LANES, Scalar};
     use crate::simd::{Isa, vectorized};
 
     #[inline(always)]
@@ -83,7 +83,6 @@ mod tests {
             agree(Scalar, pattern, first);
             for isa in Isa::available() {
                 vectorized!(isa.level().expect("available"), simd => {
-                    agree(Lanes4(simd), pattern, first);
                     agree(Lanes8(simd), pattern, first);
                     agree(Lanes16(simd), pattern, first);
                 });

@@ -131,7 +131,8 @@ macro_rules! vectorized {
 }
 
 /// Runs `$op` compiled for the instruction set of `$level`, with `$lanes` as the numbers that it
-/// has side by side: as many as its vectors hold.
+/// has side by side: as many as its vectors hold, or two vectors where those are shorter than 512
+/// bits. Two hide each other's latency: shading is a sixth faster by them.
 macro_rules! in_lanes {
     ($level:expr, $lanes:ident => $op:expr) => {{
         #[allow(unused_imports)]
@@ -149,7 +150,6 @@ macro_rules! in_lanes {
             Level::Avx2(simd) => simd.vectorize(
                 #[inline(always)]
                 || {
-                    // Two vectors hide each other's latency: a sixth faster than one.
                     let $lanes = crate::simd::lanes::Lanes16(simd);
                     $op
                 },
@@ -158,12 +158,12 @@ macro_rules! in_lanes {
             Level::Neon(simd) => simd.vectorize(
                 #[inline(always)]
                 || {
-                    let $lanes = crate::simd::lanes::Lanes4(simd);
+                    let $lanes = crate::simd::lanes::Lanes8(simd);
                     $op
                 },
             ),
             _ => {
-                let $lanes = crate::simd::lanes::Lanes4(crate::simd::baseline());
+                let $lanes = crate::simd::lanes::Lanes8(crate::simd::baseline());
                 $op
             }
         }

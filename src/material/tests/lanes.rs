@@ -8,7 +8,7 @@ use crate::material::{BaseBsdf, BsdfForm, SurfaceParams};
 use crate::math::Vec3;
 use crate::sampling::{Sampler, warp};
 use crate::simd::lanes::{
-    Float, Lanes, Lanes4, Lanes8, Lanes16, MAX_LANES, Mask, Rows, Scalar, Uint, Vec3f,
+    Float, Lanes, Lanes8, Lanes16, MAX_LANES, Mask, Rows, Scalar, Uint, Vec3f,
 };
 use crate::simd::{Isa, vectorized};
 
@@ -108,8 +108,6 @@ macro_rules! check {
             });
             for isa in Isa::available() {
                 vectorized!(isa.level().expect("available"), simd => {
-                    let four = ask::<_, $kind<_>>(Lanes4(simd), $form, &questions);
-                    assert_eq!(four[..4], expected[..4], "{isa}");
                     let eight = ask::<_, $kind<_>>(Lanes8(simd), $form, &questions);
                     assert_eq!(eight[..8], expected[..8], "{isa}");
                     let sixteen = ask::<_, $kind<_>>(Lanes16(simd), $form, &questions);

@@ -1,4 +1,4 @@
-//! Numbers side by side: code that is written once for one number, four, eight or sixteen.
+//! Numbers side by side: code that is written once for one number, eight or sixteen.
 //!
 //! Such code is generic over [`Lanes`] and gives the same bits at every width, since it rounds each
 //! operation alike: nothing is fused, no reciprocal is approximate, and the lesser of two is told
@@ -32,4 +32,4 @@ pub use scalar::Scalar;
 pub use traits::{Float, Lanes, MAX_LANES, Mask, Rows, SIGN, Uint};
 pub use trigonometry::{atan2, sin_cos_eighth, unit_circle};
 pub use vec3f::Vec3f;
-pub use wide::{Lanes4, Lanes8, Lanes16};
+pub use wide::{Lanes8, Lanes16};

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::{Float, Lanes, Lanes4, Lanes8, Lanes16, MAX_LANES, Mask, Rows, Scalar, Uint, Vec3f};
+use super::{Float, Lanes, Lanes8, Lanes16, MAX_LANES, Mask, Rows, Scalar, Uint, Vec3f};
 use crate::simd::{Isa, vectorized};
 
 /// Numbers where operations go wrong: zeros, infinities, NaN, denormals, and plain ones.
@@ -84,8 +84,6 @@ fn lanes_compute_as_plain_numbers_do() {
 #[inline(always)]
 fn check<S: Simd>(simd: S, b: &[f32; MAX_LANES], plain: &[[u32; 16]; MAX_LANES]) {
     let mut out = [[0; 16]; MAX_LANES];
-    run(Lanes4(simd), &NUMBERS, b, &mut out);
-    assert_eq!(out[..4], plain[..4]);
     run(Lanes8(simd), &NUMBERS, b, &mut out);
     assert_eq!(out[..8], plain[..8]);
     run(Lanes16(simd), &NUMBERS, b, &mut out);
@@ -116,7 +114,6 @@ fn rows_become_columns_and_rows_again() {
     for isa in Isa::available() {
         let level = isa.level().expect("available");
         vectorized!(level, simd => {
-            there_and_back(Lanes4(simd));
             there_and_back(Lanes8(simd));
             there_and_back(Lanes16(simd));
         });

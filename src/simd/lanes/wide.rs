@@ -1,8 +1,8 @@
-//! Four, eight and sixteen lanes: vectors of an instruction set.
+//! Eight and sixteen lanes: vectors of an instruction set.
 
 use fearless_simd::{
-    Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x4, f32x8, f32x16, i32x4,
-    i32x8, i32x16, mask32x4, mask32x8, mask32x16, u32x4, u32x8, u32x16,
+    Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x8, f32x16, i32x8, i32x16,
+    mask32x8, mask32x16, u32x8, u32x16,
 };
 
 use super::traits::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
@@ -194,6 +194,5 @@ macro_rules! lanes {
     };
 }
 
-lanes! { Lanes4 4 f32x4 i32x4 u32x4 mask32x4 }
 lanes! { Lanes8 8 f32x8 i32x8 u32x8 mask32x8 }
 lanes! { Lanes16 16 f32x16 i32x16 u32x16 mask32x16 }
