@@ -157,9 +157,11 @@ where
         let rays = slice.batch.rays();
         let covered = |ray| self.parts.is_none_or(|parts| parts.covers(ray));
         let in_lanes = is_wide(slice.simd) && !C::COUNTS;
+        // Sixteen rays in a row spread too far for dense scenes: half the rate of single rays.
+        let is_raster = slice.batch.grid().is_some();
         if in_lanes && pays(rays) && rays.iter().all(covered) {
             self.fly(slice, scratch);
-        } else if in_lanes && self.side_by_side && rays.len() >= FEW {
+        } else if in_lanes && self.side_by_side && is_raster && rays.len() >= FEW {
             self.trace_packets(slice, scratch);
         } else {
             slice.answer_each(
