@@ -23,6 +23,7 @@ const DOCUMENTS: &[&str] = &[
     "SECURITY.md",
     "docs/guide.md",
     "docs/structures.md",
+    "docs/peers.md",
     "docs/formats.md",
     "docs/accuracy.md",
     "docs/design.md",
