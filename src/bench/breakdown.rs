@@ -64,15 +64,15 @@ impl Breakdown {
 /// A row a stage, for each scene and structure.
 pub fn make_table(breakdowns: &[Breakdown]) -> Table {
     let note = "Seconds over all threads and rounds, their share of the time that the threads had, \
-                and nanoseconds a path. What is waited for at the end of a render, when threads \
-                run out of tiles, is \"waiting\"; the picture is written after the render.";
+                and nanoseconds a path. What no stage counts, and what is waited for at the end of a \
+                render, when threads run out of tiles, is \"other\"; the picture is written after the render.";
     let heading = ["", "s", "%", "ns a path"];
     let mut table = Table::new("Where the time goes", note, &heading);
     for breakdown in breakdowns {
         let (available, paths) = (breakdown.available(), breakdown.paths.max(1) as f64);
         table.rows.push(vec![format!("{}, {}", breakdown.scene, breakdown.spec)]);
-        let waiting = ("waiting", (available - breakdown.accounted()).max(0.0));
-        for &(name, seconds) in breakdown.stages.iter().chain([&waiting]) {
+        let other = ("other", (available - breakdown.accounted()).max(0.0));
+        for &(name, seconds) in breakdown.stages.iter().chain([&other]) {
             table.rows.push(vec![
                 format!("  {name}"),
                 cell(Some(seconds), 3),
@@ -106,7 +106,7 @@ mod tests {
         }
         let text = make_table(&[breakdown.clone()]).markdown();
         assert!(text.contains("|   closest hits | 3.000 | 75.0 | 3000.0 |"), "{text}");
-        assert!(text.contains("|   waiting | 0.500 | 12.5 | 500.0 |"), "{text}");
+        assert!(text.contains("|   other | 0.500 | 12.5 | 500.0 |"), "{text}");
         assert_eq!(breakdown.json()["stages_s"]["film"], 0.5);
         assert_eq!(breakdown.json()["thread_s"], 4.0);
     }

@@ -99,8 +99,12 @@ impl FilterPlane {
         }
     }
 
-    /// Whether a triangle lies in the plane, to within what the bound has for it.
+    /// Whether a triangle lies in the plane, to within what the bound has for it. One too thin for
+    /// the bound does not: it must pass unseen.
     pub fn holds(self, triangle: &Triangle, Reach(reach): Reach) -> bool {
+        if Self::new(triangle).0 == NOWHERE {
+            return false;
+        }
         let [x, y, z, k] = self.normal.map(f64::from);
         let off = |p: Vec3| (DVec3::new(x, y, z).dot(p.as_dvec3()) + k).abs();
         let most = if self.share == ACROSS { 0.0 } else { f64::from(reach * f32::EPSILON) };

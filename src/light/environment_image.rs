@@ -223,15 +223,16 @@ impl Cells<'_> {
             sum += sine * of_row.iter().map(|&weight| f64::from(weight)).sum::<f64>();
             of_ones += sine * self.width as f64;
         }
-        if sum == 0.0 {
-            return vec![1.0; weights.len()]; // black: any density will do
-        }
         let even = (EVEN_PART * sum / of_ones) as f32;
         for (row, weights) in weights.chunks_exact_mut(self.width).enumerate() {
             let sine = self.sine(row);
             for weight in weights {
                 *weight = (*weight - even).max(0.0) * sine;
             }
+        }
+        if weights.iter().all(|&weight| weight == 0.0) {
+            // Black, or so dark that nothing is left: any density will do.
+            return vec![1.0; weights.len()];
         }
         weights
     }

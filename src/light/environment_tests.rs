@@ -91,3 +91,15 @@ fn a_black_image_can_be_sampled() {
     assert_eq!((sample.radiance, black.mean()), (Vec3::ZERO, Vec3::ZERO));
     assert!(sample.pdf > 0.0);
 }
+
+#[test]
+fn images_next_to_black_can_be_sampled() {
+    for dark in [1e-45, 3e-45, 1e-40, 1e-38] {
+        for (width, height) in [(4, 3), (1, 1), (2, 1)] {
+            let image =
+                Environment::image(width, height, vec![[dark; 3]; width * height], 1.0, 0.0);
+            let sample = image.sample(Vec2::splat(0.4)).expect("some direction");
+            assert!(sample.pdf > 0.0 && sample.pdf.is_finite());
+        }
+    }
+}

@@ -17,7 +17,7 @@ pub enum Stage {
     Lambert,
     /// Metals and coated dielectrics: the same.
     MetallicRoughness,
-    /// All other surfaces, one by one: emitters, glass, layers.
+    /// All other surfaces, one by one: emitters, glass, layers, normal maps; and last segments.
     Others,
     /// What lies between surfaces and lights.
     ShadowRays,

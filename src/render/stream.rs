@@ -6,8 +6,8 @@
 //! path's radiance is that of its vertices, whatever the slice: cutting slices otherwise changes no
 //! bit.
 //!
-//! Starting and shading are compiled for the structure's instruction set as its walks are, which is
-//! worth a tenth of a render, and likewise changes no bit: rounding is the same in all of them.
+//! Paths are started and plain surfaces shaded many at once, in lanes; which ones together changes
+//! no bit: rounding is the same at every width.
 
 use std::time::Instant;
 

@@ -11,7 +11,7 @@ use crate::simd::lanes::{Float, FrameLanes, Lanes, Mask, Rows, SIGN, Uint, Vec3f
 /// What the surfaces that rays have met are computed from, a row or more a lane.
 #[derive(Default)]
 pub struct SurfaceRows {
-    /// Distance, barycentrics, and the bits of the triangle's id.
+    /// Distance and barycentrics.
     hit: Rows,
     /// The triangle's corners in the world.
     corners: [Rows; 3],

@@ -39,7 +39,7 @@ pub const MBVH16: Variant =
 /// 871 thousand triangles): 1.6 times its rate for slices of random, shadow and bounce rays; ray by
 /// ray `mbvh8` has 0.84 and `mbvh4` 0.68.
 ///
-/// Rays of a pinhole go down the tree sixteen at a time: that is twice as fast as ray by ray, and
+/// Rays of a raster from one point go down the tree sixteen at a time: that is twice as fast as ray by ray, and
 /// as fast as `bvh-packet`, which takes a tree of its own.
 ///
 /// Measured and left out: boxes of eight bits (7 to 18 % slower), children by octant in place of
