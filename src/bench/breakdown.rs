@@ -64,8 +64,8 @@ impl Breakdown {
 /// A row a stage, for each scene and structure.
 pub fn make_table(breakdowns: &[Breakdown]) -> Table {
     let note = "Seconds over all threads and rounds, their share of the time that the threads had, \
-                and nanoseconds a path. What no stage counts, and what is waited for at the end of a \
-                render, when threads run out of tiles, is \"other\"; the picture is written after the render.";
+                and nanoseconds a path. What no stage counts, and what is waited for at the end, \
+                when threads run out of tiles, is \"other\"; the picture is written after that.";
     let heading = ["", "s", "%", "ns a path"];
     let mut table = Table::new("Where the time goes", note, &heading);
     for breakdown in breakdowns {

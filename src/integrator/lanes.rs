@@ -88,7 +88,7 @@ pub fn shade_in_lanes<L: Lanes, B: BsdfLanes<L>>(
 }
 
 /// Adds the light of the environment to paths in air that leave the scene: those listed in `order`.
-/// See [`super::light::add_environment`].
+/// See `light::add_environment`.
 #[inline(always)]
 pub fn add_environment_in_lanes<L: Lanes>(
     integrator: &PathTracer<'_>,

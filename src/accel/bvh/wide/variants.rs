@@ -32,15 +32,15 @@ pub const MBVH16: Variant =
 /// need not be full are worth 20 % in scenes of long thin triangles and nothing in scans;
 /// refinement 20 % in the same, for up to a fifth of the build's time. Spatial splits after that
 /// add 10 % in some scenes and take as much in others, for twice the build's time, and are left to
-/// `build=sbvh`. Few triangles are faster without a tree ([`Flat`]): in a box of 32, three times.
+/// `build=sbvh`. Few triangles are faster without a tree (`Flat`): in a box of 32, three times.
 ///
 /// Beside Embree 4 in its default mode, whose hits may leak where ours may not, on a machine with
 /// AVX-512 (Zen 4, one thread, geometric mean over scans, a kitchen and two robot cells of 69 to
 /// 871 thousand triangles): 1.6 times its rate for slices of random, shadow and bounce rays; ray by
 /// ray `mbvh8` has 0.84 and `mbvh4` 0.68.
 ///
-/// Rays of a raster from one point go down the tree sixteen at a time: that is twice as fast as ray by ray, and
-/// as fast as `bvh-packet`, which takes a tree of its own.
+/// Rays of a raster from one point go down the tree sixteen at a time: that is twice as fast as ray
+/// by ray, and as fast as `bvh-packet`, which takes a tree of its own.
 ///
 /// Measured and left out: boxes of eight bits (7 to 18 % slower), children by octant in place of
 /// distance (`order=octant`: as fast in flight, 5 to 15 % slower ray by ray), any other order in
