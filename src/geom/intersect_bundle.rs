@@ -7,7 +7,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, f64x4};
 
 use super::bundle::RayBundle;
 use super::heading::Heading;
-use super::intersect_triangle::{DISTANCE_BOUND, EDGE_ON};
+use super::sheared::intersect_sheared;
 use super::slab::own_box;
 use super::source::Triangle;
 
@@ -56,23 +56,11 @@ impl RayBundle {
             let a = project(simd, [triangle.a[x], triangle.a[y], triangle.a[z]], origin, shear);
             let b = project(simd, [triangle.b[x], triangle.b[y], triangle.b[z]], origin, shear);
             let c = project(simd, [triangle.c[x], triangle.c[y], triangle.c[z]], origin, shear);
-            let (p0, q0) = (c[0] * b[1], c[1] * b[0]);
-            let (p1, q1) = (a[0] * c[1], a[1] * c[0]);
-            let (p2, q2) = (b[0] * a[1], b[1] * a[0]);
-            let (w0, w1, w2) = (p0 - q0, p1 - q1, p2 - q2);
-            let outside = (w0.simd_lt(0.0) | w1.simd_lt(0.0) | w2.simd_lt(0.0))
-                & (w0.simd_gt(0.0) | w1.simd_gt(0.0) | w2.simd_gt(0.0));
-            let det = w0 + w1 + w2;
-            let magnitude = (p0.abs() + q0.abs()) + (p1.abs() + q1.abs()) + (p2.abs() + q2.abs());
-            let edge_on = det.abs().simd_le(magnitude * EDGE_ON);
-            let distance = w0 * a[2] + w1 * b[2] + w2 * c[2];
-            let depth = a[2].abs().max(b[2].abs()).max(c[2].abs());
-            let on_it = distance.abs().simd_le(magnitude * DISTANCE_BOUND * depth);
-            misses |= ((outside | edge_on | on_it).to_bitmask() as u32) << from;
-            let inv_det = f64x4::splat(simd, 1.0) / det;
-            store_quarter(&mut t, from, distance * inv_det);
-            store_quarter(&mut u, from, w1 * inv_det);
-            store_quarter(&mut v, from, w2 * inv_det);
+            let ([near, across, up], missed) = intersect_sheared(simd, a, b, c);
+            misses |= missed << from;
+            store_quarter(&mut t, from, near);
+            store_quarter(&mut u, from, across);
+            store_quarter(&mut v, from, up);
         }
         let distance = f32x8::load_array(simd, t);
         let (enter, exit) = self.interval(simd, &own_box(triangle), heading.negative);

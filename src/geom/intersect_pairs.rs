@@ -7,8 +7,8 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdNarrow, SimdWiden};
 
-use super::intersect_triangle::{DISTANCE_BOUND, EDGE_ON};
 use super::ray_lanes::{PerRay, RayLanes, load_columns, store_columns};
+use super::sheared::intersect_sheared;
 use super::slab::{FARTHEST_ALONG, INVERSE_ALONG, own_box};
 use super::source::Triangle;
 use crate::math::TriangleId;
@@ -115,8 +115,8 @@ impl RayLanes {
         let (c0, c1) = widen_point::<S>(corner(2));
         let half = len / 2;
         let (low, high) = (self.load_shear(simd, from), self.load_shear(simd, from + half));
-        let (t0, u0, v0, misses0) = intersect_half(simd, [a0, b0, c0], o0, low);
-        let (t1, u1, v1, misses1) = intersect_half(simd, [a1, b1, c1], o1, high);
+        let ([t0, u0, v0], misses0) = intersect_half(simd, [a0, b0, c0], o0, low);
+        let ([t1, u1, v1], misses1) = intersect_half(simd, [a1, b1, c1], o1, high);
         let misses = misses0 | misses1 << half;
         let (t, u, v) = (t0.narrow(t1), u0.narrow(u1), v0.narrow(v1));
 
@@ -135,7 +135,7 @@ impl RayLanes {
         let beyond =
             t.simd_gt(exit) & exit.simd_ge(FARTHEST_ALONG) & largest.simd_ge(INVERSE_ALONG);
         let taken = enter.simd_le(exit) & t.simd_lt(f32::INFINITY) & !beyond;
-        found.lanes |= ((taken.to_bitmask() & !misses) as u32) << from;
+        found.lanes |= (taken.to_bitmask() as u32 & !misses) << from;
         store_columns::<S>([t.max(enter).min(exit), u, v, ends[3]], &mut found.hits, from);
     }
 }
@@ -155,25 +155,11 @@ fn intersect_half<S: Simd>(
     [a, b, c]: [[S::f64s; 3]; 3],
     origin: [S::f64s; 3],
     shear: [S::f64s; 3],
-) -> (S::f64s, S::f64s, S::f64s, u64) {
+) -> ([S::f64s; 3], u32) {
     let a = project::<S>(a, origin, shear);
     let b = project::<S>(b, origin, shear);
     let c = project::<S>(c, origin, shear);
-    let (p0, q0) = (c[0] * b[1], c[1] * b[0]);
-    let (p1, q1) = (a[0] * c[1], a[1] * c[0]);
-    let (p2, q2) = (b[0] * a[1], b[1] * a[0]);
-    let (w0, w1, w2) = (p0 - q0, p1 - q1, p2 - q2);
-    let outside = (w0.simd_lt(0.0) | w1.simd_lt(0.0) | w2.simd_lt(0.0))
-        & (w0.simd_gt(0.0) | w1.simd_gt(0.0) | w2.simd_gt(0.0));
-    let det = w0 + w1 + w2;
-    let magnitude = (p0.abs() + q0.abs()) + (p1.abs() + q1.abs()) + (p2.abs() + q2.abs());
-    let edge_on = det.abs().simd_le(magnitude * EDGE_ON);
-    let distance = w0 * a[2] + w1 * b[2] + w2 * c[2];
-    let depth = a[2].abs().max(b[2].abs()).max(c[2].abs());
-    let on_it = distance.abs().simd_le(magnitude * DISTANCE_BOUND * depth);
-    let misses = (outside | edge_on | on_it).to_bitmask();
-    let inv_det = S::f64s::splat(simd, 1.0) / det;
-    (distance * inv_det, w1 * inv_det, w2 * inv_det, misses)
+    intersect_sheared(simd, a, b, c)
 }
 
 /// Projects vertices: each ray is its third axis.

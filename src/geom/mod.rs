@@ -25,6 +25,7 @@ mod mesh;
 pub mod planes;
 mod ray_lanes;
 pub mod shaft;
+mod sheared;
 pub mod slab;
 mod source;
 mod tangents;
