@@ -2,7 +2,8 @@
 //!
 //! Every structure, whatever it filters by, asks this test in the end: [`intersect_triangle`] for
 //! one ray, or its twins for eight rays ([`super::RayBundle::intersect_triangle`]) and for sixteen
-//! pairs of a ray and a triangle (`RayLanes::intersect_pairs`), which compute the same bits. Nothing else says whether a triangle is hit and what `t`, `u` and `v` are, so the
+//! pairs of a ray and a triangle (`RayLanes::intersect_pairs`), which compute the same bits.
+//! Nothing else says whether a triangle is hit and what `t`, `u` and `v` are, so the
 //! order of visits, the width of vectors and the instruction set cannot change a hit.
 //!
 //! # The test

@@ -1,5 +1,5 @@
-//! The heart of the exact test in lanes, whatever they are lanes of: rays and one triangle, or pairs
-//! of both.
+//! The heart of the exact test in lanes, whatever they are lanes of: rays and one triangle, or
+//! pairs of both.
 
 use fearless_simd::{Simd, SimdFloat, SimdMask};
 
