@@ -2,8 +2,7 @@
 //!
 //! The sampler's dimensions come in sets of four, which are stratified together; different sets are
 //! independent. So a set holds decisions whose effects are joint: where a path goes on, and which
-//! point of a light it asks for where it arrives. (For 64 samples of the Cornell box that is an
-//! eighth less variance than with the light in a set of its own.)
+//! point of a light it asks for where it arrives.
 //!
 //! | set | lanes 0 and 1 | lanes 2 and 3 |
 //! |---|---|---|
