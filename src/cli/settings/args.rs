@@ -1,8 +1,11 @@
 //! The values of all settings, typed.
 
+use std::ops::Range;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use super::parse::{CameraModel, MissingTextureArg, ProgressStyle, RouletteDepth};
+use super::parse_long::{Every, Resume, Share};
 use crate::accel::AccelSpec;
 use crate::film::tonemap::Tonemap;
 use crate::film::{PixelFilter, Window};
@@ -59,6 +62,21 @@ pub struct RenderArgs {
     pub focus: Option<f32>,
     pub shutter: Option<f32>,
     pub moments: Option<u32>,
+
+    pub samples: Option<Range<u64>>,
+    pub part: Option<Share>,
+    pub partial: Option<PathBuf>,
+    /// An empty path: beside the output.
+    pub checkpoint: Option<PathBuf>,
+    pub resume: Option<Resume>,
+    pub every: Option<Every>,
+    pub stop_after: Option<Duration>,
+    pub time_limit: Option<Duration>,
+    pub noise: Option<f32>,
+    pub min_spp: Option<u64>,
+    pub max_spp: Option<u64>,
+    pub fail_incomplete: bool,
+    pub reproducible: bool,
 
     pub from: Option<PathBuf>,
     pub scene: Option<String>,

@@ -150,6 +150,7 @@ fn make_flag(setting: &'static Setting) -> Arg {
         Form::Number => arg = arg.allow_negative_numbers(true),
         Form::Numbers => arg = arg.allow_hyphen_values(true),
         Form::List => arg = arg.action(ArgAction::Append),
+        Form::Optional(missing) => arg = arg.num_args(0..=1).default_missing_value(missing),
         Form::Word => {}
     }
     arg.value_name(setting.value).value_parser(make_parser(setting))
@@ -175,6 +176,8 @@ fn read_assignment(setting: &'static Setting, matches: &ArgMatches) -> Option<As
             let parts = matches.get_raw(setting.name)?.map(OsStr::to_string_lossy);
             read(&parts.collect::<Vec<_>>().join(","))
         }
-        Form::Number | Form::Numbers | Form::Word => matches.get_one(setting.name).cloned(),
+        Form::Number | Form::Numbers | Form::Word | Form::Optional(_) => {
+            matches.get_one(setting.name).cloned()
+        }
     }
 }

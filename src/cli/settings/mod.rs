@@ -8,9 +8,9 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `setting` | what an entry says |
-//! | `output`, `image`, `light`, `camera`, `input`, `speed`, `messages` | the entries |
+//! | `output`, `image`, `light`, `camera`, `long`, `input`, `speed`, `messages` | the entries |
 //! | `args` | the values of all settings, typed |
-//! | `parse`, `to_toml` | values from words, and values as TOML |
+//! | `parse`, `parse_long`, `to_toml` | values from words, and values as TOML |
 //! | `table` | the entries together: defaults, rules, TOML |
 //! | `command` | the entries as flags, and what was typed |
 //! | `resolve`, `origin` | what was typed over what a file says: a scene, or `--from` a picture |
@@ -22,11 +22,13 @@ mod command;
 mod image;
 mod input;
 mod light;
+mod long;
 mod markdown;
 mod messages;
 mod origin;
 mod output;
 pub mod parse;
+pub mod parse_long;
 mod resolve;
 mod setting;
 mod speed;

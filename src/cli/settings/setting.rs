@@ -67,6 +67,8 @@ pub enum Group {
     Light,
     /// From where the scene is seen, and for how long.
     Camera,
+    /// Renders in parts, that are stopped and go on, and that end when they are good enough.
+    Long,
     /// What is read.
     Input,
     /// What a render uses of the machine.
@@ -77,11 +79,12 @@ pub enum Group {
 
 impl Group {
     /// All, in the order of the help.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Output,
         Self::Image,
         Self::Light,
         Self::Camera,
+        Self::Long,
         Self::Input,
         Self::Speed,
         Self::Messages,
@@ -94,6 +97,7 @@ impl Group {
             Self::Image => "Image",
             Self::Light => "Light",
             Self::Camera => "Camera",
+            Self::Long => "Long renders",
             Self::Input => "Input",
             Self::Speed => "Speed",
             Self::Messages => "Messages",
@@ -142,6 +146,8 @@ pub enum Form {
     List,
     /// Any other word.
     Word,
+    /// A word that may be left out; what stands for it then.
+    Optional(&'static str),
 }
 
 /// How a setting reads its value.

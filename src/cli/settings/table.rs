@@ -7,6 +7,7 @@ use super::camera::CAMERA;
 use super::image::IMAGE;
 use super::input::INPUT;
 use super::light::LIGHT;
+use super::long::LONG;
 use super::messages::MESSAGES;
 use super::output::OUTPUT;
 use super::setting::Setting;
@@ -23,7 +24,7 @@ pub struct Table {
 impl Default for Table {
     /// The settings of `dapple render`.
     fn default() -> Self {
-        let groups: [&[Setting]; 7] = [OUTPUT, IMAGE, LIGHT, CAMERA, INPUT, SPEED, MESSAGES];
+        let groups: [&[Setting]; 8] = [OUTPUT, IMAGE, LIGHT, CAMERA, LONG, INPUT, SPEED, MESSAGES];
         Self::new(groups.into_iter().flatten().collect())
     }
 }

@@ -1,5 +1,7 @@
 //! Values of settings as TOML.
 
+use std::time::Duration;
+
 use clap::ValueEnum;
 use toml::Value;
 
@@ -87,6 +89,13 @@ impl ToToml for Window {
 impl ToToml for String {
     fn to_toml(&self) -> Option<Value> {
         Some(self.as_str().into())
+    }
+}
+
+impl ToToml for Duration {
+    /// As it may be typed.
+    fn to_toml(&self) -> Option<Value> {
+        Some(format!("{}s", self.as_secs_f64()).into())
     }
 }
 
