@@ -19,7 +19,8 @@
 //!
 //! | floor | rooms |
 //! |---|---|
-//! | 8 | `cli`: one file a command |
+//! | 9 | `cli`: one file a command |
+//! | 8 | `part`: sums of samples as files, and how they add up |
 //! | 7 | [`mod@render`]: tiles, streams of paths · `bench` |
 //! | 6 | [`integrator`]: the algorithm of path tracing |
 //! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
@@ -60,6 +61,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 mod names;
+mod part;
 pub mod render;
 pub mod sampling;
 pub mod scene;
@@ -76,7 +78,9 @@ pub use formats::{LoadError, LoadOptions, MissingTexture, load};
 pub use integrator::Transport;
 pub use material::BsdfForm;
 pub use names::UnknownName;
-pub use render::{Aov, Control, Progress, Rendered, Settings, render};
+pub use render::{
+    Aov, Control, Film, NoiseReached, NoiseTarget, Progress, Rendered, Settings, render,
+};
 pub use sampling::SamplePattern;
 pub use scene::{Notice, Scene, TooManyTriangles};
 pub use simd::Isa;

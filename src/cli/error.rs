@@ -9,6 +9,7 @@ use crate::bench::measure::BenchError;
 use crate::film::FilmError;
 use crate::formats::LoadError;
 use crate::formats::npy::NpyError;
+use crate::part::PartError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +29,9 @@ pub enum CliError {
     /// A picture could not be read, compared or written.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// A part of a picture could not be read, or parts do not add up.
+    #[error(transparent)]
+    Part(#[from] PartError),
     /// The input is not what it should be.
     #[error("{0}")]
     Input(String),
@@ -54,6 +58,7 @@ impl CliError {
             Self::Npy(NpyError::Write { .. }) | Self::Output(_) => 4,
             Self::Load(_) | Self::Npy(_) | Self::Input(_) => 3,
             Self::Film(error) => error.exit_code(),
+            Self::Part(error) => error.exit_code(),
             Self::Build(_) | Self::Limit(_) => 5,
             Self::Several(all) => all.iter().map(Self::exit_code).max().unwrap_or(0),
         }

@@ -17,6 +17,7 @@ mod input;
 mod job;
 mod man;
 mod memory;
+mod merge;
 mod outputs;
 mod progress;
 mod render;
@@ -43,6 +44,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(settings::Typed),
+    Merge(merge::MergeArgs),
     Info(info::InfoArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
@@ -58,6 +60,7 @@ enum Command {
 fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
         Command::Render(typed) => render::run(&typed),
+        Command::Merge(args) => merge::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => golden::run(&args),

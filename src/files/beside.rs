@@ -3,13 +3,15 @@
 //! The bytes go to a temporary file in the target's own folder and take the target's name in one
 //! step. Whoever looks sees the old file or the new one; a full disk or an error half-way leaves
 //! the old one and no temporary. A process that ends without unwinding calls [`remove_pending`]
-//! first; after `kill -9` or a power cut a temporary may stay (`.name.process-number.tmp`).
+//! first. After `kill -9` or a power cut a temporary may stay; the next process that is to write
+//! the same file removes it: temporaries are locked for as long as someone writes them. Their names
+//! hold a random number, so that processes on many hosts do not clash in a shared folder.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Whether a file is on the disk once it is written.
@@ -49,13 +51,17 @@ pub fn write(
     temporary.rename_to(&target, flush)
 }
 
-/// Whether [`write()`] could begin at `path`: makes the temporary file and removes it.
+/// Whether [`write()`] could begin at `path`: makes the temporary file and removes it, and all that
+/// processes which are no more have left there.
 ///
 /// # Errors
 /// The system's reason. A pipe or device is not opened, which might wait for its other end.
 pub fn probe(path: &Path) -> io::Result<()> {
     match target(path)? {
-        Some(target) => Temporary::beside(&target).map(drop),
+        Some(target) => {
+            remove_left(&target);
+            Temporary::beside(&target).map(drop)
+        }
         None => Ok(()),
     }
 }
@@ -81,6 +87,35 @@ fn target(path: &Path) -> io::Result<Option<PathBuf>> {
     }
 }
 
+/// What temporaries end with.
+const ENDING: &str = ".tmp";
+
+/// What the names of the temporaries of a file begin with.
+fn prefix(target: &Path) -> Option<OsString> {
+    let mut prefix = OsString::from(".");
+    prefix.push(target.file_name()?);
+    prefix.push(".");
+    Some(prefix)
+}
+
+/// Removes the temporaries of a file that no one is writing.
+fn remove_left(target: &Path) {
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let entries = fs::read_dir(folder.unwrap_or(Path::new(".")));
+    let Some(prefix) = prefix(target) else { return };
+    for entry in entries.into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let rest = name.as_encoded_bytes().strip_prefix(prefix.as_encoded_bytes());
+        let random = rest.and_then(|rest| rest.strip_suffix(ENDING.as_bytes()));
+        let is_ours =
+            random.is_some_and(|it| it.len() == 16 && it.iter().all(u8::is_ascii_hexdigit));
+        let is_left = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+        if is_ours && is_left() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// All temporaries that are there now.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -96,15 +131,14 @@ struct Temporary {
 
 impl Temporary {
     fn beside(target: &Path) -> io::Result<(Self, File)> {
-        // Distinct among the threads of this process; the process number does the rest.
-        static COUNTER: AtomicU32 = AtomicU32::new(0);
-        let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?;
-        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let mut hidden = OsString::from(".");
-        hidden.push(name);
-        hidden.push(format!(".{}-{number}.tmp", std::process::id()));
-        let path = target.with_file_name(hidden);
+        let mut name = prefix(target).ok_or(io::ErrorKind::InvalidInput)?;
+        // Keyed at random by the system, anew for each thread and call.
+        let random = RandomState::new().hash_one(std::process::id());
+        name.push(format!("{random:016x}{ENDING}"));
+        let path = target.with_file_name(name);
         let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
+        // Where files cannot be locked, what is left there stays.
+        let _ = file.try_lock();
         pending().push(path.clone());
         Ok((Self { path, renamed: false }, file))
     }
@@ -175,6 +209,23 @@ mod tests {
         assert_eq!(error.expect_err("must fail").to_string(), "the disk is full");
         assert_eq!(fs::read(&path).expect("there"), b"old");
         assert_eq!(names(folder.path()), ["out.exr"]);
+    }
+
+    #[test]
+    fn what_the_dead_have_left_goes_and_what_the_living_write_stays() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("out.exr");
+        let left = folder.path().join(".out.exr.0123456789abcdef.tmp");
+        let other = folder.path().join(".out.exr.mine.tmp");
+        for file in [&left, &other] {
+            fs::write(file, b"half").expect("written");
+        }
+        write(&path, Flush::WhenIdle, |file| {
+            probe(&path).expect("another process could write there");
+            file.write_all(b"new")
+        })
+        .expect("what is being written stays");
+        assert_eq!(names(folder.path()), [".out.exr.mine.tmp", "out.exr"]);
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! AOVs: from the sums of pixels to the layers of a picture.
 
+use std::ops::Deref;
+
+use super::pixel::{Means, PixelSums};
 use super::settings::{Aov, Settings};
-use super::tile::{Means, PixelSums, Tile};
+use super::tile::Tile;
 use crate::film::{Picture, Window};
 
 /// Bytes that a picture of such settings takes while it is rendered, without scene and structure.
@@ -50,21 +53,53 @@ fn channels(settings: &Settings) -> Vec<Channel> {
 }
 
 /// Assembles the picture of what has been sampled.
-pub(super) fn assemble_picture(tiles: &[Tile], settings: &Settings) -> Picture {
+pub(super) fn assemble_picture<T: Deref<Target = Tile>>(
+    tiles: impl Iterator<Item = T>,
+    settings: &Settings,
+) -> Picture {
     let frame = Window::of_size(settings.resolution.0 as usize, settings.resolution.1 as usize);
-    let crop = settings.crop;
-    let channels = channels(settings);
-    let mut planes = vec![vec![0.0; crop.area()]; channels.len()];
-    for (x, y, sums) in tiles.iter().flat_map(Tile::iter) {
-        let (row, column) = ((y - crop.y0 as u32) as usize, (x - crop.x0 as u32) as usize);
-        let (at, means) = (row * crop.width() + column, sums.means());
-        for (plane, (_, value)) in planes.iter_mut().zip(&channels) {
-            plane[at] = value(&means);
-        }
+    let layers = Layers::new(settings);
+    let mut planes = layers.blank(settings.crop);
+    for tile in tiles {
+        layers.draw(&tile, settings.crop, &mut planes);
     }
-    let mut picture = Picture::new(frame, crop);
-    for ((name, _), plane) in channels.into_iter().zip(planes) {
+    let mut picture = Picture::new(frame, settings.crop);
+    for (name, plane) in layers.names().zip(planes) {
         picture.set_channel(name, plane);
     }
     picture
+}
+
+/// The channels of a picture, and how tiles are drawn into them.
+pub(crate) struct Layers(Vec<Channel>);
+
+impl Layers {
+    /// All channels that the settings ask for.
+    pub fn new(settings: &Settings) -> Self {
+        Self(channels(settings))
+    }
+
+    /// The names of the channels.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|(name, _)| &**name)
+    }
+
+    /// A plane for each channel, of the pixels of a window.
+    pub fn blank(&self, window: Window) -> Vec<Vec<f32>> {
+        vec![vec![0.0; window.area()]; self.0.len()]
+    }
+
+    /// Draws those rows of a tile that lie in a window, which is as wide as the tile or wider.
+    pub fn draw(&self, tile: &Tile, window: Window, planes: &mut [Vec<f32>]) {
+        for (x, y, sums) in tile.iter() {
+            let (x, y) = (x as i32 - window.x0, y as i32 - window.y0);
+            if y < 0 || y as usize >= window.height() {
+                continue;
+            }
+            let (at, means) = (y as usize * window.width() + x as usize, sums.means());
+            for (plane, (_, value)) in planes.iter_mut().zip(&self.0) {
+                plane[at] = value(&means);
+            }
+        }
+    }
 }

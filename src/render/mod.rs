@@ -4,25 +4,45 @@
 //! |---|---|
 //! | `start` | random numbers and camera rays of a tile's paths |
 //! | `stream` | advances some thousand paths together, bounce by bounce |
-//! | `tile` | a rectangle of pixels and the sums of their samples |
-//! | `frame` | hands tiles to threads, pass after pass |
+//! | `pixel`, `tile` | the sums of a pixel's samples; a square of pixels |
+//! | `passes` | the order of work |
+//! | `noise` | when the noise of a tile is low enough |
+//! | `film` | hands tiles to threads, pass after pass |
+//! | `frame` | a whole picture in one call |
+//! | `progress`, `ticks` | how far a render is, and who looks after it |
 //! | `breakdown` | where the time goes |
-//! | `aov` | makes the layers of the picture |
+//! | `aov`, `preview` | make the layers of the picture, and a first look at it |
+//! | `rendered` | what a render gives |
 //! | `replay` | one path alone, described step by step |
 
 mod aov;
 mod breakdown;
+mod film;
 mod frame;
+mod noise;
+mod passes;
+mod pixel;
+mod preview;
+mod progress;
+mod rendered;
 mod replay;
 mod settings;
 mod start;
 mod stream;
+mod ticks;
 mod tile;
 
+pub(crate) use aov::Layers;
 pub use aov::film_bytes;
 pub use breakdown::{Breakdown, Stage};
-pub use frame::{Control, FilmAccumulator, Progress, Rendered, render};
+pub use film::Film;
+pub use frame::{Control, render};
+pub use noise::{NoiseReached, NoiseTarget};
+pub use progress::Progress;
+pub use rendered::Rendered;
 pub use replay::replay;
 pub use settings::{Aov, Settings};
 pub use stream::RayCounts;
+pub use ticks::with_ticks;
 pub use tile::LostSample;
+pub(crate) use tile::{SIDE, Tile, tile_windows};

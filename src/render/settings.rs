@@ -1,5 +1,6 @@
 //! What a picture is a function of, besides its scene and camera.
 
+use super::noise::NoiseTarget;
 use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
 use crate::integrator::{LENS_DIMENSION, Path, Transport};
@@ -43,8 +44,10 @@ pub struct Settings {
     pub resolution: (u32, u32),
     /// The part of it to render; inside the frame, not empty.
     pub crop: Window,
-    /// Samples per pixel, at least 1.
+    /// Samples per pixel, at least 1; with a target for the noise, at most.
     pub spp: u64,
+    /// Stops parts of the picture once their noise is so low.
+    pub noise: Option<NoiseTarget>,
     /// Another number, another noise.
     pub seed: u64,
     /// How the samples of a pixel relate to each other.
@@ -73,6 +76,7 @@ impl Settings {
             resolution: (width, height),
             crop: Window::of_size(width as usize, height as usize),
             spp: 64,
+            noise: None,
             seed: 0,
             pattern: SamplePattern::default(),
             filter: PixelFilter::BlackmanHarris,

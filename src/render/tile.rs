@@ -1,18 +1,20 @@
-//! A rectangle of pixels and the sums of their samples.
+//! A tile of the frame: its pixels, and the sums of their samples.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use super::breakdown::Stage;
+use super::pixel::PixelSums;
 use super::settings::Settings;
 use super::start::Starts;
 use super::stream::Stream;
 use crate::camera::CameraRays;
-use crate::integrator::FirstHit;
-use crate::math::Vec3;
-use crate::sampling::BlockSums;
+use crate::film::Window;
+use crate::sampling::NotAdjacent;
 
-/// Pixels along a side of a tile: with 16 samples each, some 4,000 paths.
-pub(super) const SIDE: u32 = 16;
+/// Pixels along a side of a tile: with 16 samples each, some 4,000 paths. Tiles are the squares of
+/// a grid over the frame, cut where the picture is.
+pub(crate) const SIDE: u32 = 16;
 
 /// How many lost samples are listed.
 const LISTED: usize = 10;
@@ -29,162 +31,171 @@ pub struct LostSample {
 }
 
 /// A tile's samples so far.
-#[derive(Debug)]
-pub(super) struct Tile {
-    x0: u32,
-    y0: u32,
-    width: u32,
-    height: u32,
-    /// The sample that every pixel takes next.
-    pub next: u64,
+#[derive(Clone, Debug)]
+pub(crate) struct Tile {
+    /// Its part of the frame.
+    pub window: Window,
+    /// The first sample of every pixel, and the one that comes next.
+    pub range: Range<u64>,
+    /// Whether it takes no more samples, for the noise is low enough.
+    pub finished: bool,
     /// Row by row.
-    pub pixels: Vec<PixelSums>,
+    pub(super) pixels: Vec<PixelSums>,
     /// The first few by place.
     pub lost: Vec<LostSample>,
     /// All of them.
     pub lost_count: u64,
 }
 
-/// The sums of one pixel.
-#[derive(Clone, Debug, Default)]
-pub(super) struct PixelSums {
-    /// By [`channel`]; those of the first surface add nothing where a camera ray hits none.
-    sums: BlockSums<{ channel::COUNT }, 3>,
-    nanoseconds: f64,
-}
-
-/// The first of each quantity's channels among those that are summed.
-mod channel {
-    pub const RADIANCE: usize = 0;
-    /// One where the camera ray hit something, else zero: its sum counts hits, exactly.
-    pub const HIT: usize = 3;
-    pub const ALBEDO: usize = 4;
-    pub const NORMAL: usize = 7;
-    pub const POSITION: usize = 10;
-    pub const DISTANCE: usize = 13;
-    pub const COUNT: usize = 14;
-}
-
-/// What a pixel shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Means {
-    pub radiance: [f64; 3],
-    /// Estimated, of the mean.
-    pub variance: [f64; 3],
-    /// The share of camera rays that hit something.
-    pub alpha: f64,
-    pub albedo: [f64; 3],
-    pub normal: [f64; 3],
-    /// This and the distance: over those samples that hit something.
-    pub position: [f64; 3],
-    pub distance: f64,
-    /// Samples in the mean.
-    pub count: u64,
-    /// Nanoseconds per sample.
-    pub cost: f64,
-}
-
-impl PixelSums {
-    fn add(&mut self, radiance: Vec3, first: Option<&FirstHit>) {
-        let mut sample = [0.0; channel::COUNT];
-        let mut put =
-            |at: usize, value: Vec3| sample[at..at + 3].copy_from_slice(&value.to_array());
-        put(channel::RADIANCE, radiance);
-        if let Some(hit) = first {
-            put(channel::ALBEDO, hit.albedo);
-            put(channel::NORMAL, hit.normal);
-            put(channel::POSITION, hit.position);
-            sample[channel::DISTANCE] = hit.distance;
-            sample[channel::HIT] = 1.0;
-        }
-        self.sums.add(sample);
-    }
-
-    /// What the samples so far come to.
-    pub fn means(&self) -> Means {
-        let (sum, count) = (self.sums.sum(), self.sums.count());
-        let (all, hits) = (count.max(1) as f64, sum[channel::HIT].max(1.0));
-        let three = |at: usize, by: f64| [sum[at] / by, sum[at + 1] / by, sum[at + 2] / by];
-        Means {
-            radiance: three(channel::RADIANCE, all),
-            variance: self.sums.variance_of_mean(),
-            alpha: sum[channel::HIT] / all,
-            albedo: three(channel::ALBEDO, all),
-            normal: three(channel::NORMAL, all),
-            position: three(channel::POSITION, hits),
-            distance: sum[channel::DISTANCE] / hits,
-            count,
-            cost: self.nanoseconds / self.sums.range().end.max(1) as f64,
-        }
-    }
-
-    /// Bytes that a pixel takes with some number of samples.
-    pub const fn bytes(samples: u64) -> u64 {
-        let sums = BlockSums::<{ channel::COUNT }, 3>::bytes(samples);
-        sums + size_of::<Self>() as u64 - BlockSums::<{ channel::COUNT }, 3>::bytes(0)
-    }
-}
-
 impl Tile {
-    /// The tile whose first pixel is at column `x0`, row `y0` of the frame.
-    pub fn new(x0: u32, y0: u32, width: u32, height: u32) -> Self {
-        let pixels = vec![PixelSums::default(); (width * height) as usize];
-        Self { x0, y0, width, height, next: 0, pixels, lost: Vec::new(), lost_count: 0 }
+    /// A tile without samples; the first to come is number `first`, a multiple of a block.
+    pub fn new(window: Window, first: u64) -> Self {
+        let pixels = vec![PixelSums::starting_at(first); window.area()];
+        let (lost, lost_count) = (Vec::new(), 0);
+        Self { window, range: first..first, finished: false, pixels, lost, lost_count }
     }
 
     /// Columns and rows of the frame with the sums of each pixel.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, u32, &PixelSums)> {
-        let places = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
-        places.zip(&self.pixels).map(|((x, y), sums)| (self.x0 + x, self.y0 + y, sums))
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, u32, &PixelSums)> {
+        places(self.window).zip(&self.pixels).map(|((x, y), sums)| (x, y, sums))
     }
 
     /// Takes all pixels up to the sample `end`, exclusively.
-    pub fn advance(
+    pub(super) fn advance(
         &mut self,
         stream: &mut Stream<'_>,
         camera: &CameraRays,
         settings: &Settings,
         end: u64,
     ) {
-        let (first, count) = (self.next, (end - self.next) as u32);
-        let place = |pixel: u32| (self.x0 + pixel % self.width, self.y0 + pixel / self.width);
+        let (first, count) = (self.range.end, (end - self.range.end) as u32);
+        let window = self.window;
         stream.run(Starts {
             settings,
             camera,
-            corner: (self.x0, self.y0),
-            size: (self.width, self.height),
+            corner: (window.x0 as u32, window.y0 as u32),
+            size: (window.width() as u32, window.height() as u32),
             first,
             count,
             keyed: false,
         });
         let start = Instant::now();
-        for pixel in 0..self.width * self.height {
-            let (x, y) = place(pixel);
-            let sums = &mut self.pixels[pixel as usize];
+        for (pixel, (x, y)) in places(window).enumerate() {
+            let sums = &mut self.pixels[pixel];
             for sample in 0..count {
-                let slot = (pixel * count + sample) as usize;
+                let slot = pixel * count as usize + sample as usize;
                 let result = &stream.samples()[slot];
                 sums.nanoseconds += f64::from(stream.nanoseconds(slot));
                 if !result.radiance.is_finite() {
-                    sums.sums.skip();
+                    sums.skip();
                     self.lost.push(LostSample { y, x, sample: first + u64::from(sample) });
                     self.lost_count += 1;
                     continue;
                 }
                 sums.add(result.radiance, result.first.as_ref());
             }
-            sums.sums.shrink(); // there are millions of them
+            sums.shrink();
         }
         stream.breakdown().add_since(Stage::Film, start);
-        self.lost.sort_unstable();
-        self.lost.truncate(LISTED);
-        self.next = end;
+        self.lost = first_lost(std::mem::take(&mut self.lost));
+        self.range.end = end;
+    }
+
+    /// Joins the samples that follow, of the same pixels.
+    ///
+    /// # Errors
+    /// If they do not follow.
+    pub fn append(&mut self, later: &Self) -> Result<(), NotAdjacent> {
+        for (sums, later) in self.pixels.iter_mut().zip(&later.pixels) {
+            sums.append(later)?;
+            sums.shrink();
+        }
+        self.lost.extend_from_slice(&later.lost);
+        self.lost = first_lost(std::mem::take(&mut self.lost));
+        self.lost_count += later.lost_count;
+        self.range.end = later.range.end;
+        self.finished = later.finished;
+        Ok(())
+    }
+
+    /// Passes over whole blocks of samples that are not there, up to one that starts at `next`.
+    pub fn pass_over(&mut self, next: u64) {
+        if next > self.range.end {
+            self.pixels.iter_mut().for_each(|sums| sums.pass_over(next));
+            self.range.end = next;
+        }
+    }
+
+    /// A tile of a window from tiles of other rectangles in it. Where there is none, there are no
+    /// samples.
+    pub fn assemble(window: Window, tiles: Vec<Self>) -> Self {
+        let start = tiles.iter().map(|tile| tile.range.start).min().unwrap_or(0);
+        let mut whole = Self::new(window, start);
+        whole.finished = !tiles.is_empty() && tiles.iter().all(|tile| tile.finished);
+        for tile in tiles {
+            whole.range.end = whole.range.end.max(tile.range.end);
+            whole.lost_count += tile.lost_count;
+            whole.lost.extend(tile.lost);
+            for ((x, y), sums) in places(tile.window).zip(tile.pixels) {
+                let (x, y) = (x as i32 - window.x0, y as i32 - window.y0);
+                whole.pixels[y as usize * window.width() + x as usize] = sums;
+            }
+        }
+        whole.lost = first_lost(whole.lost);
+        whole
+    }
+
+    /// The place of the first pixel whose sums are not those of another tile of the same samples.
+    pub fn find_difference(&self, other: &Self) -> Option<(u32, u32)> {
+        let mut pairs = self.iter().zip(&other.pixels);
+        pairs.find(|((_, _, sums), other)| !sums.has_same_sums(other)).map(|((x, y, _), _)| (x, y))
+    }
+
+    /// Words of 64 bits that a pixel's sums take; see [`Self::words`].
+    pub fn words_of_pixel(range: Range<u64>) -> usize {
+        PixelSums::words(range)
+    }
+
+    /// The sums of each pixel as words of 64 bits, of which each has as many.
+    pub fn words(&self) -> impl Iterator<Item = impl Iterator<Item = u64> + '_> + '_ {
+        self.pixels.iter().map(PixelSums::to_words)
+    }
+
+    /// A tile from the words of its pixels; none if no sums have such words.
+    pub fn from_words(
+        window: Window,
+        range: Range<u64>,
+        pixels: impl Iterator<Item = impl Iterator<Item = u64>>,
+    ) -> Option<Self> {
+        let pixels: Option<Vec<_>> =
+            pixels.map(|mut words| PixelSums::from_words(range.clone(), &mut words)).collect();
+        let pixels = pixels.filter(|pixels| pixels.len() == window.area())?;
+        let (lost, lost_count) = (Vec::new(), 0);
+        Some(Self { window, range, finished: false, pixels, lost, lost_count })
     }
 }
 
-/// The first few of the lost samples of all tiles.
-pub(super) fn find_first_lost<'a>(tiles: impl Iterator<Item = &'a Tile>) -> Vec<LostSample> {
-    let mut lost: Vec<LostSample> = tiles.flat_map(|tile| tile.lost.iter().copied()).collect();
+/// The windows of the tiles of a part of the frame, row by row.
+pub(crate) fn tile_windows(crop: Window) -> Vec<Window> {
+    let side = SIDE as i32;
+    let cuts = |first: i32, end: i32| {
+        let inner = (first / side + 1..).map(move |cell| cell * side);
+        let starts = std::iter::once(first).chain(inner).take_while(move |&start| start < end);
+        starts.map(move |start| (start, ((start / side + 1) * side).min(end)))
+    };
+    cuts(crop.y0, crop.y1)
+        .flat_map(|(y0, y1)| cuts(crop.x0, crop.x1).map(move |(x0, x1)| Window { x0, y0, x1, y1 }))
+        .collect()
+}
+
+/// The pixels of a window, row by row: columns and rows of the frame.
+fn places(window: Window) -> impl Iterator<Item = (u32, u32)> {
+    let columns = window.x0 as u32..window.x1 as u32;
+    (window.y0 as u32..window.y1 as u32).flat_map(move |y| columns.clone().map(move |x| (x, y)))
+}
+
+/// The first few of some lost samples, by row, column and sample.
+pub(crate) fn first_lost(mut lost: Vec<LostSample>) -> Vec<LostSample> {
     lost.sort_unstable();
     lost.truncate(LISTED);
     lost
@@ -195,26 +206,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn layers_of_the_first_surface_are_exact_over_many_samples() {
-        // Two positions 2^24 apart a million times: running f32 sums would lose their last bits,
-        // and a f32 count would end at 2^24.
-        let hit = |x: f32| FirstHit {
-            albedo: Vec3::splat(0.1),
-            normal: Vec3::Y,
-            position: Vec3::new(x, 0.0, 0.0),
-            distance: x,
-        };
-        let mut sums = PixelSums::default();
-        assert_eq!((sums.means().count, sums.means().position), (0, [0.0; 3]));
-        for _ in 0..500_000 {
-            sums.add(Vec3::ONE, Some(&hit(1.0)));
-            sums.add(Vec3::ONE, Some(&hit(16_777_215.0)));
-            sums.add(Vec3::ZERO, None);
+    fn tiles_cover_a_crop_once_and_lie_in_the_squares_of_the_frame() {
+        for crop in [
+            Window { x0: 5, y0: 3, x1: 40, y1: 20 },
+            Window { x0: 16, y0: 0, x1: 32, y1: 17 },
+            Window { x0: 17, y0: 33, x1: 18, y1: 34 },
+        ] {
+            let mut seen = vec![0; crop.area()];
+            for window in tile_windows(crop) {
+                assert_eq!(window.x0 / 16, (window.x1 - 1) / 16);
+                assert_eq!(window.y0 / 16, (window.y1 - 1) / 16);
+                for (x, y) in places(window) {
+                    let (x, y) = (x as i32 - crop.x0, y as i32 - crop.y0);
+                    seen[y as usize * crop.width() + x as usize] += 1;
+                }
+            }
+            assert!(seen.iter().all(|&times| times == 1), "{crop}");
         }
-        let means = sums.means();
-        assert_eq!((means.position[0], means.distance), (8_388_608.0, 8_388_608.0));
-        assert_eq!((means.normal[1], means.alpha), (2.0 / 3.0, 2.0 / 3.0));
-        assert!((means.albedo[0] - f64::from(0.1_f32) * 2.0 / 3.0).abs() < 1e-12);
-        assert_eq!((means.count, means.radiance), (1_500_000, [2.0 / 3.0; 3]));
     }
 }

@@ -138,6 +138,66 @@ impl<const C: usize, const V: usize> BlockSums<C, V> {
         Ok(())
     }
 
+    /// Passes over whole blocks of samples that are not there: the next to come is number `next`.
+    /// Both where this run ends and `next` are edges of blocks, else nothing happens.
+    pub fn pass_over(&mut self, next: u64) {
+        if self.next.is_multiple_of(BLOCK) && next.is_multiple_of(BLOCK) && next > self.next {
+            self.next = next;
+        }
+    }
+
+    /// How many nodes the sums of a run of samples are, the block that is not full included.
+    pub fn node_count(range: std::ops::Range<u64>) -> usize {
+        let whole = subtrees(range.start / BLOCK, range.end / BLOCK).count();
+        whole + usize::from(!range.end.is_multiple_of(BLOCK))
+    }
+
+    /// The bits of a node's numbers, one after the other: sums, squares and count.
+    pub const NODE_WORDS: usize = C + V + 1;
+
+    /// All nodes as words, [`Self::NODE_WORDS`] each, in the order of their samples; last the block
+    /// that is not full, if there is one.
+    pub fn to_words(&self) -> impl Iterator<Item = u64> + '_ {
+        let open = (!self.next.is_multiple_of(BLOCK)).then_some(&self.open);
+        let nodes = self.nodes.iter().map(|node| &node.moments).chain(open);
+        nodes.flat_map(|moments| {
+            let numbers = moments.sum.iter().chain(&moments.squares);
+            numbers.map(|x| x.to_bits()).chain([moments.count])
+        })
+    }
+
+    /// The sums of a run of samples from the words that [`Self::to_words`] gave; `range` starts at a
+    /// block. None if there are too few words, a number is not finite, or more samples are in a node
+    /// than it can hold.
+    pub fn from_words(
+        range: std::ops::Range<u64>,
+        words: &mut impl Iterator<Item = u64>,
+    ) -> Option<Self> {
+        let mut sums = Self::starting_at_block(range.start / BLOCK);
+        sums.next = range.end;
+        let mut read = |most: u64| {
+            let mut number = || {
+                let number = f64::from_bits(words.next()?);
+                number.is_finite().then_some(number)
+            };
+            let mut moments = Moments::ZERO;
+            for place in moments.sum.iter_mut().chain(&mut moments.squares) {
+                *place = number()?;
+            }
+            moments.count = words.next()?;
+            (moments.count <= most).then_some(moments)
+        };
+        for (level, index) in subtrees(range.start / BLOCK, range.end / BLOCK) {
+            let moments = read(BLOCK << level)?;
+            sums.nodes.push(Node { level, index, moments });
+        }
+        let rest = range.end % BLOCK;
+        if rest > 0 {
+            sums.open = read(rest)?;
+        }
+        Some(sums)
+    }
+
     /// Frees the memory that is only needed until two nodes are added.
     pub fn shrink(&mut self) {
         self.nodes.shrink_to_fit();
@@ -195,6 +255,19 @@ impl<const C: usize, const V: usize> BlockSums<C, V> {
     fn total(&self) -> Moments<C, V> {
         self.nodes.iter().rfold(self.open, |sum, node| node.moments.add(&sum))
     }
+}
+
+/// The largest whole subtrees that fill the blocks from `first` to `end`, in their order: level and
+/// index of each.
+fn subtrees(first: u64, end: u64) -> impl Iterator<Item = (u32, u64)> {
+    let mut at = first;
+    std::iter::from_fn(move || {
+        let left = end.checked_sub(at).filter(|&left| left > 0)?;
+        let level = at.trailing_zeros().min(left.ilog2());
+        let index = at >> level;
+        at += 1 << level;
+        Some((level, index))
+    })
 }
 
 #[cfg(test)]
@@ -263,7 +336,34 @@ mod tests {
         );
     }
 
+    #[test]
+    fn words_that_no_sums_have_are_refused() {
+        let words: Vec<u64> = run(0..20).to_words().collect();
+        let read = |words: &[u64]| BlockSums::<2, 2>::from_words(0..20, &mut words.iter().copied());
+        assert_eq!(read(&words), Some(run(0..20)));
+        assert_eq!(read(&words[1..]), None);
+        let with = |at: usize, word: u64| {
+            let mut words = words.clone();
+            words[at] = word;
+            read(&words)
+        };
+        assert_eq!(with(0, f64::NAN.to_bits()), None);
+        assert!(with(4, 16).is_some() && with(4, 17).is_none(), "a block has 16 samples");
+        assert!(with(9, 4).is_some() && with(9, 5).is_none(), "the open one has four");
+    }
+
     proptest! {
+        #[test]
+        fn sums_are_the_same_after_words(first in 0_u64..9, length in 0_u64..700) {
+            let range = first * BLOCK..first * BLOCK + length;
+            let sums = run(range.clone());
+            let words: Vec<u64> = sums.to_words().collect();
+            let nodes = BlockSums::<2, 2>::node_count(range.clone());
+            prop_assert_eq!(words.len(), nodes * BlockSums::<2, 2>::NODE_WORDS);
+            let again = BlockSums::from_words(range, &mut words.into_iter());
+            prop_assert_eq!(again, Some(sums));
+        }
+
         /// However a run is cut at blocks, and in whichever order its parts are joined, the same
         /// bits come out.
         #[test]

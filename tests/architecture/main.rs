@@ -7,7 +7,7 @@ mod sources;
 use sources::{Source, sources};
 
 /// Rooms by floor, from the bottom; see the crate's documentation.
-const FLOORS: [&[&str]; 9] = [
+const FLOORS: [&[&str]; 10] = [
     &["names"],
     &["files", "math", "simd"],
     &["geom", "sampling", "film"],
@@ -16,6 +16,7 @@ const FLOORS: [&[&str]; 9] = [
     &["world", "formats"],
     &["integrator"],
     &["render", "bench"],
+    &["part"],
     &["cli"],
 ];
 

@@ -1,6 +1,7 @@
-//! `dapple info`: what a scene holds.
+//! `dapple info`: what a scene holds, or a part of a picture.
 
 mod json;
+mod part;
 mod report;
 mod text;
 
@@ -11,11 +12,13 @@ use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
 use crate::cli::text::print;
 use crate::formats::{self, LoadOptions, MissingTexture};
+use crate::part::is_part;
 use crate::scene::Survey;
 use crate::scene::defaults::bounds;
 use report::Report;
 
-/// Report what a scene holds, what of it is not honoured, and what looks like a mistake.
+/// Report what a scene holds, what of it is not honoured, and what looks like a mistake; or what is
+/// in a part of a picture.
 ///
 /// The scene is loaded as for a render; textures that cannot be read are magenta. Memory is that of
 /// meshes and decoded textures, and an estimate for the structure that `render` builds over them.
@@ -24,9 +27,10 @@ use report::Report;
 Examples:
   dapple info scenes/cornell.gltf
   dapple info model.glb --scene 1 --variant midnight
-  dapple info scan.ply --json")]
+  dapple info scan.ply --json
+  dapple info scene.part")]
 pub struct InfoArgs {
-    /// The scene: .gltf, .glb, .obj, .ply or .toml
+    /// The scene: .gltf, .glb, .obj, .ply or .toml; or a part, or a checkpoint
     #[arg(value_name = "SCENE")]
     scene_file: PathBuf,
     /// Which of a glTF file's scenes, by name or number from 0
@@ -44,6 +48,9 @@ pub struct InfoArgs {
 
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> Result<ExitCode, CliError> {
+    if is_part(&args.scene_file) {
+        return part::run(&args.scene_file, args.json);
+    }
     let options = LoadOptions {
         missing_texture: MissingTexture::Magenta,
         scene: args.scene.clone(),

@@ -10,6 +10,7 @@ mod scene;
 mod shutter;
 mod view;
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
 use crate::accel::{self, Accel, BuildError};
@@ -19,7 +20,7 @@ use crate::cli::input;
 use crate::cli::settings::RenderArgs;
 use crate::film::Window;
 use crate::integrator::Transport;
-use crate::render::Settings;
+use crate::render::{NoiseTarget, Settings};
 use crate::scene::Notice;
 use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
 use crate::world::World;
@@ -27,6 +28,10 @@ pub use shutter::Shutter;
 
 /// Width of a picture whose size no one has said.
 const DEFAULT_WIDTH: u32 = 1280;
+
+/// The fewest and the most samples a pixel under a target for the noise, if no one says.
+const MIN_SPP: u64 = 64;
+const MAX_SPP: u64 = 16_384;
 
 /// All that a render needs. Structure, instruction set and threads are among its settings.
 pub struct Job {
@@ -61,6 +66,7 @@ impl Job {
     /// What is wrong with the scene, or with the settings for this scene.
     pub fn prepare(mut args: RenderArgs) -> Result<Self, CliError> {
         let start = Instant::now();
+        args.spp = count_samples(&args);
         let shutter = Shutter::new(&args);
         let (mut scene, mut notices) = scene::load(&args, shutter.time(0))?;
         let file = args.scene_file.display().to_string();
@@ -113,6 +119,24 @@ impl Job {
         Ok(Some(Moment { world, camera, notices, elapsed: start.elapsed() }))
     }
 
+    /// A digest of the scene at all moments, if there are several: each is read for it.
+    ///
+    /// # Errors
+    /// What is wrong with the scene at one of them.
+    pub fn digest_moments(&self) -> Result<Option<u64>, CliError> {
+        if self.shutter.moments() == 1 {
+            return Ok(None);
+        }
+        let mut hasher = DefaultHasher::new();
+        self.first.world.scene.digest().hash(&mut hasher);
+        for moment in 1..self.shutter.moments() {
+            let posed = self.pose(moment)?;
+            let now = posed.as_ref().unwrap_or(&self.first);
+            now.world.scene.digest().hash(&mut hasher);
+        }
+        Ok(Some(hasher.finish()))
+    }
+
     /// Builds the structure that was asked for, on the threads of the current pool.
     ///
     /// # Errors
@@ -127,6 +151,15 @@ impl Job {
     /// If they cannot be started.
     pub fn on_threads<R: Send>(&self, work: impl FnOnce() -> R + Send) -> Result<R, CliError> {
         input::run_on_threads(self.args.threads, work)
+    }
+}
+
+/// The samples a pixel of the whole picture: as many as are named, or up to which noise may go.
+fn count_samples(args: &RenderArgs) -> u64 {
+    let named = args.samples.as_ref().map_or(0, |samples| samples.end);
+    match args.noise {
+        Some(_) => args.max_spp.unwrap_or(MAX_SPP),
+        None => args.spp.max(named),
     }
 }
 
@@ -146,6 +179,9 @@ fn choose_settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError>
         resolution,
         crop,
         spp: args.spp,
+        noise: args
+            .noise
+            .map(|error| NoiseTarget { error, min_spp: args.min_spp.unwrap_or(MIN_SPP) }),
         seed: args.seed,
         pattern: args.sampler,
         filter: args.filter,

@@ -1,28 +1,131 @@
 //! A picture's header: how it was made.
 
+use std::path::Path;
+
+use toml::{Table as TomlTable, Value};
+
 use crate::cli::job::Job;
 use crate::cli::settings::Table;
 use crate::cli::shell;
-use crate::render::Rendered;
+use crate::film::Picture;
+use crate::part::Head;
+use crate::render::{NoiseReached, Rendered};
 
-/// Writes into the header how the picture was made; `words` are those of the command line after
-/// `dapple`.
-pub fn describe(rendered: &mut Rendered, job: &Job, words: &[String]) {
-    let strings = [
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("command", format!("dapple {}", shell::join(words))),
-        ("settings", Table::default().to_toml(&job.args)),
-        ("seed", job.settings.seed.to_string()),
-        ("spp", job.settings.spp.to_string()),
-        ("accel", job.args.accel.to_string()),
-        ("scene", job.args.scene_file.display().to_string()),
-        ("scene-digest", format!("{:016x}", job.first.world.scene.digest())),
-        ("lost-samples", rendered.lost_count.to_string()),
-        ("render-time", format!("{:.3} s", rendered.elapsed.as_secs_f64())),
-    ];
-    for (name, value) in strings {
-        rendered.picture.strings.insert(format!("dapple/{name}"), value);
+/// What a header tells.
+pub struct Header {
+    /// All settings as TOML.
+    settings: TomlTable,
+    scene: String,
+    scene_digest: String,
+    lost_samples: u64,
+    render_s: f64,
+    /// Under a target for the noise: what was reached.
+    reached: Option<NoiseReached>,
+    /// The words of the command line after `dapple`.
+    words: Vec<String>,
+}
+
+impl Header {
+    /// The header of a picture that a job rendered.
+    pub fn of_render(rendered: &Rendered, job: &Job, words: &[String]) -> Self {
+        Self {
+            settings: parse(&Table::default().to_toml(&job.args)),
+            scene: job.args.scene_file.display().to_string(),
+            scene_digest: format!("{:016x}", job.first.world.scene.digest()),
+            lost_samples: rendered.lost_count,
+            render_s: rendered.elapsed.as_secs_f64(),
+            reached: rendered.reached,
+            words: words.to_vec(),
+        }
     }
+
+    /// The header of a picture that parts add up to: what one render of all samples would tell.
+    pub fn of_parts(head: &Head, lost_samples: u64, words: &[String]) -> Self {
+        let mut settings = parse(&head.settings);
+        settings.insert("spp".to_owned(), Value::Integer(head.spp as i64));
+        let (crop, (width, height)) = (head.crop(), head.resolution);
+        if crop.area() < width as usize * height as usize {
+            let corners = [crop.x0, crop.y0, crop.x1, crop.y1].map(i64::from).to_vec();
+            settings.insert("crop".to_owned(), corners.into());
+        } else {
+            settings.remove("crop");
+        }
+        Self {
+            settings,
+            scene: head.scene.clone(),
+            scene_digest: head.scene_digest.clone(),
+            lost_samples,
+            render_s: head.render_s,
+            reached: None,
+            words: words.to_vec(),
+        }
+    }
+
+    /// Makes the picture one that is the same whenever it is made.
+    pub fn make_reproducible(&mut self) {
+        self.settings.insert("reproducible".to_owned(), true.into());
+    }
+
+    /// Whether it leaves out what differs between runs.
+    pub fn is_reproducible(&self) -> bool {
+        self.settings.get("reproducible").and_then(Value::as_bool) == Some(true)
+    }
+
+    /// A setting, as it was typed.
+    fn setting(&self, name: &str) -> String {
+        match self.settings.get(name) {
+            Some(Value::String(text)) => text.clone(),
+            Some(value) => value.to_string(),
+            None => String::new(),
+        }
+    }
+
+    /// The strings of the header, by name.
+    pub fn strings(&self) -> Vec<(String, String)> {
+        let is_reproducible = self.is_reproducible();
+        let mut settings = self.settings.clone();
+        let mut scene = self.scene.clone();
+        let mut strings = Vec::new();
+        if is_reproducible {
+            let table = Table::default();
+            settings.retain(|name, _| table.is_reproducible(name));
+            let name =
+                Path::new(&scene).file_name().map(|name| name.to_string_lossy().into_owned());
+            scene = name.unwrap_or(scene);
+        } else {
+            strings.push(("command", format!("dapple {}", shell::join(&self.words))));
+            strings.push(("accel", self.setting("accel")));
+            strings.push(("render-time", format!("{:.3} s", self.render_s)));
+        }
+        strings.extend([
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("settings", settings.to_string()),
+            ("seed", self.setting("seed")),
+            ("spp", self.setting("spp")),
+            ("scene", scene),
+            ("scene-digest", self.scene_digest.clone()),
+            ("lost-samples", self.lost_samples.to_string()),
+        ]);
+        if let Some(NoiseReached { largest, share }) = self.reached {
+            let reached = format!("{largest:.5} at most; share of the tiles below: {share:.4}");
+            strings.push(("noise-reached", reached));
+        }
+        strings.into_iter().map(|(name, value)| (format!("dapple/{name}"), value)).collect()
+    }
+
+    /// Writes it into a picture; one that is to be the same whenever it is made loses its layer
+    /// `cost`.
+    pub fn apply(&self, picture: &mut Picture) {
+        picture.strings.extend(self.strings());
+        if self.is_reproducible() {
+            picture.retain_channels(|name| !name.starts_with("cost."));
+        }
+    }
+}
+
+/// Settings that this program wrote.
+fn parse(settings: &str) -> TomlTable {
+    settings.parse().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -39,5 +142,19 @@ mod tests {
         assert!(command.ends_with("--spp 4 --spp 1 --env 1,0.5,1"), "{command}");
         assert_eq!(picture.strings["dapple/spp"], "1");
         assert_eq!(picture.strings["dapple/lost-samples"], "0");
+    }
+
+    #[test]
+    fn a_reproducible_picture_tells_nothing_of_time_place_and_machine() {
+        let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace.gltf");
+        let words = ["--resolution", "2x2", "--spp", "1", "--reproducible", "--threads", "1"];
+        let picture = render_picture(&scene, &words.map(str::to_owned)).expect("good words");
+        let names: Vec<&str> = picture.strings.keys().map(|name| &name[7..]).collect();
+        let expected =
+            ["lost-samples", "scene", "scene-digest", "seed", "settings", "spp", "version"];
+        assert_eq!(names, expected);
+        assert_eq!(picture.strings["dapple/scene"], "furnace.gltf");
+        assert!(!picture.strings["dapple/settings"].contains("threads"));
+        assert!(picture.channel("cost.Y").is_none() && picture.channel("depth.Z").is_some());
     }
 }

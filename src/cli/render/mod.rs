@@ -7,13 +7,16 @@
 //! | `report` | says what a render took |
 //! | `header` | writes into the picture how it was made |
 //! | `dry_run` | estimates what a render would take |
-//! | `interrupt` | listens to Ctrl-C |
+//! | `checkpoint` | parts and checkpoints: sums to files and back |
+//! | `signals` | what a render is told from outside |
 
+mod checkpoint;
 mod dry_run;
 mod header;
-mod interrupt;
 mod moments;
 mod report;
 mod run;
+mod signals;
 
+pub use header::Header;
 pub use run::{render_picture, run};

@@ -1,18 +1,34 @@
 //! Builds and renders, moment by moment if the shutter is open for some time.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use super::checkpoint::{self, Checkpoint};
+use super::signals::{AGAIN, Signals};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::memory;
 use crate::cli::progress::{Reporter, note, say};
 use crate::cli::settings::parse::ProgressStyle;
-use crate::render::{Control, FilmAccumulator, Rendered, film_bytes};
+use crate::render::{Film, Rendered, film_bytes, with_ticks};
+
+/// A film with all samples that could be taken, and what it took.
+pub struct Exposed {
+    pub film: Film,
+    pub took: Took,
+    /// Where it can go on from.
+    pub checkpoint: Option<Checkpoint>,
+}
 
 /// A picture, and what it took.
 pub struct Outcome {
     pub rendered: Rendered,
+    pub took: Took,
+}
+
+/// What a render took besides samples.
+#[derive(Default)]
+pub struct Took {
     /// Time to read and prepare the scene, at all moments.
     pub loaded: Duration,
     /// Time to build structures, at all moments.
@@ -21,79 +37,145 @@ pub struct Outcome {
     pub moments: usize,
     /// What ended it before the last moment.
     pub stopped: Option<CliError>,
+    /// Whether it ended because its time was over.
+    pub out_of_time: bool,
 }
 
-/// Renders a job, on as many threads as it asks for.
+/// What a render answers to while it runs.
+pub struct Control<'a> {
+    pub signals: &'a Signals,
+    pub style: ProgressStyle,
+    /// When the process started.
+    pub start: Instant,
+    /// Saves what there is, where there is no checkpoint to save.
+    pub save: &'a (dyn Fn(&Film) + Sync),
+}
+
+/// Takes the samples of a job, on as many threads as it asks for.
 ///
 /// # Errors
-/// What is wrong at the first moment. Where a later one fails, the picture is of those before.
-pub fn render(job: &Job, cancel: &AtomicBool, style: ProgressStyle) -> Result<Outcome, CliError> {
+/// What is wrong with the checkpoint, or at the first moment. Where a later one fails, the film is
+/// of those before.
+pub fn expose(job: &Job, control: &Control<'_>) -> Result<Exposed, CliError> {
     let crop = job.settings.crop;
     let what = format!("a picture of {}x{}", crop.width(), crop.height());
     memory::require(&what, film_bytes(&job.settings))?;
-    job.on_threads(|| {
-        let style = if job.args.quiet { ProgressStyle::None } else { style };
-        let reporter = Reporter::new(style);
-        let control = Control { cancel, progress: &|progress| reporter.update(progress) };
-        let mut progress = Progress {
-            film: FilmAccumulator::new(&job.settings),
-            loaded: job.first.elapsed,
-            built: Duration::ZERO,
-            moments: 0,
-        };
-        let mut stopped = None;
-        for moment in 0..job.shutter.moments() {
-            match progress.add_moment(job, moment, &control) {
-                Err(error) if moment == 0 => return Err(error),
-                Err(error) => stopped = Some(error),
-                Ok(()) => {}
-            }
-            if stopped.is_some() || cancel.load(Ordering::Relaxed) {
-                break;
+    let mut film = Film::of_samples(job.settings.clone(), checkpoint::range(&job.args));
+    let checkpoint = Checkpoint::open(job)?.map(|(checkpoint, restored)| {
+        if let Some(restored) = restored {
+            film.restore(restored.tiles, restored.elapsed);
+            let samples = film.next_sample();
+            if !job.args.quiet {
+                say(&format!("goes on from {}, at sample {samples}", checkpoint.path().display()));
             }
         }
-        reporter.finish();
-        let Progress { film, loaded, built, moments } = progress;
-        Ok(Outcome { rendered: film.finish(), loaded, built, moments, stopped })
+        checkpoint
+    });
+    job.on_threads(|| {
+        let style = if job.args.quiet { ProgressStyle::None } else { control.style };
+        let exposure = Exposure {
+            job,
+            control,
+            film: &film,
+            checkpoint: checkpoint.as_ref(),
+            reporter: Reporter::new(style),
+            out_of_time: Mutex::new(false),
+        };
+        let took = exposure.expose()?;
+        Ok(Exposed { film, took, checkpoint })
     })?
 }
 
-/// What there is between moments.
-struct Progress<'a> {
-    film: FilmAccumulator<'a>,
-    loaded: Duration,
-    built: Duration,
-    moments: usize,
+/// A render under way.
+struct Exposure<'a> {
+    job: &'a Job,
+    control: &'a Control<'a>,
+    film: &'a Film,
+    checkpoint: Option<&'a Checkpoint>,
+    reporter: Reporter,
+    out_of_time: Mutex<bool>,
 }
 
-impl Progress<'_> {
+impl Exposure<'_> {
+    /// Takes the samples of all moments.
+    fn expose(&self) -> Result<Took, CliError> {
+        let (job, film) = (self.job, self.film);
+        let mut took = Took { loaded: job.first.elapsed, ..Took::default() };
+        for moment in 0..job.shutter.moments() {
+            let end = job.shutter.end(moment).min(film.range().end);
+            let is_taken = film.next_sample() >= end;
+            if is_taken {
+                took.moments += 1;
+                continue;
+            }
+            match self.add_moment(moment, end, &mut took) {
+                Err(error) if took.moments == 0 => return Err(error),
+                Err(error) => took.stopped = Some(error),
+                Ok(()) => {}
+            }
+            if took.stopped.is_some() || self.control.signals.is_cancelled() {
+                break;
+            }
+        }
+        self.reporter.finish();
+        took.out_of_time = self.out_of_time.lock().is_ok_and(|it| *it);
+        Ok(took)
+    }
+
     /// Poses the scene, builds the structure and takes the samples of a moment.
-    fn add_moment(
-        &mut self,
-        job: &Job,
-        moment: usize,
-        control: &Control<'_>,
-    ) -> Result<(), CliError> {
+    fn add_moment(&self, moment: usize, end: u64, took: &mut Took) -> Result<(), CliError> {
+        let (job, signals) = (self.job, self.control.signals);
         let later = job.pose(moment)?;
         if let Some(later) = &later {
-            self.loaded += later.elapsed;
+            took.loaded += later.elapsed;
             if !job.args.quiet {
                 later.notices.iter().for_each(note);
             }
-            if control.cancel.load(Ordering::Relaxed) {
+            if signals.is_cancelled() {
                 return Ok(());
             }
         }
         let now = later.as_ref().unwrap_or(&job.first);
         let start = Instant::now();
         let accel = job.build(&now.world)?;
-        self.built += start.elapsed();
+        took.built += start.elapsed();
         if job.args.verbose > 0 && moment == 0 {
-            say(&format!("built {} in {:.2} s", job.args.accel, self.built.as_secs_f64()));
+            say(&format!("built {} in {:.2} s", job.args.accel, took.built.as_secs_f64()));
         }
-        let end = job.shutter.end(moment);
-        self.film.accumulate(&now.world, &now.camera, &*accel, end, control);
-        self.moments += 1;
+        signals.expect_samples();
+        with_ticks(&|| self.tick(), || {
+            self.film.accumulate(&now.world, &now.camera, &*accel, end, signals.cancel());
+        });
+        took.moments += 1;
         Ok(())
+    }
+
+    /// Looks after the render, some ten times a second.
+    fn tick(&self) {
+        let Self { job, film, .. } = self;
+        self.reporter.update(film.progress());
+        let is_over =
+            |limit: Option<Duration>, spent: Duration| limit.is_some_and(|it| spent >= it);
+        if is_over(job.args.stop_after, self.control.start.elapsed()) {
+            self.control.signals.stop(AGAIN);
+        }
+        if is_over(job.args.time_limit, film.elapsed())
+            && !self.control.signals.is_cancelled()
+            && let Ok(mut out_of_time) = self.out_of_time.lock()
+        {
+            *out_of_time = true;
+            self.control.signals.stop(0);
+        }
+        let told = self.control.signals.takes_save();
+        match self.checkpoint {
+            Some(checkpoint) => {
+                // What ends the render saves it, too.
+                if !self.control.signals.is_cancelled() {
+                    checkpoint.look_after(film, told);
+                }
+            }
+            None if told => (self.control.save)(film),
+            None => {}
+        }
     }
 }

@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use super::moments::Outcome;
+use super::checkpoint;
+use super::moments::{Outcome, Took};
 use crate::cli::job::Job;
 use crate::cli::progress::{note, say};
 use crate::cli::shell;
@@ -53,27 +54,51 @@ fn format_replay_command(lost: &LostSample, words: &[String]) -> String {
 
 /// Says how far a render came that was ended before its time.
 pub fn print_unfinished(job: &Job, outcome: &Outcome) {
-    let Outcome { rendered, moments, stopped, .. } = outcome;
+    let Outcome { rendered, took } = outcome;
+    let moments = took.moments;
     let (fewest, most) = rendered.samples;
-    let why = if stopped.is_some() { "stopped" } else { "interrupted" };
+    let why = match took {
+        Took { stopped: Some(_), .. } => "stopped",
+        Took { out_of_time: true, .. } => "the time is over",
+        _ => "interrupted",
+    };
     let of = match job.shutter.moments() {
         1 => String::new(),
         all => format!(", in {moments} of {all} moments"),
     };
-    say(&format!("{why}: saved with {fewest} to {most} of {} samples{of}", job.args.spp));
+    say(&format!("{why}: saved with {fewest} to {most} of {} samples{of}", count(job)));
     if rendered.without_samples > 0 {
         let (without, all) = (rendered.without_samples, job.settings.crop.area());
         say(&format!("{without} of {all} pixels have no sample: they are black"));
     }
 }
 
+/// The samples of each pixel that this render was to take.
+fn count(job: &Job) -> u64 {
+    let range = checkpoint::range(&job.args);
+    range.end - range.start
+}
+
+/// Whether the picture is not as good as was asked for.
+pub fn is_incomplete(outcome: &Outcome) -> bool {
+    let is_noisy = outcome.rendered.reached.is_some_and(|reached| reached.share < 1.0);
+    outcome.rendered.cancelled || is_noisy
+}
+
+/// Says how much of the picture has more noise than was asked for.
+pub fn print_noisy(outcome: &Outcome) {
+    let share = outcome.rendered.reached.map_or(0.0, |reached| 1.0 - reached.share);
+    let percent = 100.0 * share;
+    say(&format!("note: {percent:.1} % of the tiles have --max-spp samples, and more noise"));
+}
+
 /// The last line: what it took.
 pub fn summarize(job: &Job, outcome: &Outcome) -> String {
-    let Outcome { rendered, loaded, built, .. } = outcome;
+    let Outcome { rendered, took: Took { loaded, built, .. } } = outcome;
     let (width, height) = job.settings.resolution;
     let seconds = rendered.elapsed.as_secs_f64();
     let rays = rendered.rays.total() as f64;
-    let outputs: Vec<String> = [&job.args.output, &job.args.png]
+    let outputs: Vec<String> = [&job.args.output, &job.args.png, &job.args.partial]
         .into_iter()
         .flatten()
         .map(|path| path.display().to_string())
@@ -82,10 +107,17 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
         (fewest, most) if fewest == most => fewest.to_string(),
         (fewest, most) => format!("{fewest} to {most}"),
     };
+    let noise = rendered.reached.map_or(String::new(), |reached| {
+        format!(
+            ", noise {:.4} at most, {:.1} % of it reached",
+            reached.largest,
+            100.0 * reached.share
+        )
+    });
     let memory = memory::peak()
         .map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
     format!(
-        "{}: {width}x{height}, {samples} spp, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
+        "{}: {width}x{height}, {samples} spp{noise}, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
          {:.2} µs a path; load {:.2} s, build {:.2} s{memory}",
         outputs.join(", "),
         rays / 1e6,
@@ -99,7 +131,7 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
 
 /// The same as a JSON object.
 pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
-    let Outcome { rendered, loaded, built, moments, .. } = outcome;
+    let Outcome { rendered, took: Took { loaded, built, moments, .. } } = outcome;
     json!({
         "scene": job.args.scene_file,
         "resolution": [job.settings.resolution.0, job.settings.resolution.1],
@@ -119,6 +151,9 @@ pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
         "lost_samples": rendered.lost_count,
         "peak_bytes": memory::peak(),
         "interrupted": rendered.cancelled,
+        "max_spp": rendered.samples.1,
+        "noise": rendered.reached.map(|reached| reached.largest),
+        "noise_reached": rendered.reached.map(|reached| reached.share),
         "pixels_without_samples": rendered.without_samples,
     })
     .to_string()

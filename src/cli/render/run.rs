@@ -2,11 +2,12 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
-use super::header::describe;
-use super::interrupt::Interrupt;
-use super::moments::{self, Outcome};
+use super::checkpoint;
+use super::header::Header;
+use super::moments::{self, Control, Exposed, Outcome};
+use super::signals::Signals;
 use super::{dry_run, report};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
@@ -17,20 +18,22 @@ use crate::cli::settings::{self, RenderArgs, Request, Table, Typed};
 use crate::cli::{shell, text};
 use crate::film::{Picture, exr, png};
 use crate::formats::EnvironmentSource;
-use crate::render::replay;
+use crate::render::{Film, replay};
 
 /// Runs the command.
 pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
+    let start = Instant::now();
+    let signals = Signals::listen()?;
     let Request { args, from } = settings::resolve(typed)?;
     let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
+    let checkpoint = checkpoint::path(&args)?;
     if !stops {
-        let outputs = outputs(&args);
-        if outputs.is_empty() {
+        let outputs = outputs(&args, checkpoint.as_deref());
+        if outputs.iter().all(|output| output.flag == "--checkpoint") {
             return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
         }
         outputs::check(&outputs, &inputs(&args))?;
     }
-    let interrupt = Interrupt::listen()?;
     let job = Job::prepare(args)?;
     if !job.args.quiet {
         report::print_scene(&job);
@@ -48,31 +51,86 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     if job.args.dry_run {
         return dry_run::run(&job);
     }
-    let outcome = moments::render(&job, interrupt.raised(), job.args.progress)?;
-    publish(&job, outcome, &interrupt)
+    let words = shell::own_words();
+    let save = |film: &Film| save_picture(&job, film, &words);
+    let control = Control { signals: &signals, style: job.args.progress, start, save: &save };
+    let exposed = moments::expose(&job, &control)?;
+    publish(&job, exposed, &signals, &words)
 }
 
-/// Writes the picture and says what it took.
-fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<ExitCode, CliError> {
-    if outcome.rendered.samples.1 == 0 {
+/// Writes the outputs and says what it took.
+fn publish(
+    job: &Job,
+    exposed: Exposed,
+    signals: &Signals,
+    words: &[String],
+) -> Result<ExitCode, CliError> {
+    let Exposed { film, took, checkpoint } = exposed;
+    let save = || checkpoint.as_ref().map_or(Ok(()), |checkpoint| checkpoint.save(&film));
+    if film.is_blank() && !film.range().is_empty() {
         say("interrupted before the first samples: there is nothing to save");
-        return Ok(interrupt.exit_code());
+        return Ok(signals.exit_code());
     }
-    let words = shell::own_words();
-    describe(&mut outcome.rendered, job, &words);
-    report::print_lost(&outcome.rendered, &words);
-    write(&job.args, &outcome.rendered.picture)?;
+    let is_whole = film.is_whole();
+    // What is needed to go on comes first.
+    let saved = if is_whole { Ok(()) } else { save() };
+    let mut rendered = film.finish();
+    Header::of_render(&rendered, job, words).apply(&mut rendered.picture);
+    report::print_lost(&rendered, words);
+    let written = write_part(job, &film);
+    let written = outputs::try_all([saved, written, write(&job.args, &rendered.picture)]);
+    if let Err(error) = written {
+        return Err(match is_whole.then(save) {
+            Some(Err(too)) => CliError::Several(vec![error, too]),
+            _ => error,
+        });
+    }
+    if is_whole && let Some(checkpoint) = &checkpoint {
+        checkpoint.remove();
+    }
+    finish(job, Outcome { rendered, took }, signals)
+}
+
+/// Says what it took, and works out how the process ends.
+fn finish(job: &Job, outcome: Outcome, signals: &Signals) -> Result<ExitCode, CliError> {
     if !job.args.quiet {
         say(&report::summarize(job, &outcome));
     }
     if job.args.json {
         text::print(&format!("{}\n", report::summarize_as_json(job, &outcome)))?;
     }
-    if !outcome.rendered.cancelled {
-        return Ok(ExitCode::SUCCESS);
+    let is_incomplete = report::is_incomplete(&outcome);
+    if outcome.rendered.cancelled {
+        report::print_unfinished(job, &outcome);
+    } else if is_incomplete && !job.args.quiet {
+        report::print_noisy(&outcome);
     }
-    report::print_unfinished(job, &outcome);
-    outcome.stopped.map_or_else(|| Ok(interrupt.exit_code()), Err)
+    if let Some(error) = outcome.took.stopped {
+        return Err(error);
+    }
+    if signals.code() == 0 && job.args.fail_incomplete && is_incomplete {
+        let message = "the picture is not as good as was asked for (--fail-incomplete)";
+        return Err(CliError::Limit(message.to_owned()));
+    }
+    Ok(signals.exit_code())
+}
+
+/// Writes what there is of the picture while more samples are taken. That it cannot is a warning.
+fn save_picture(job: &Job, film: &Film, words: &[String]) {
+    let mut rendered = film.finish();
+    Header::of_render(&rendered, job, words).apply(&mut rendered.picture);
+    if let Err(error) =
+        outputs::try_all([write_part(job, film), write(&job.args, &rendered.picture)])
+    {
+        say(&format!("warning: {error}; the render goes on"));
+    }
+}
+
+/// Writes the sums that are asked for.
+fn write_part(job: &Job, film: &Film) -> Result<(), CliError> {
+    let Some(path) = &job.args.partial else { return Ok(()) };
+    let head = checkpoint::head(job)?;
+    checkpoint::write(path, &head, film).map_err(|source| CliError::not_written(path, &source))
 }
 
 /// Renders a scene by the words of a command line, without saying what it takes and without writing
@@ -85,6 +143,9 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
     let misplaced = [
         ("-o", args.output.is_some()),
         ("--png", args.png.is_some()),
+        ("--partial", args.partial.is_some()),
+        ("--checkpoint", args.checkpoint.is_some()),
+        ("--resume", args.resume.is_some()),
         ("--debug-sample", args.debug_sample.is_some()),
         ("--json", args.json),
         ("--dry-run", args.dry_run),
@@ -95,23 +156,32 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
         return Err(CliError::Usage(message));
     }
     let job = Job::prepare(args)?;
-    let cancel = AtomicBool::new(false);
-    let Outcome { mut rendered, stopped, .. } =
-        moments::render(&job, &cancel, ProgressStyle::None)?;
-    if let Some(error) = stopped {
+    let signals = Signals::default();
+    let control = Control {
+        signals: &signals,
+        style: ProgressStyle::None,
+        start: Instant::now(),
+        save: &|_| {},
+    };
+    let Exposed { film, took, .. } = moments::expose(&job, &control)?;
+    if let Some(error) = took.stopped {
         return Err(error);
     }
     let named = ["render".to_owned(), scene.display().to_string()];
     let words: Vec<String> = named.into_iter().chain(words.iter().cloned()).collect();
-    describe(&mut rendered, &job, &words);
+    let mut rendered = film.finish();
+    Header::of_render(&rendered, &job, &words).apply(&mut rendered.picture);
     report::print_lost(&rendered, &words);
     Ok(rendered.picture)
 }
 
-fn outputs(args: &RenderArgs) -> Vec<Output<'_>> {
+fn outputs<'a>(args: &'a RenderArgs, checkpoint: Option<&'a Path>) -> Vec<Output<'a>> {
     let exr = args.output.as_deref().map(|path| Output { flag: "-o", path, ending: "exr" });
     let png = args.png.as_deref().map(|path| Output { flag: "--png", path, ending: "png" });
-    exr.into_iter().chain(png).collect()
+    let partial = args.partial.as_deref();
+    let part = partial.map(|path| Output { flag: "--partial", path, ending: "part" });
+    let saved = checkpoint.map(|path| Output { flag: "--checkpoint", path, ending: "checkpoint" });
+    [exr, png, part, saved].into_iter().flatten().collect()
 }
 
 fn inputs(args: &RenderArgs) -> Vec<&Path> {
@@ -139,15 +209,11 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> 
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes all outputs; where one fails the others are there still.
+/// Writes the pictures; where one fails the others are there still.
 fn write(args: &RenderArgs, picture: &Picture) -> Result<(), CliError> {
-    outputs::try_all(outputs(args).into_iter().map(|output| {
-        let written = match output.ending {
-            "png" => png::write(output.path, picture, args.tonemap, args.exposure),
-            _ => exr::write(output.path, picture),
-        };
-        written.map_err(CliError::from)
-    }))
+    let exr = args.output.iter().map(|path| exr::write(path, picture));
+    let png = args.png.iter().map(|path| png::write(path, picture, args.tonemap, args.exposure));
+    outputs::try_all(exr.chain(png).map(|written| written.map_err(CliError::from)))
 }
 
 #[cfg(test)]

@@ -14,11 +14,13 @@
 //! | `table` | the entries together: defaults, rules, TOML |
 //! | `command` | the entries as flags, and what was typed |
 //! | `resolve`, `origin` | what was typed over what a file says: a scene, or `--from` a picture |
+//! | `identity` | which settings make two pictures different ones |
 //! | `markdown` | the entries as documentation |
 
 mod args;
 mod camera;
 mod command;
+mod identity;
 mod image;
 mod input;
 mod light;

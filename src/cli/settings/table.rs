@@ -75,7 +75,7 @@ impl Table {
     }
 
     /// Whether one of the settings that a setting needs is set, if it needs any.
-    fn is_useful(&self, setting: &Setting, args: &RenderArgs) -> bool {
+    pub(super) fn is_useful(&self, setting: &Setting, args: &RenderArgs) -> bool {
         let mut needed = setting.requires.iter().filter_map(|name| self.find(name));
         setting.requires.is_empty() || needed.any(|needed| self.is_set(needed, args))
     }

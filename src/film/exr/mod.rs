@@ -5,7 +5,7 @@ mod write;
 
 pub use read::{decode, read, read_rgb};
 pub(crate) use read::{decode_rgb, decode_rgba, size};
-pub use write::{encode, write};
+pub use write::{Layout, RowsError, encode, write, write_rows};
 
 #[cfg(test)]
 mod tests {
