@@ -92,8 +92,9 @@ pub fn run_command() -> std::process::ExitCode {
     cli::main()
 }
 
-/// What the tests of this crate share with its bench.
+/// What the tests of this crate share with its bench, and what its fuzz targets call.
 #[doc(hidden)]
 pub mod testing {
     pub use crate::bench::ray_sets::{Random, RaySet, Target};
+    pub use crate::part::read_any as read_any_part;
 }

@@ -10,8 +10,8 @@ const OUR_BUG: i32 = 70;
 /// What every command's `--help` ends with.
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 a comparison found a difference, 2 usage, 3 input missing or invalid,
-4 output not written, 5 a limit such as memory, 70 a fault of dapple's, 130 and 143 interrupted,
-after saving.";
+4 output not written, 5 a limit such as memory, 70 a fault of dapple's, 75 stopped after saving:
+start it again, 130 and 143 interrupted, after saving.";
 
 /// Adds the exit codes to the end of a command's help, and of those below it.
 pub fn add_to_help(command: Command) -> Command {

@@ -102,7 +102,7 @@ pub fn write_trailer(out: &mut impl Write, index: u64) -> io::Result<()> {
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn read_trailer(file: &mut (impl Read + Seek), length: u64) -> Result<u64, String> {
+pub fn read_trailer(file: &mut (impl Read + Seek + ?Sized), length: u64) -> Result<u64, String> {
     let at = length.checked_sub(TRAILER).ok_or("the file is cut short")?;
     let mut bytes = [0; TRAILER as usize];
     read_at(file, at, &mut bytes)?;
@@ -119,7 +119,7 @@ pub fn read_trailer(file: &mut (impl Read + Seek), length: u64) -> Result<u64, S
 /// # Errors
 /// What is wrong with it.
 pub fn read_chunk(
-    file: &mut (impl Read + Seek),
+    file: &mut (impl Read + Seek + ?Sized),
     kind: Kind,
     range: Range<u64>,
 ) -> Result<Vec<u8>, String> {
@@ -146,14 +146,18 @@ pub fn read_chunk(
 ///
 /// # Errors
 /// What the system says.
-pub fn chunk_length(file: &mut (impl Read + Seek), at: u64) -> Result<u64, String> {
+pub fn chunk_length(file: &mut (impl Read + Seek + ?Sized), at: u64) -> Result<u64, String> {
     let mut frame = [0; 12];
     read_at(file, at, &mut frame)?;
     let length = u64::from_le_bytes(frame[4..].try_into().expect("8 bytes"));
     length.checked_add(FRAME).ok_or_else(|| "is longer than the file".to_owned())
 }
 
-fn read_at(file: &mut (impl Read + Seek), at: u64, bytes: &mut [u8]) -> Result<(), String> {
+fn read_at(
+    file: &mut (impl Read + Seek + ?Sized),
+    at: u64,
+    bytes: &mut [u8],
+) -> Result<(), String> {
     file.seek(SeekFrom::Start(at)).and_then(|_| file.read_exact(bytes)).map_err(say)
 }
 

@@ -1,7 +1,6 @@
 //! A part: a file of tiles.
 
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -65,11 +64,15 @@ impl<W: Write> PartWriter<W> {
     }
 }
 
+/// What a part is read from.
+trait Source: Read + Seek + Send {}
+
+impl<T: Read + Seek + Send> Source for T {}
+
 /// A part that can be read. Its head and index have been; tiles are read when they are asked for.
-#[derive(Debug)]
 pub struct Part {
     path: PathBuf,
-    file: Mutex<File>,
+    file: Mutex<Box<dyn Source>>,
     /// What the samples belong to.
     pub head: Head,
     /// Bytes of the file.
@@ -77,6 +80,12 @@ pub struct Part {
     windows: Vec<Window>,
     entries: Vec<Entry>,
     index: u64,
+}
+
+impl std::fmt::Debug for Part {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Part").field("path", &self.path).finish_non_exhaustive()
+    }
 }
 
 /// Whether a file begins as a part does.
@@ -94,7 +103,19 @@ impl Part {
     /// [`PartError`], with the chunk that is wrong.
     pub fn open(path: &Path) -> Result<Self, PartError> {
         let io = |source| PartError::Open { path: path.to_owned(), source };
-        let (mut file, bytes) = files::open(path).map_err(io)?;
+        let (file, bytes) = files::open(path).map_err(io)?;
+        Self::read_from(path, file, bytes)
+    }
+
+    /// The same of what has been opened already, and is so many bytes long; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`Part::open`].
+    pub fn read_from(
+        path: &Path,
+        mut file: impl Read + Seek + Send + 'static,
+        bytes: u64,
+    ) -> Result<Self, PartError> {
         read_format(&mut file, path)?;
         let damaged =
             |chunk: &'static str| move |reason: String| PartError::damaged(path, chunk, reason);
@@ -125,7 +146,7 @@ impl Part {
         {
             return Err(damaged("the index")("does not fit the head".to_owned()));
         }
-        let (path, file) = (path.to_owned(), Mutex::new(file));
+        let (path, file) = (path.to_owned(), Mutex::new(Box::new(file) as Box<dyn Source>));
         Ok(Self { path, file, head, bytes, windows, entries, index })
     }
 
@@ -177,7 +198,7 @@ impl Part {
         let end = self.entries.get(tile + 1).map_or(self.index, |next| next.offset);
         let contents = {
             let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-            read_chunk(&mut *file, TILE, entry.offset..end)
+            read_chunk(&mut **file, TILE, entry.offset..end)
         };
         let tile = tile_codec::decode(window, &contents.map_err(|reason| damaged(&reason))?)
             .map_err(damaged)?;
@@ -197,7 +218,7 @@ impl Part {
 }
 
 /// Reads the first bytes.
-fn read_format(file: &mut File, path: &Path) -> Result<(), PartError> {
+fn read_format(file: &mut impl Read, path: &Path) -> Result<(), PartError> {
     let mut found = [0; FORMAT.len()];
     let is_read = file.read_exact(&mut found).is_ok();
     if is_read && found == *FORMAT {

@@ -20,6 +20,8 @@ mod file;
 mod head;
 mod merge;
 mod plan;
+#[cfg(test)]
+mod tests;
 mod tile_codec;
 
 pub use error::{Difference, PartError};
@@ -27,3 +29,14 @@ pub use file::{Part, PartWriter, is_part};
 pub use head::Head;
 pub use merge::Merge;
 pub use plan::Gap;
+
+/// Reads the bytes of a part, or else of one tile of it, whatever they are: what `cargo fuzz` calls.
+#[doc(hidden)]
+pub fn read_any(bytes: &[u8]) {
+    let (path, length) = (std::path::Path::new("a.part"), bytes.len() as u64);
+    if let Ok(part) = Part::read_from(path, std::io::Cursor::new(bytes.to_vec()), length) {
+        let _ = part.verify();
+    }
+    let window = crate::film::Window::of_size(3, 2);
+    let _ = tile_codec::decode(window, bytes);
+}

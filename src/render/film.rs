@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::aov::assemble_picture;
 use super::breakdown::Breakdown;
-use super::noise::{Errors, NoiseTarget};
+use super::noise::{Grid, NoiseTarget, dark_level, tell_error};
 use super::passes::{pass_ends, spread};
 use super::preview::assemble_preview;
 use super::progress::Progress;
@@ -37,8 +37,10 @@ pub struct Film {
     start: OnceLock<Instant>,
     /// When the samples that are being taken were begun.
     running: Mutex<Option<Instant>>,
-    /// Samples that were there at the start, those taken since, and all that are wanted.
+    /// Samples that were there at the start, those taken since, and all that are wanted; and the
+    /// time that the first took.
     restored: u64,
+    restored_time: Duration,
     taken: AtomicU64,
     wanted: AtomicU64,
     counted: Mutex<Counted>,
@@ -73,6 +75,7 @@ impl Film {
             start: OnceLock::new(),
             running: Mutex::default(),
             restored: 0,
+            restored_time: Duration::ZERO,
             taken: AtomicU64::new(0),
             wanted: AtomicU64::new(wanted),
             counted: Mutex::default(),
@@ -87,7 +90,7 @@ impl Film {
         let samples = |tile: &Tile| (tile.range.end - tile.range.start) * tile.window.area() as u64;
         self.restored = tiles.iter().map(samples).sum();
         self.tiles = tiles.into_iter().map(Mutex::new).collect();
-        self.counted = Mutex::new(Counted { elapsed, ..Counted::default() });
+        self.restored_time = elapsed;
     }
 
     /// The samples that it is to take.
@@ -135,7 +138,7 @@ impl Film {
     /// The time that rendering took so far, that of the film that was restored included.
     pub fn elapsed(&self) -> Duration {
         let running = lock(&self.running).map_or(Duration::ZERO, |start| start.elapsed());
-        lock(&self.counted).elapsed + running
+        self.restored_time + lock(&self.counted).elapsed + running
     }
 
     /// The colours of the samples so far, to look at: tiles without any are filled with what is
@@ -180,28 +183,45 @@ impl Film {
         }
     }
 
-    /// Tells the tiles to stop whose noise is low enough, if all that go on have as many samples.
-    /// Returns whether none goes on.
+    /// At a doubling of the samples: tells the tiles to stop whose noise is low enough. Returns
+    /// whether none goes on.
     fn stop_where_low(&self, target: NoiseTarget) -> bool {
         let _no_one_looks = self.decision.write().unwrap_or_else(PoisonError::into_inner);
         let mut tiles: Vec<_> = self.tiles.iter().map(lock).collect();
-        let mut open = tiles.iter().filter(|tile| !tile.finished).map(|tile| tile.range.end);
-        let Some(samples) = open.next() else { return true };
+        let mut open = tiles.iter().filter(|tile| !tile.finished);
+        let Some(first) = open.next() else { return true };
+        let samples = first.range.end;
         let is_doubling = samples.is_multiple_of(BLOCK) && (samples / BLOCK).is_power_of_two();
-        if samples < target.min_spp || !is_doubling || open.any(|other| other != samples) {
+        // It has been decided already, before the film was saved.
+        let is_decided = first.earlier.samples == samples;
+        if is_decided || !is_doubling || open.any(|other| other.range.end != samples) {
             return false;
         }
-        let errors = Errors::measure(self.settings.crop, tiles.iter().map(|tile| &**tile));
+        let dark = dark_level(tiles.iter().map(|tile| &**tile));
+        for tile in tiles.iter_mut().filter(|tile| !tile.finished) {
+            tell_error(tile, dark);
+        }
+        let grid = Grid::new(self.settings.crop, tiles.iter().map(|tile| &**tile));
         let error = f64::from(target.error);
         let mut wanted = 0;
         for (at, tile) in tiles.iter_mut().enumerate() {
-            tile.finished = tile.finished || errors.is_low(at, error);
-            let more = if tile.finished { 1.0 } else { errors.excess(at, error).powi(2).max(2.0) };
-            let samples = (tile.range.end as f64 * more).min(self.settings.spp as f64) as u64;
-            wanted += samples * tile.window.area() as u64;
+            let is_low = samples >= target.min_spp && grid.is_low(at, error);
+            tile.finished = tile.finished || is_low;
+            wanted += self.expect_samples(tile, error) * tile.window.area() as u64;
         }
         self.wanted.store(wanted, Ordering::Relaxed);
         tiles.iter().all(|tile| tile.finished)
+    }
+
+    /// How many samples a tile will take, as its error tells.
+    fn expect_samples(&self, tile: &Tile, target: f64) -> u64 {
+        let excess = tile.earlier.error / target;
+        let more = match tile.finished {
+            true => 1.0,
+            false if excess.is_finite() => (excess * excess).max(2.0),
+            false => 4.0,
+        };
+        (tile.range.end as f64 * more).min(self.settings.spp as f64) as u64
     }
 
     /// Whether all samples are there, or the noise of all tiles is low enough.
@@ -222,15 +242,17 @@ impl Film {
         let counted = *lock(&self.counted);
         let counts = || tiles().map(|tile| tile.range.end - tile.range.start);
         let without = tiles().filter(|tile| tile.range.is_empty());
-        let reached = self.settings.noise.map(|target| {
-            Errors::measure(self.settings.crop, tiles()).reached(f64::from(target.error))
-        });
+        let reached = self
+            .settings
+            .noise
+            .map(|target| Grid::new(self.settings.crop, tiles()).reached(f64::from(target.error)));
         Rendered {
             picture: assemble_picture(tiles(), &self.settings),
             rays: counted.rays,
             breakdown: counted.breakdown,
             paths: self.taken.load(Ordering::Relaxed),
             elapsed: counted.elapsed,
+            before: self.restored_time,
             samples: (counts().min().unwrap_or(0), counts().max().unwrap_or(0)),
             without_samples: without.map(|tile| tile.window.area() as u64).sum(),
             cancelled: tiles().any(|tile| !tile.finished && tile.range.end < self.range.end),

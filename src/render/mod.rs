@@ -6,7 +6,7 @@
 //! | `stream` | advances some thousand paths together, bounce by bounce |
 //! | `pixel`, `tile` | the sums of a pixel's samples; a square of pixels |
 //! | `passes` | the order of work |
-//! | `noise` | when the noise of a tile is low enough |
+//! | `noise`, `earlier` | when the noise of a tile is low enough; what it remembers for that |
 //! | `film` | hands tiles to threads, pass after pass |
 //! | `frame` | a whole picture in one call |
 //! | `progress`, `ticks` | how far a render is, and who looks after it |
@@ -17,6 +17,7 @@
 
 mod aov;
 mod breakdown;
+mod earlier;
 mod film;
 mod frame;
 mod noise;
@@ -35,6 +36,7 @@ mod tile;
 pub(crate) use aov::Layers;
 pub use aov::film_bytes;
 pub use breakdown::{Breakdown, Stage};
+pub(crate) use earlier::Earlier;
 pub use film::Film;
 pub use frame::{Control, render};
 pub use noise::{NoiseReached, NoiseTarget};

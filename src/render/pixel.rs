@@ -115,11 +115,10 @@ impl PixelSums {
         }
     }
 
-    /// The mean radiance, and the estimated variance of that mean.
-    pub fn radiance_and_variance(&self) -> ([f64; 3], [f64; 3]) {
+    /// The mean radiance.
+    pub fn radiance(&self) -> [f64; 3] {
         let (sum, count) = (self.sums.sum(), self.sums.count().max(1) as f64);
-        let mean = std::array::from_fn(|c| sum[channel::RADIANCE + c] / count);
-        (mean, self.sums.variance_of_mean())
+        std::array::from_fn(|c| sum[channel::RADIANCE + c] / count)
     }
 
     /// Whether the samples have the same sums, whatever time they took.

@@ -19,8 +19,10 @@ pub struct Rendered {
     pub breakdown: Breakdown,
     /// Paths that were followed.
     pub paths: u64,
-    /// Time that rendering took, without loading and building; that of a checkpoint included.
+    /// Time that rendering took, without loading and building.
     pub elapsed: Duration,
+    /// Time that the samples of a checkpoint took, from which it went on.
+    pub before: Duration,
     /// The fewest and the most samples a pixel has, lost ones included.
     pub samples: (u64, u64),
     /// Pixels without any sample, which are black.

@@ -4,12 +4,15 @@ use std::ops::Range;
 use std::time::Instant;
 
 use super::breakdown::Stage;
+use super::earlier::Earlier;
 use super::pixel::PixelSums;
 use super::settings::Settings;
 use super::start::Starts;
 use super::stream::Stream;
 use crate::camera::CameraRays;
 use crate::film::Window;
+#[cfg(test)]
+use crate::integrator::FirstHit;
 use crate::sampling::NotAdjacent;
 
 /// Pixels along a side of a tile: with 16 samples each, some 4,000 paths. Tiles are the squares of
@@ -39,6 +42,8 @@ pub(crate) struct Tile {
     pub range: Range<u64>,
     /// Whether it takes no more samples, for the noise is low enough.
     pub finished: bool,
+    /// What it remembers, under a target for the noise.
+    pub earlier: Earlier,
     /// Row by row.
     pub(super) pixels: Vec<PixelSums>,
     /// The first few by place.
@@ -51,8 +56,8 @@ impl Tile {
     /// A tile without samples; the first to come is number `first`, a multiple of a block.
     pub fn new(window: Window, first: u64) -> Self {
         let pixels = vec![PixelSums::starting_at(first); window.area()];
-        let (lost, lost_count) = (Vec::new(), 0);
-        Self { window, range: first..first, finished: false, pixels, lost, lost_count }
+        let (earlier, lost, lost_count) = (Earlier::default(), Vec::new(), 0);
+        Self { window, range: first..first, finished: false, earlier, pixels, lost, lost_count }
     }
 
     /// Columns and rows of the frame with the sums of each pixel.
@@ -115,6 +120,7 @@ impl Tile {
         self.lost_count += later.lost_count;
         self.range.end = later.range.end;
         self.finished = later.finished;
+        self.earlier = later.earlier.clone();
         Ok(())
     }
 
@@ -170,8 +176,38 @@ impl Tile {
         let pixels: Option<Vec<_>> =
             pixels.map(|mut words| PixelSums::from_words(range.clone(), &mut words)).collect();
         let pixels = pixels.filter(|pixels| pixels.len() == window.area())?;
-        let (lost, lost_count) = (Vec::new(), 0);
-        Some(Self { window, range, finished: false, pixels, lost, lost_count })
+        let (earlier, lost, lost_count) = (Earlier::default(), Vec::new(), 0);
+        Some(Self { window, range, finished: false, earlier, pixels, lost, lost_count })
+    }
+}
+
+#[cfg(test)]
+impl Tile {
+    /// Adds samples that `sample` gives, of a column, a row and a number; none is lost.
+    pub fn add_for_test(
+        &mut self,
+        samples: Range<u64>,
+        sample: impl Fn(u32, u32, u64) -> Option<(crate::math::Vec3, Option<FirstHit>)>,
+    ) {
+        for (pixel, (x, y)) in places(self.window).enumerate() {
+            for number in samples.clone() {
+                match sample(x, y, number) {
+                    Some((radiance, first)) => self.pixels[pixel].add(radiance, first.as_ref()),
+                    None => {
+                        self.pixels[pixel].skip();
+                        self.lost.push(LostSample { y, x, sample: number });
+                        self.lost_count += 1;
+                    }
+                }
+            }
+        }
+        self.lost = first_lost(std::mem::take(&mut self.lost));
+        self.range.end = samples.end;
+    }
+
+    /// Takes over a pixel of another tile.
+    pub fn set_pixel_for_test(&mut self, at: usize, other: &Self) {
+        self.pixels[at] = other.pixels[at].clone();
     }
 }
 

@@ -85,6 +85,7 @@ pub fn flat_camera(eye: Vec3, target: Vec3, half: f32) -> Camera {
 /// A square picture; no roulette.
 pub fn settings(side: u32, spp: u64, max_depth: u32) -> Settings {
     Settings {
+        noise: None,
         resolution: (side, side),
         crop: Window::of_size(side as usize, side as usize),
         spp,

@@ -79,8 +79,16 @@ pub struct Checkpoint {
     path: PathBuf,
     head: Head,
     every: Every,
-    /// When it was last saved, and the sample that came next then.
-    last: Mutex<(Instant, u64)>,
+    last: Mutex<Last>,
+}
+
+/// When it was last saved.
+struct Last {
+    time: Instant,
+    /// The sample that came next then.
+    sample: u64,
+    /// What went wrong, if it could not be.
+    error: Option<String>,
 }
 
 impl Checkpoint {
@@ -109,7 +117,8 @@ impl Checkpoint {
             (false, _) => None,
         };
         let every = job.args.every.unwrap_or(EVERY);
-        let last = Mutex::new((Instant::now(), head.samples().start));
+        let (time, sample) = (Instant::now(), head.samples().start);
+        let last = Mutex::new(Last { time, sample, error: None });
         Ok(Some((Self { path, head, every, last }, restored)))
     }
 
@@ -122,19 +131,20 @@ impl Checkpoint {
     /// on.
     pub fn look_after(&self, film: &Film, told: bool) {
         let Ok(mut last) = self.last.lock() else { return };
-        let (time, samples) = *last;
         let is_due = match self.every {
-            Every::Time(every) => time.elapsed() >= every,
-            Every::Samples(every) => film.next_sample() >= samples.saturating_add(every),
+            Every::Time(every) => last.time.elapsed() >= every,
+            Every::Samples(every) => film.next_sample() >= last.sample.saturating_add(every),
         };
         if !is_due && !told {
             return;
         }
-        let next = film.next_sample();
-        if let Err(error) = self.save(film) {
+        let sample = film.next_sample();
+        let error = self.save(film).err().map(|error| error.to_string());
+        // The same is not said again and again.
+        if let Some(error) = error.as_ref().filter(|_| error != last.error) {
             say(&format!("warning: {error}; the render goes on"));
         }
-        *last = (Instant::now(), next);
+        *last = Last { time: Instant::now(), sample, error };
     }
 
     /// Saves.

@@ -33,7 +33,7 @@ impl Header {
             scene: job.args.scene_file.display().to_string(),
             scene_digest: format!("{:016x}", job.first.world.scene.digest()),
             lost_samples: rendered.lost_count,
-            render_s: rendered.elapsed.as_secs_f64(),
+            render_s: (rendered.before + rendered.elapsed).as_secs_f64(),
             reached: rendered.reached,
             words: words.to_vec(),
         }

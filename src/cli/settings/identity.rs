@@ -86,7 +86,7 @@ mod tests {
         let table = Table::default();
         for setting in table.settings() {
             let mut base = table.defaults();
-            for needed in setting.requires.first().and_then(|name| table.find(name)) {
+            if let Some(needed) = setting.requires.first().and_then(|name| table.find(name)) {
                 needed.parse(needed.example.as_ref()).expect("an example").apply(&mut base);
             }
             let mut changed = base.clone();
