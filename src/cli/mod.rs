@@ -29,6 +29,7 @@ mod status;
 mod text;
 mod trace;
 mod validate;
+mod watch;
 
 use std::process::ExitCode;
 
