@@ -1,6 +1,5 @@
 //! Ctrl-C and SIGTERM.
 
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -42,7 +41,7 @@ impl Interrupt {
     }
 
     /// 130 after Ctrl-C, 143 after SIGTERM.
-    pub fn exit_code(&self) -> ExitCode {
-        ExitCode::from(128 + self.signal.load(Ordering::Relaxed) as u8)
+    pub fn exit_code(&self) -> u8 {
+        128 + self.signal.load(Ordering::Relaxed) as u8
     }
 }

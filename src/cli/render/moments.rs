@@ -6,8 +6,10 @@ use std::time::{Duration, Instant};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::memory;
-use crate::cli::progress::{Reporter, note, say};
-use crate::cli::settings::parse::ProgressStyle;
+use crate::cli::progress::{note, say};
+use crate::cli::status::Phase;
+use crate::cli::watch::Watch;
+use crate::film::{Picture, Window};
 use crate::render::{Control, FilmAccumulator, Rendered, film_bytes};
 
 /// A picture, and what it took.
@@ -23,18 +25,19 @@ pub struct Outcome {
     pub stopped: Option<CliError>,
 }
 
-/// Renders a job, on as many threads as it asks for.
+/// Renders a job, on as many threads as it asks for, while `watch` is told how far it is.
 ///
 /// # Errors
 /// What is wrong at the first moment. Where a later one fails, the picture is of those before.
-pub fn render(job: &Job, cancel: &AtomicBool, style: ProgressStyle) -> Result<Outcome, CliError> {
+pub fn render(job: &Job, cancel: &AtomicBool, watch: &Watch) -> Result<Outcome, CliError> {
     let crop = job.settings.crop;
     let what = format!("a picture of {}x{}", crop.width(), crop.height());
     memory::require(&what, film_bytes(&job.settings))?;
     job.on_threads(|| {
-        let style = if job.args.quiet { ProgressStyle::None } else { style };
-        let reporter = Reporter::new(style);
-        let control = Control { cancel, progress: &|progress| reporter.update(progress) };
+        watch.expect_pixels(crop.area() as u64);
+        // The film does not tell yet what there is so far.
+        let snapshot = || blank(job);
+        let control = Control { cancel, progress: &|progress| watch.update(progress, &snapshot) };
         let mut progress = Progress {
             film: FilmAccumulator::new(&job.settings),
             loaded: job.first.elapsed,
@@ -43,7 +46,7 @@ pub fn render(job: &Job, cancel: &AtomicBool, style: ProgressStyle) -> Result<Ou
         };
         let mut stopped = None;
         for moment in 0..job.shutter.moments() {
-            match progress.add_moment(job, moment, &control) {
+            match progress.add_moment(job, moment, &control, watch) {
                 Err(error) if moment == 0 => return Err(error),
                 Err(error) => stopped = Some(error),
                 Ok(()) => {}
@@ -52,10 +55,18 @@ pub fn render(job: &Job, cancel: &AtomicBool, style: ProgressStyle) -> Result<Ou
                 break;
             }
         }
-        reporter.finish();
         let Progress { film, loaded, built, moments } = progress;
         Ok(Outcome { rendered: film.finish(), loaded, built, moments, stopped })
     })?
+}
+
+/// A black picture of the job's size.
+fn blank(job: &Job) -> Picture {
+    let (width, height) = job.settings.resolution;
+    let frame = Window::of_size(width as usize, height as usize);
+    let mut picture = Picture::new(frame, job.settings.crop);
+    picture.set_aov("", "RGB", &vec![[0.0; 3]; job.settings.crop.area()]);
+    picture
 }
 
 /// What there is between moments.
@@ -73,7 +84,9 @@ impl Progress<'_> {
         job: &Job,
         moment: usize,
         control: &Control<'_>,
+        watch: &Watch,
     ) -> Result<(), CliError> {
+        watch.enter(Phase::Read);
         let later = job.pose(moment)?;
         if let Some(later) = &later {
             self.loaded += later.elapsed;
@@ -85,12 +98,14 @@ impl Progress<'_> {
             }
         }
         let now = later.as_ref().unwrap_or(&job.first);
+        watch.enter(Phase::Build);
         let start = Instant::now();
         let accel = job.build(&now.world)?;
         self.built += start.elapsed();
         if job.args.verbose > 0 && moment == 0 {
             say(&format!("built {} in {:.2} s", job.args.accel, self.built.as_secs_f64()));
         }
+        watch.enter(Phase::Render);
         let end = job.shutter.end(moment);
         self.film.accumulate(&now.world, &now.camera, &*accel, end, control);
         self.moments += 1;

@@ -12,8 +12,9 @@ use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::outputs::{self, Output};
 use crate::cli::progress::{note, say};
-use crate::cli::settings::parse::ProgressStyle;
-use crate::cli::settings::{self, RenderArgs, Request, Table, Typed};
+use crate::cli::settings::{self, Origin, RenderArgs, Request, Table, Typed};
+use crate::cli::status::Phase;
+use crate::cli::watch::{self, Watch};
 use crate::cli::{shell, text};
 use crate::film::{Picture, exr, png};
 use crate::formats::EnvironmentSource;
@@ -28,13 +29,22 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
         if outputs.is_empty() {
             return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
         }
-        outputs::check(&outputs, &inputs(&args))?;
+        outputs::check(&[outputs, watch::outputs(&args)].concat(), &inputs(&args))?;
     }
+    let watch = if stops { Watch::silent() } else { Watch::start(&args)? };
+    let ended = run_watched(args, from.as_ref(), &watch);
+    let told = watch.finish(ended.as_ref().map_or_else(CliError::exit_code, |&code| code));
+    let code = ended?;
+    told.map(|()| ExitCode::from(code))
+}
+
+/// The same, while someone watches. Returns the exit code.
+fn run_watched(args: RenderArgs, from: Option<&Origin>, watch: &Watch) -> Result<u8, CliError> {
     let interrupt = Interrupt::listen()?;
     let job = Job::prepare(args)?;
     if !job.args.quiet {
         report::print_scene(&job);
-        if let Some(from) = &from {
+        if let Some(from) = from {
             from.list_changes(job.first.world.scene.digest()).iter().for_each(note);
         }
     }
@@ -43,17 +53,24 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     }
     if job.args.print_config {
         text::print(&format!("[render]\n{}", Table::default().to_toml(&job.args)))?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(0);
     }
     if job.args.dry_run {
-        return dry_run::run(&job);
+        return dry_run::run(&job).map(|_| 0);
     }
-    let outcome = moments::render(&job, interrupt.raised(), job.args.progress)?;
-    publish(&job, outcome, &interrupt)
+    let outcome = moments::render(&job, interrupt.raised(), watch)?;
+    watch.enter(Phase::Write);
+    watch.set_rays(outcome.rendered.rays.total());
+    publish(&job, outcome, &interrupt, watch)
 }
 
 /// Writes the picture and says what it took.
-fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<ExitCode, CliError> {
+fn publish(
+    job: &Job,
+    mut outcome: Outcome,
+    interrupt: &Interrupt,
+    watch: &Watch,
+) -> Result<u8, CliError> {
     if outcome.rendered.samples.1 == 0 {
         say("interrupted before the first samples: there is nothing to save");
         return Ok(interrupt.exit_code());
@@ -61,15 +78,14 @@ fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<Exi
     let words = shell::own_words();
     describe(&mut outcome.rendered, job, &words);
     report::print_lost(&outcome.rendered, &words);
-    write(&job.args, &outcome.rendered.picture)?;
-    if !job.args.quiet {
-        say(&report::summarize(job, &outcome));
-    }
+    let picture = &outcome.rendered.picture;
+    outputs::try_all([write(&job.args, picture), watch.present(picture)])?;
+    watch.tell(&report::summarize(job, &outcome));
     if job.args.json {
         text::print(&format!("{}\n", report::summarize_as_json(job, &outcome)))?;
     }
     if !outcome.rendered.cancelled {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(0);
     }
     report::print_unfinished(job, &outcome);
     outcome.stopped.map_or_else(|| Ok(interrupt.exit_code()), Err)
@@ -96,8 +112,7 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
     }
     let job = Job::prepare(args)?;
     let cancel = AtomicBool::new(false);
-    let Outcome { mut rendered, stopped, .. } =
-        moments::render(&job, &cancel, ProgressStyle::None)?;
+    let Outcome { mut rendered, stopped, .. } = moments::render(&job, &cancel, &Watch::silent())?;
     if let Some(error) = stopped {
         return Err(error);
     }
@@ -123,7 +138,7 @@ fn inputs(args: &RenderArgs) -> Vec<&Path> {
 }
 
 /// Prints the path of one sample.
-fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> {
+fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<u8, CliError> {
     let (width, height) = job.settings.resolution;
     if sample.0 >= width || sample.1 >= height {
         let message = format!("--debug-sample: the frame is {width}x{height}");
@@ -136,7 +151,7 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> 
         Ok::<_, CliError>(replay(&now.world, &now.camera, &*accel, &job.settings, sample))
     })??;
     text::print(&path)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(0)
 }
 
 /// Writes all outputs; where one fails the others are there still.
