@@ -4,7 +4,9 @@
 
 mod accels;
 mod bench;
+mod clock;
 mod completions;
+mod console;
 mod diff;
 mod error;
 mod exit_codes;
@@ -15,6 +17,7 @@ mod golden_page;
 mod info;
 mod input;
 mod job;
+mod log;
 mod man;
 mod memory;
 mod merge;
@@ -23,9 +26,11 @@ mod progress;
 mod render;
 mod settings;
 mod shell;
+mod status;
 mod text;
 mod trace;
 mod validate;
+mod watch;
 
 use std::process::ExitCode;
 

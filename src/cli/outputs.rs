@@ -16,6 +16,12 @@ pub struct Output<'a> {
     pub ending: &'static str,
 }
 
+impl Output<'_> {
+    /// The ending of a file that is appended to. Whoever opens it finds out whether that can be
+    /// done: it takes no new file in its folder.
+    pub const APPENDED: &'static str = "log";
+}
+
 /// Endings that say what a file holds. Any other ending, or none, says nothing.
 const ENDINGS: [&str; 19] = [
     "exr", "png", "npy", "jpg", "jpeg", "hdr", "tif", "tiff", "bmp", "tga", "webp", "gif", "gltf",
@@ -52,7 +58,8 @@ pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
             return Err(CliError::Usage(message));
         }
     }
-    try_all(outputs.iter().map(|output| {
+    let replaced = outputs.iter().filter(|output| output.ending != Output::APPENDED);
+    try_all(replaced.map(|output| {
         files::probe(output.path).map_err(|source| CliError::not_written(output.path, &source))
     }))
 }

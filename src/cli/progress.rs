@@ -1,75 +1,183 @@
-//! Progress of a render: as a bar, as lines or as JSON.
+//! Progress of a run: as a bar, as lines or for programs.
 
-use std::io::{IsTerminal, Write, stderr};
-use std::sync::Mutex;
+use std::io::{IsTerminal, stderr};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 
+pub use crate::cli::console::say;
+use crate::cli::console::{hide_bar, print, show_bar};
 use crate::cli::settings::parse::ProgressStyle;
+use crate::cli::status::{Phase, Status};
 use crate::render::Progress;
 use crate::scene::Notice;
 
-/// Reports the progress of a render on standard error.
+/// Reports the progress of a run on standard error, from a thread of its own: whoever tells of
+/// progress does not wait for a terminal, and while nobody tells there are reports still.
 pub struct Reporter {
-    form: Form,
+    shared: Arc<Shared>,
+    /// Whether a change of phase is reported at once.
+    each_phase: bool,
+    /// None if nothing is reported.
+    thread: Mutex<Option<JoinHandle<()>>>,
 }
 
-enum Form {
-    Bar(ProgressBar),
-    /// When the next line is due, in time since the start.
-    Lines(Mutex<Duration>),
-    Json(Mutex<Duration>),
-    Silent,
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    wake: Condvar,
 }
 
-/// Between plain lines.
-const LINE_EVERY: Duration = Duration::from_secs(10);
-/// Between JSON objects.
-const JSON_EVERY: Duration = Duration::from_secs(1);
+#[derive(Default)]
+struct State {
+    status: Status,
+    /// What is to be reported at once.
+    pending: Vec<Status>,
+    /// The phase that was entered last; `None` at the start.
+    told: Option<Phase>,
+    /// There is no more to report.
+    over: bool,
+}
+
+/// How progress is reported.
+struct Form {
+    every: Duration,
+    each_phase: bool,
+    report: Box<dyn FnMut(Status) + Send>,
+}
 
 impl Reporter {
     /// A reporter of some style; with `Auto`, a bar if someone may be looking.
     pub fn new(style: ProgressStyle) -> Self {
-        let form = match style {
-            ProgressStyle::None => Form::Silent,
-            ProgressStyle::Json => Form::Json(Mutex::new(Duration::ZERO)),
-            ProgressStyle::Plain => Form::Lines(Mutex::new(LINE_EVERY)),
-            ProgressStyle::Auto if !stderr().is_terminal() => Form::Lines(Mutex::new(LINE_EVERY)),
-            ProgressStyle::Auto | ProgressStyle::Bar => Form::Bar(make_bar()),
-        };
-        Self { form }
+        let shared = Arc::new(Shared::default());
+        let form = Form::of(style);
+        let each_phase = form.as_ref().is_some_and(|form| form.each_phase);
+        let thread = form.and_then(|mut form| {
+            let shared = Arc::clone(&shared);
+            let work = move || shared.report(&mut form);
+            // A render without a bar is better than none.
+            std::thread::Builder::new().name("progress".to_owned()).spawn(work).ok()
+        });
+        Self { shared, each_phase, thread: Mutex::new(thread) }
     }
 
-    /// Takes note of the progress, and reports it if it is time to.
+    /// Takes note of what the run does from now on.
+    pub fn enter(&self, phase: Phase) {
+        let mut state = lock(&self.shared.state);
+        state.status.phase = phase;
+        let status = state.status;
+        if self.each_phase && state.told.replace(phase) != Some(phase) {
+            state.pending.push(status);
+            self.shared.wake.notify_all();
+        }
+    }
+
+    /// Takes note of how many pixels share the samples.
+    pub fn expect_pixels(&self, pixels: u64) {
+        lock(&self.shared.state).status.pixels = pixels;
+    }
+
+    /// Takes note of the progress.
     pub fn update(&self, progress: Progress) {
-        match &self.form {
-            Form::Silent => {}
-            Form::Bar(bar) => {
+        lock(&self.shared.state).status.progress = Some(progress);
+    }
+
+    /// Removes the bar; programs get their last line.
+    pub fn finish(&self) {
+        self.enter(Phase::End);
+        self.stop();
+    }
+
+    fn stop(&self) {
+        lock(&self.shared.state).over = true;
+        self.shared.wake.notify_all();
+        if let Some(thread) = lock(&self.thread).take() {
+            let _ = thread.join();
+            hide_bar();
+        }
+    }
+}
+
+impl Drop for Reporter {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+impl Shared {
+    /// Reports until there is no more to report.
+    fn report(&self, form: &mut Form) {
+        loop {
+            let (pending, over) = self.wait(form.every);
+            for status in pending {
+                (form.report)(status);
+            }
+            if over {
+                return;
+            }
+        }
+    }
+
+    /// Waits for something to report, `every` at most; then that is what there is now. Says whether
+    /// it is the last.
+    fn wait(&self, every: Duration) -> (Vec<Status>, bool) {
+        let idle = |state: &mut State| state.pending.is_empty() && !state.over;
+        let waited = self.wake.wait_timeout_while(lock(&self.state), every, idle);
+        let (mut state, timeout) = waited.unwrap_or_else(PoisonError::into_inner);
+        if timeout.timed_out() {
+            return (vec![state.status], false);
+        }
+        (std::mem::take(&mut state.pending), state.over)
+    }
+}
+
+impl Form {
+    /// None where nothing is reported.
+    fn of(style: ProgressStyle) -> Option<Self> {
+        let (every, each_phase) = (Duration::from_secs(1), true);
+        Some(match style {
+            ProgressStyle::None => return None,
+            ProgressStyle::Json => {
+                Self { every, each_phase, report: Box::new(|status| print(&status.to_json())) }
+            }
+            ProgressStyle::Openjd => {
+                Self { every, each_phase, report: Box::new(|status| print(&status.to_openjd())) }
+            }
+            ProgressStyle::Auto if !stderr().is_terminal() => Self::lines(),
+            ProgressStyle::Plain => Self::lines(),
+            ProgressStyle::Auto | ProgressStyle::Bar => Self::bar(),
+        })
+    }
+
+    fn lines() -> Self {
+        let report = |status: Status| {
+            if let Some(progress) = status.progress {
+                print(&format_line(progress));
+            }
+        };
+        Self { every: Duration::from_secs(10), each_phase: false, report: Box::new(report) }
+    }
+
+    fn bar() -> Self {
+        let bar = make_bar();
+        let report = move |status: Status| {
+            if matches!(status.phase, Phase::Write | Phase::End) {
+                hide_bar();
+            } else if let Some(progress) = status.progress {
+                show_bar(&bar);
                 bar.set_length(progress.total);
                 bar.set_position(progress.done);
                 bar.set_message(format_left(progress));
             }
-            Form::Lines(due) => {
-                if is_due(due, progress, LINE_EVERY) {
-                    let percent = 100.0 * progress.done as f64 / progress.total.max(1) as f64;
-                    say(&format!("{percent:.1}%, {}", format_left(progress)));
-                }
-            }
-            Form::Json(due) => {
-                if is_due(due, progress, JSON_EVERY) {
-                    say(&to_json(progress));
-                }
-            }
-        }
+        };
+        Self { every: Duration::from_millis(100), each_phase: true, report: Box::new(report) }
     }
+}
 
-    /// Removes the bar.
-    pub fn finish(&self) {
-        if let Form::Bar(bar) = &self.form {
-            bar.finish_and_clear();
-        }
-    }
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn make_bar() -> ProgressBar {
@@ -81,14 +189,10 @@ fn make_bar() -> ProgressBar {
     bar
 }
 
-/// Whether a report is due; if so, the next one is due later.
-fn is_due(due: &Mutex<Duration>, progress: Progress, every: Duration) -> bool {
-    let Ok(mut due) = due.lock() else { return false };
-    if progress.elapsed < *due {
-        return false;
-    }
-    *due = progress.elapsed + every;
-    true
+/// The progress as a line for people.
+pub fn format_line(progress: Progress) -> String {
+    let percent = 100.0 * progress.done as f64 / progress.total.max(1) as f64;
+    format!("{percent:.1}%, {}", format_left(progress))
 }
 
 fn format_left(progress: Progress) -> String {
@@ -111,24 +215,9 @@ fn format_clock(duration: Duration) -> String {
     }
 }
 
-fn to_json(progress: Progress) -> String {
-    serde_json::json!({
-        "done": progress.done,
-        "total": progress.total,
-        "elapsed_s": progress.elapsed.as_secs_f64(),
-        "left_s": progress.left().map(|left| left.as_secs_f64()),
-    })
-    .to_string()
-}
-
 /// Prints what a scene asks for that is not honoured, or what was decided for the user.
 pub fn note(notice: &Notice) {
     say(&format!("note: {}: {}", notice.place, notice.message));
-}
-
-/// Prints a line on standard error. That no one may be reading is no reason to stop.
-pub fn say(line: &str) {
-    let _ = writeln!(stderr(), "{line}");
 }
 
 #[cfg(test)]
@@ -143,14 +232,9 @@ mod tests {
     }
 
     #[test]
-    fn lines_come_at_intervals() {
-        let due = Mutex::new(LINE_EVERY);
-        let at = |seconds| {
-            let elapsed = Duration::from_secs(seconds);
-            Progress { before: 0, done: 1, total: 2, elapsed }
-        };
-        let said: Vec<u64> =
-            (0..35).filter(|&second| is_due(&due, at(second), LINE_EVERY)).collect();
-        assert_eq!(said, [10, 20, 30]);
+    fn lines_for_people_tell_the_share_and_the_time_left() {
+        let at = |done| Progress { before: 0, done, total: 8, elapsed: Duration::from_secs(60) };
+        assert_eq!(format_line(at(0)), "0.0%, starting");
+        assert_eq!(format_line(at(2)), "25.0%, 3m 00s left");
     }
 }

@@ -27,8 +27,13 @@ pub fn write(
 ///
 /// # Errors
 /// [`FilmError::Invalid`] if the picture, which `path` names for messages, has no colours.
-pub fn encode(path: &Path, picture: &Picture, tonemap: Tonemap) -> Result<Vec<u8>, FilmError> {
-    let (kind, bytes) = display_bytes(path, picture, tonemap, 0.0)?;
+pub fn encode(
+    path: &Path,
+    picture: &Picture,
+    tonemap: Tonemap,
+    exposure: f32,
+) -> Result<Vec<u8>, FilmError> {
+    let (kind, bytes) = display_bytes(path, picture, tonemap, exposure)?;
     let mut file = Vec::new();
     encode_pixels(&mut file, picture.width(), picture.height(), kind, &bytes)
         .map_err(|error| FilmError::invalid(path, error.to_string()))?;

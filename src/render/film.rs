@@ -141,6 +141,11 @@ impl Film {
         self.restored_time + lock(&self.counted).elapsed + running
     }
 
+    /// Rays that were shot, as far as workers have told: they do at the end of their passes.
+    pub fn rays(&self) -> RayCounts {
+        lock(&self.counted).rays
+    }
+
     /// The colours of the samples so far, to look at: tiles without any are filled with what is
     /// nearest.
     pub fn preview(&self) -> Picture {

@@ -127,16 +127,16 @@ impl Checkpoint {
         &self.path
     }
 
-    /// Saves if it is time to, or if it is `told` to. That it cannot is a warning: the render goes
-    /// on.
-    pub fn look_after(&self, film: &Film, told: bool) {
-        let Ok(mut last) = self.last.lock() else { return };
+    /// Saves if it is time to, or if it is `told` to, and says whether it did. That it cannot is a
+    /// warning: the render goes on.
+    pub fn look_after(&self, film: &Film, told: bool) -> bool {
+        let Ok(mut last) = self.last.lock() else { return false };
         let is_due = match self.every {
             Every::Time(every) => last.time.elapsed() >= every,
             Every::Samples(every) => film.next_sample() >= last.sample.saturating_add(every),
         };
         if !is_due && !told {
-            return;
+            return false;
         }
         let sample = film.next_sample();
         let error = self.save(film).err().map(|error| error.to_string());
@@ -144,7 +144,9 @@ impl Checkpoint {
         if let Some(error) = error.as_ref().filter(|_| error != last.error) {
             say(&format!("warning: {error}; the render goes on"));
         }
+        let is_saved = error.is_none();
         *last = Last { time: Instant::now(), sample, error };
+        is_saved
     }
 
     /// Saves.

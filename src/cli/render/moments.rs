@@ -8,8 +8,9 @@ use super::signals::{AGAIN, Signals};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::memory;
-use crate::cli::progress::{Reporter, note, say};
-use crate::cli::settings::parse::ProgressStyle;
+use crate::cli::progress::{note, say};
+use crate::cli::status::Phase;
+use crate::cli::watch::Watch;
 use crate::render::{Film, Rendered, film_bytes, with_ticks};
 
 /// A film with all samples that could be taken, and what it took.
@@ -44,7 +45,7 @@ pub struct Took {
 /// What a render answers to while it runs.
 pub struct Control<'a> {
     pub signals: &'a Signals,
-    pub style: ProgressStyle,
+    pub watch: &'a Watch,
     /// When the process started.
     pub start: Instant,
     /// Saves what there is, where there is no checkpoint to save.
@@ -72,13 +73,12 @@ pub fn expose(job: &Job, control: &Control<'_>) -> Result<Exposed, CliError> {
         checkpoint
     });
     job.on_threads(|| {
-        let style = if job.args.quiet { ProgressStyle::None } else { control.style };
+        control.watch.expect_pixels(crop.area() as u64);
         let exposure = Exposure {
             job,
             control,
             film: &film,
             checkpoint: checkpoint.as_ref(),
-            reporter: Reporter::new(style),
             out_of_time: Mutex::new(false),
         };
         let took = exposure.expose()?;
@@ -92,7 +92,6 @@ struct Exposure<'a> {
     control: &'a Control<'a>,
     film: &'a Film,
     checkpoint: Option<&'a Checkpoint>,
-    reporter: Reporter,
     out_of_time: Mutex<bool>,
 }
 
@@ -117,14 +116,14 @@ impl Exposure<'_> {
                 break;
             }
         }
-        self.reporter.finish();
         took.out_of_time = self.out_of_time.lock().is_ok_and(|it| *it);
         Ok(took)
     }
 
     /// Poses the scene, builds the structure and takes the samples of a moment.
     fn add_moment(&self, moment: usize, end: u64, took: &mut Took) -> Result<(), CliError> {
-        let (job, signals) = (self.job, self.control.signals);
+        let (job, signals, watch) = (self.job, self.control.signals, self.control.watch);
+        watch.enter(Phase::Read);
         let later = job.pose(moment)?;
         if let Some(later) = &later {
             took.loaded += later.elapsed;
@@ -136,12 +135,14 @@ impl Exposure<'_> {
             }
         }
         let now = later.as_ref().unwrap_or(&job.first);
+        watch.enter(Phase::Build);
         let start = Instant::now();
         let accel = job.build(&now.world)?;
         took.built += start.elapsed();
         if job.args.verbose > 0 && moment == 0 {
             say(&format!("built {} in {:.2} s", job.args.accel, took.built.as_secs_f64()));
         }
+        watch.enter(Phase::Render);
         signals.expect_samples();
         with_ticks(&|| self.tick(), || {
             self.film.accumulate(&now.world, &now.camera, &*accel, end, signals.cancel());
@@ -153,7 +154,9 @@ impl Exposure<'_> {
     /// Looks after the render, some ten times a second.
     fn tick(&self) {
         let Self { job, film, .. } = self;
-        self.reporter.update(film.progress());
+        let watch = self.control.watch;
+        watch.set_rays(film.rays().total());
+        watch.update(film.progress(), &|| film.preview());
         let is_over =
             |limit: Option<Duration>, spent: Duration| limit.is_some_and(|it| spent >= it);
         if is_over(job.args.stop_after, self.control.start.elapsed()) {
@@ -171,7 +174,9 @@ impl Exposure<'_> {
             Some(checkpoint) => {
                 // What ends the render saves it, too.
                 if !self.control.signals.is_cancelled() {
-                    checkpoint.look_after(film, told);
+                    if checkpoint.look_after(film, told) {
+                        watch.count_checkpoint();
+                    }
                 }
             }
             None if told => (self.control.save)(film),

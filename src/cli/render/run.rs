@@ -13,8 +13,9 @@ use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::outputs::{self, Output};
 use crate::cli::progress::{note, say};
-use crate::cli::settings::parse::ProgressStyle;
-use crate::cli::settings::{self, RenderArgs, Request, Table, Typed};
+use crate::cli::settings::{self, Origin, RenderArgs, Request, Table, Typed};
+use crate::cli::status::Phase;
+use crate::cli::watch::{self, Watch};
 use crate::cli::{shell, text};
 use crate::film::{Picture, exr, png};
 use crate::formats::EnvironmentSource;
@@ -32,12 +33,27 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
         if outputs.iter().all(|output| output.flag == "--checkpoint") {
             return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
         }
-        outputs::check(&outputs, &inputs(&args))?;
+        outputs::check(&[outputs, watch::outputs(&args)].concat(), &inputs(&args))?;
     }
+    let watch = if stops { Watch::silent() } else { Watch::start(&args)? };
+    let ended = run_watched(args, from.as_ref(), start, &signals, &watch);
+    let told = watch.finish(ended.as_ref().map_or_else(CliError::exit_code, |&code| code));
+    let code = ended?;
+    told.map(|()| ExitCode::from(code))
+}
+
+/// The same, while someone watches. Returns the exit code.
+fn run_watched(
+    args: RenderArgs,
+    from: Option<&Origin>,
+    start: Instant,
+    signals: &Signals,
+    watch: &Watch,
+) -> Result<u8, CliError> {
     let job = Job::prepare(args)?;
     if !job.args.quiet {
         report::print_scene(&job);
-        if let Some(from) = &from {
+        if let Some(from) = from {
             from.list_changes(job.first.world.scene.digest()).iter().for_each(note);
         }
     }
@@ -46,30 +62,31 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     }
     if job.args.print_config {
         text::print(&format!("[render]\n{}", Table::default().to_toml(&job.args)))?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(0);
     }
     if job.args.dry_run {
-        return dry_run::run(&job);
+        return dry_run::run(&job).map(|_| 0);
     }
     let words = shell::own_words();
     let save = |film: &Film| save_picture(&job, film, &words);
-    let control = Control { signals: &signals, style: job.args.progress, start, save: &save };
+    let control = Control { signals, watch, start, save: &save };
     let exposed = moments::expose(&job, &control)?;
-    publish(&job, exposed, &signals, &words)
+    watch.enter(Phase::Write);
+    publish(&job, exposed, &control, &words)
 }
 
 /// Writes the outputs and says what it took.
 fn publish(
     job: &Job,
     exposed: Exposed,
-    signals: &Signals,
+    control: &Control<'_>,
     words: &[String],
-) -> Result<ExitCode, CliError> {
+) -> Result<u8, CliError> {
     let Exposed { film, took, checkpoint } = exposed;
     let save = || checkpoint.as_ref().map_or(Ok(()), |checkpoint| checkpoint.save(&film));
     if film.is_blank() && !film.range().is_empty() {
         say("interrupted before the first samples: there is nothing to save");
-        return Ok(signals.exit_code());
+        return Ok(control.signals.code());
     }
     let is_whole = film.is_whole();
     // What is needed to go on comes first.
@@ -77,8 +94,11 @@ fn publish(
     let mut rendered = film.finish();
     Header::of_render(&rendered, job, words).apply(&mut rendered.picture);
     report::print_lost(&rendered, words);
-    let written = write_part(job, &film);
-    let written = outputs::try_all([saved, written, write(&job.args, &rendered.picture)]);
+    control.watch.set_rays(rendered.rays.total());
+    let picture = &rendered.picture;
+    let written =
+        [write_part(job, &film), write(&job.args, picture), control.watch.present(picture)];
+    let written = outputs::try_all([saved].into_iter().chain(written));
     if let Err(error) = written {
         return Err(match is_whole.then(save) {
             Some(Err(too)) => CliError::Several(vec![error, too]),
@@ -88,14 +108,12 @@ fn publish(
     if is_whole && let Some(checkpoint) = &checkpoint {
         checkpoint.remove();
     }
-    finish(job, Outcome { rendered, took }, signals)
+    finish(job, Outcome { rendered, took }, control)
 }
 
 /// Says what it took, and works out how the process ends.
-fn finish(job: &Job, outcome: Outcome, signals: &Signals) -> Result<ExitCode, CliError> {
-    if !job.args.quiet {
-        say(&report::summarize(job, &outcome));
-    }
+fn finish(job: &Job, outcome: Outcome, control: &Control<'_>) -> Result<u8, CliError> {
+    control.watch.tell(&report::summarize(job, &outcome));
     if job.args.json {
         text::print(&format!("{}\n", report::summarize_as_json(job, &outcome)))?;
     }
@@ -108,11 +126,12 @@ fn finish(job: &Job, outcome: Outcome, signals: &Signals) -> Result<ExitCode, Cl
     if let Some(error) = outcome.took.stopped {
         return Err(error);
     }
-    if signals.code() == 0 && job.args.fail_incomplete && is_incomplete {
+    let code = control.signals.code();
+    if code == 0 && job.args.fail_incomplete && is_incomplete {
         let message = "the picture is not as good as was asked for (--fail-incomplete)";
         return Err(CliError::Limit(message.to_owned()));
     }
-    Ok(signals.exit_code())
+    Ok(code)
 }
 
 /// Writes what there is of the picture while more samples are taken. That it cannot is a warning.
@@ -159,7 +178,7 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
     let signals = Signals::default();
     let control = Control {
         signals: &signals,
-        style: ProgressStyle::None,
+        watch: &Watch::silent(),
         start: Instant::now(),
         save: &|_| {},
     };
@@ -193,7 +212,7 @@ fn inputs(args: &RenderArgs) -> Vec<&Path> {
 }
 
 /// Prints the path of one sample.
-fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> {
+fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<u8, CliError> {
     let (width, height) = job.settings.resolution;
     if sample.0 >= width || sample.1 >= height {
         let message = format!("--debug-sample: the frame is {width}x{height}");
@@ -206,7 +225,7 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> 
         Ok::<_, CliError>(replay(&now.world, &now.camera, &*accel, &job.settings, sample))
     })??;
     text::print(&path)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(0)
 }
 
 /// Writes the pictures; where one fails the others are there still.

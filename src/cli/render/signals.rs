@@ -5,7 +5,6 @@
 //! at once. While the scene is read and the structure is built there is nothing to save: all but HUP
 //! end at once.
 
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
 
@@ -70,11 +69,6 @@ impl Signals {
     /// The exit code of what ended it: 0 if nothing did.
     pub fn code(&self) -> u8 {
         self.0.code.load(Ordering::SeqCst)
-    }
-
-    /// The same for the process.
-    pub fn exit_code(&self) -> ExitCode {
-        ExitCode::from(self.code())
     }
 }
 

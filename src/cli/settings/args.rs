@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::parse::{CameraModel, MissingTextureArg, ProgressStyle, RouletteDepth};
 use super::parse_long::{Every, Resume, Share};
+use super::parse_watch::{Show, TevAddress};
 use crate::accel::AccelSpec;
 use crate::film::tonemap::Tonemap;
 use crate::film::{PixelFilter, Window};
@@ -29,6 +30,9 @@ pub struct RenderArgs {
     pub tonemap: Tonemap,
     pub exposure: f32,
     pub aov: Vec<Aov>,
+    pub preview: Option<PathBuf>,
+    pub show: Option<Show>,
+    pub tev: Option<TevAddress>,
 
     pub resolution: Option<(u32, u32)>,
     pub spp: u64,
@@ -94,6 +98,8 @@ pub struct RenderArgs {
     pub print_config: bool,
     pub debug_sample: Option<(u32, u32, u64)>,
     pub progress: ProgressStyle,
+    pub log: Option<PathBuf>,
+    pub metrics: Option<PathBuf>,
     pub quiet: bool,
     pub verbose: u8,
     pub json: bool,

@@ -44,6 +44,26 @@ pub static MESSAGES: &[Setting] = &[
         ..SETTING
     },
     Setting {
+        name: "log",
+        value: "FILE",
+        example: "render.log",
+        help: "Adds what is printed to the end of a file, with times, and progress every 10 s",
+        advanced: true,
+        read: Reader::Path(|args| &mut args.log),
+        ..SETTING
+    },
+    Setting {
+        name: "metrics",
+        value: "FILE",
+        example: "dapple.prom",
+        help: "Writes figures for Prometheus to a file, every 10 s",
+        details: "The file is for the textfile collector of node_exporter, and is renamed into its \
+                  place.",
+        advanced: true,
+        read: Reader::Path(|args| &mut args.metrics),
+        ..SETTING
+    },
+    Setting {
         name: "quiet",
         short: Some('q'),
         help: "Prints nothing but errors",

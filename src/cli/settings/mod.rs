@@ -8,9 +8,10 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `setting` | what an entry says |
-//! | `output`, `image`, `light`, `camera`, `long`, `input`, `speed`, `messages` | the entries |
+//! | `output`, `watch`, `image`, `light`, `camera` | the entries |
+//! | `long`, `input`, `speed`, `messages` | more of them |
 //! | `args` | the values of all settings, typed |
-//! | `parse`, `parse_long`, `to_toml` | values from words, and values as TOML |
+//! | `parse`, `parse_long`, `parse_watch`, `to_toml` | values from words, and values as TOML |
 //! | `table` | the entries together: defaults, rules, TOML |
 //! | `command` | the entries as flags, and what was typed |
 //! | `resolve`, `origin` | what was typed over what a file says: a scene, or `--from` a picture |
@@ -31,6 +32,7 @@ mod origin;
 mod output;
 pub mod parse;
 pub mod parse_long;
+pub mod parse_watch;
 mod resolve;
 mod setting;
 mod speed;
@@ -38,8 +40,10 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod to_toml;
+mod watch;
 
 pub use args::RenderArgs;
 pub use command::Typed;
+pub use origin::Origin;
 pub use resolve::{Request, resolve, resolve_words};
 pub use table::Table;

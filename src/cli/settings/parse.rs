@@ -37,6 +37,8 @@ pub enum ProgressStyle {
     Plain,
     /// A JSON object every second.
     Json,
+    /// Lines of Open Job Description every second.
+    Openjd,
     /// Not at all.
     None,
 }

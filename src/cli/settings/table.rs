@@ -12,6 +12,7 @@ use super::messages::MESSAGES;
 use super::output::OUTPUT;
 use super::setting::Setting;
 use super::speed::SPEED;
+use super::watch::WATCHED;
 
 /// All settings, in the order of the help.
 #[derive(Clone, Debug)]
@@ -24,7 +25,8 @@ pub struct Table {
 impl Default for Table {
     /// The settings of `dapple render`.
     fn default() -> Self {
-        let groups: [&[Setting]; 8] = [OUTPUT, IMAGE, LIGHT, CAMERA, LONG, INPUT, SPEED, MESSAGES];
+        let groups: [&[Setting]; 9] =
+            [OUTPUT, WATCHED, IMAGE, LIGHT, CAMERA, LONG, INPUT, SPEED, MESSAGES];
         Self::new(groups.into_iter().flatten().collect())
     }
 }
