@@ -19,8 +19,7 @@ pub enum Stage {
     MetallicRoughness,
     /// Smooth glass: the same, without light sampling.
     SmoothGlass,
-    /// All other surfaces, one by one: emitters, rough glass, layers, normal maps; and last
-    /// segments.
+    /// All other surfaces, one by one: emitters, rough glass, layers, normal maps.
     Others,
     /// What lies between surfaces and lights.
     ShadowRays,

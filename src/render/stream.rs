@@ -234,9 +234,14 @@ impl<'w> Stream<'w> {
                 self.triangles.push(triangle);
                 continue;
             }
-            if goes_on && hit.is_hit() {
+            if hit.is_hit() && (goes_on || depth > 1) {
                 let (instance, index, found) = world.classify(hit);
                 triangle = (instance, index);
+                if !goes_on && found != BsdfClass::Other {
+                    // All that counts at the end of a path is emission, and no class emits.
+                    self.triangles.push(triangle);
+                    continue;
+                }
                 let material = || world.scene.instances[instance.index()].material;
                 let is_glass = found == BsdfClass::SmoothGlass;
                 if path.is_in_air() || (is_glass && path.is_only_in(material())) {
