@@ -22,6 +22,20 @@ impl Interior {
     /// Out in the open.
     pub const AIR: Self = Self { media: [MaterialId::NONE; DEPTH] };
 
+    /// Within one solid.
+    #[inline]
+    pub fn of(id: MaterialId) -> Self {
+        let mut media = Self::AIR.media;
+        media[0] = id;
+        Self { media }
+    }
+
+    /// Whether that solid alone is around.
+    #[inline]
+    pub fn is_only(&self, id: MaterialId) -> bool {
+        *self == Self::of(id)
+    }
+
     /// Whether there is nothing around.
     #[inline]
     pub fn is_air(&self) -> bool {

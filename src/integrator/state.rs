@@ -3,7 +3,7 @@
 use super::interior::Interior;
 use crate::light::LightSampleContext;
 use crate::material::Wavelength;
-use crate::math::{Ray, Vec3};
+use crate::math::{MaterialId, Ray, Vec3};
 use crate::sampling::Sampler;
 
 /// A path under way; its current ray is kept beside it, in a slice for the tracer.
@@ -95,6 +95,12 @@ impl Path {
     #[inline(always)]
     pub fn is_in_air(&self) -> bool {
         self.interior.is_air()
+    }
+
+    /// Whether it is inside of that solid and of no other.
+    #[inline(always)]
+    pub fn is_only_in(&self, id: MaterialId) -> bool {
+        self.interior.is_only(id)
     }
 
     /// The share of the light at the current ray's end that reaches the camera, over the

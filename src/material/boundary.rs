@@ -3,11 +3,13 @@
 use super::energy::GlassAlbedo;
 use super::form::BsdfForm;
 use super::fresnel;
+use super::lanes;
 use super::metallic_roughness::coat_f0;
 use super::params::{SurfaceParams, saturate};
 use super::sample::mean;
 use super::thin_film::ThinFilm;
 use crate::math::Vec3;
+use crate::simd::lanes::Scalar;
 
 /// Up to this roughness a boundary is taken as smooth.
 const SMOOTH: f32 = 0.02;
@@ -28,7 +30,7 @@ pub struct Boundary {
     /// Which of the four models it follows.
     pub kind: Kind,
     /// Whether reflectances are those of the index.
-    plain: bool,
+    pub plain: bool,
     /// One face's reflectance at normal incidence and, of all colours, at grazing angles.
     f0: Vec3,
     f90: f32,
@@ -63,10 +65,8 @@ impl Split {
 
     #[inline]
     fn colored(colors: Vec3, reflectance: f32, tint: Vec3) -> Self {
-        let transmitted = (1.0 - reflectance) * tint.max_element().max(0.0);
-        // Black glass seen where it does not reflect: sample the nothing that is transmitted.
-        let all = reflectance + transmitted;
-        let reflection_probability = if all > 0.0 { reflectance / all } else { 0.0 };
+        let reflection_probability =
+            lanes::reflection_probability(Scalar, reflectance, tint.into());
         Self { reflectance: colors, reflection_probability }
     }
 

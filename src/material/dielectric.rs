@@ -1,12 +1,14 @@
 //! Glass: clear boundaries of solids, and thin sheets.
 
-use super::boundary::{Boundary, Kind, Split};
+use super::boundary::{Boundary, Kind};
 use super::form::BsdfForm;
+use super::lanes::{BsdfRows, SmoothBoundary};
 use super::params::SurfaceParams;
 use super::rough_dielectric;
 use super::sample::{BsdfSample, is_above};
 use super::thin_film::ThinFilm;
 use crate::math::{Vec2, Vec3};
+use crate::simd::lanes::Scalar;
 
 /// A boundary that reflects and transmits by the exact Fresnel equations; light that passes is
 /// tinted once.
@@ -70,11 +72,21 @@ impl Dielectric {
             return None;
         }
         match self.boundary.kind {
-            Kind::Smooth => Some(sample_smooth(&self.boundary, film, wo, u_lobe)),
-            Kind::ThinSmooth => Some(sample_thin(&self.boundary, film, wo, u_lobe)),
+            Kind::Smooth => sample_smooth(&self.boundary, film, wo, u_lobe),
+            Kind::ThinSmooth => sample_thin(&self.boundary, film, wo, u_lobe),
             Kind::Rough => rough_dielectric::sample_solid(&self.boundary, film, wo, u_lobe, u),
             Kind::ThinRough => rough_dielectric::sample_thin(&self.boundary, film, wo, u_lobe, u),
         }
+    }
+
+    /// For [`super::lanes::SmoothGlassLanes`]; `None`: that is not what it is.
+    pub(crate) fn rows(&self) -> Option<BsdfRows> {
+        let Boundary { tint, ior, plain, .. } = self.boundary;
+        let thin = f32::from(self.boundary.kind == Kind::ThinSmooth);
+        let mut rows = BsdfRows::default();
+        rows[0] = [tint.x, tint.y, tint.z, ior];
+        rows[1] = [thin, 0.0, 0.0, 0.0];
+        (self.is_delta() && plain).then_some(rows)
     }
 
     /// See [`super::Bsdf::albedo`].
@@ -83,41 +95,45 @@ impl Dielectric {
     }
 }
 
-fn sample_smooth(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
+/// The boundary of a solid.
+fn sample_smooth(
+    glass: &Boundary,
+    film: Option<&ThinFilm>,
+    wo: Vec3,
+    u_lobe: f32,
+) -> Option<BsdfSample> {
     let eta = glass.eta(wo);
     let (split, cos_t) = glass.split(wo.z.abs(), eta, film);
-    if u_lobe < split.reflection_probability {
-        return sample_mirror(wo, &split);
-    }
-    let inverse = 1.0 / eta;
-    let pdf = 1.0 - split.reflection_probability;
-    BsdfSample {
-        wi: Vec3::new(-wo.x * inverse, -wo.y * inverse, -cos_t.copysign(wo.z)),
-        weight: split.transmittance(glass.tint) * (inverse * inverse / pdf),
-        pdf,
-        delta: true,
+    SmoothBoundary {
+        tint: glass.tint.into(),
+        reflectance: split.reflectance.into(),
+        reflection_probability: split.reflection_probability,
         eta,
+        cos_t,
+        thin: false,
     }
+    .sample(Scalar, wo.into(), u_lobe)
+    .first(true)
 }
 
-fn sample_thin(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, u_lobe: f32) -> BsdfSample {
+/// A sheet.
+fn sample_thin(
+    glass: &Boundary,
+    film: Option<&ThinFilm>,
+    wo: Vec3,
+    u_lobe: f32,
+) -> Option<BsdfSample> {
     let split = glass.split_thin(wo.z.abs(), film);
-    if u_lobe < split.reflection_probability {
-        return sample_mirror(wo, &split);
-    }
-    let pdf = 1.0 - split.reflection_probability;
-    let weight = split.transmittance(glass.tint) / pdf;
-    BsdfSample { wi: -wo, weight, pdf, delta: true, eta: 1.0 }
-}
-
-fn sample_mirror(wo: Vec3, split: &Split) -> BsdfSample {
-    BsdfSample {
-        wi: Vec3::new(-wo.x, -wo.y, wo.z),
-        weight: split.reflectance / split.reflection_probability,
-        pdf: split.reflection_probability,
-        delta: true,
+    SmoothBoundary {
+        tint: glass.tint.into(),
+        reflectance: split.reflectance.into(),
+        reflection_probability: split.reflection_probability,
         eta: 1.0,
+        cos_t: 0.0,
+        thin: true,
     }
+    .sample(Scalar, wo.into(), u_lobe)
+    .first(true)
 }
 
 #[cfg(test)]

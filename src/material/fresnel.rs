@@ -1,5 +1,7 @@
 //! Reflectances of smooth boundaries.
 
+use crate::simd::lanes::{Float, Lanes, Mask, Scalar};
+
 /// The weight of `f90` in Schlick's approximation, that of `f0` being one minus it.
 ///
 /// Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994.
@@ -13,23 +15,39 @@ pub fn schlick_weight(cos: f32) -> f32 {
 /// The unpolarised reflectance of a dielectric boundary and the cosine of the refracted ray, for
 /// light that meets it at `cos_i >= 0`; `eta` is the index behind over that before the boundary.
 /// Total reflection is `(1, 0)`.
-#[inline]
-pub fn dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
-    let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-    if sin2_t >= 1.0 {
-        return (1.0, 0.0);
-    }
-    let cos_t = (1.0 - sin2_t).sqrt();
+#[inline(always)]
+pub fn dielectric_in_lanes<L: Lanes>(
+    lanes: L,
+    cos_i: L::Float,
+    eta: L::Float,
+) -> (L::Float, L::Float) {
+    let (zero, one) = (lanes.float(0.0), lanes.float(1.0));
+    let sin2_t = (one - cos_i * cos_i) / (eta * eta);
+    let cos_t = (one - sin2_t).sqrt();
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    (0.5 * (parallel * parallel + perpendicular * perpendicular), cos_t)
+    let reflectance = (parallel * parallel + perpendicular * perpendicular) * 0.5;
+    let total = one.le(sin2_t);
+    (total.select(one, reflectance), total.select(zero, cos_t))
+}
+
+/// The same, of one.
+#[inline]
+pub fn dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
+    dielectric_in_lanes(Scalar, cos_i, eta)
 }
 
 /// The reflectance of a thin sheet, all reflections between its two faces summed, from that of one
 /// face: `r + t^2 r / (1 - r^2)`.
+#[inline(always)]
+pub fn thin_sheet_in_lanes<L: Lanes>(face: L::Float) -> L::Float {
+    face * 2.0 / (face + 1.0)
+}
+
+/// The same, of one.
 #[inline]
 pub fn thin_sheet(face: f32) -> f32 {
-    2.0 * face / (1.0 + face)
+    thin_sheet_in_lanes::<Scalar>(face)
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ impl Lambert {
     /// See [`super::Bsdf::sample`].
     #[inline(always)]
     pub fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
-        self.facing(wo).sample(Scalar, wo.into(), 0.0, u.to_array()).first()
+        self.facing(wo).sample(Scalar, wo.into(), 0.0, u.to_array()).first(false)
     }
 
     /// For [`LambertLanes`].

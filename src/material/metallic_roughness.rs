@@ -131,7 +131,7 @@ impl MetallicRoughness {
     #[inline(always)]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let bsdf = self.facing(wo);
-        bsdf.sample(Scalar, wo.into(), u_lobe, u.to_array()).first()
+        bsdf.sample(Scalar, wo.into(), u_lobe, u.to_array()).first(false)
     }
 
     /// For [`MetallicRoughnessLanes`].

@@ -17,7 +17,9 @@ pub enum Stage {
     Lambert,
     /// Metals and coated dielectrics: the same.
     MetallicRoughness,
-    /// All other surfaces, one by one: emitters, glass, layers, normal maps; and last segments.
+    /// Smooth glass: the same, without light sampling.
+    SmoothGlass,
+    /// All other surfaces, one by one: emitters, rough glass, layers, normal maps.
     Others,
     /// What lies between surfaces and lights.
     ShadowRays,
@@ -27,13 +29,14 @@ pub enum Stage {
 
 impl Stage {
     /// All, in order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Start,
         Self::ClosestHits,
         Self::Sort,
         Self::Environment,
         Self::Lambert,
         Self::MetallicRoughness,
+        Self::SmoothGlass,
         Self::Others,
         Self::ShadowRays,
         Self::Film,
@@ -48,6 +51,7 @@ impl Stage {
             Self::Environment => "environment",
             Self::Lambert => "lambert",
             Self::MetallicRoughness => "metallic-roughness",
+            Self::SmoothGlass => "smooth glass",
             Self::Others => "other surfaces",
             Self::ShadowRays => "shadow rays",
             Self::Film => "film",

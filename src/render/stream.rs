@@ -20,7 +20,7 @@ use crate::geom::Shaft;
 use crate::integrator::{
     Path, PathSample, PathTracer, ShadowRays, Vertices, add_environment_in_lanes, shade_in_lanes,
 };
-use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes};
+use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes, SmoothGlassLanes};
 use crate::math::{InstanceId, Ray};
 use crate::simd::lanes::Lanes;
 use crate::simd::{in_lanes, vectorized};
@@ -63,7 +63,7 @@ pub(super) struct Stream<'w> {
     triangles: Vec<(InstanceId, usize)>,
     alive: Vec<bool>,
     /// The paths to be shaded together, by class, in order; [`BsdfClass::Other`] first.
-    classes: [Vec<u32>; 3],
+    classes: [Vec<u32>; 4],
     /// Paths in air that leave the scene, in order.
     leaving: Vec<u32>,
     shadow_rays: ShadowRays,
@@ -210,6 +210,10 @@ impl<'w> Stream<'w> {
             self.shade_class::<_, MetallicRoughnessLanes<_>>(lanes, class, depth);
         });
         let start = self.breakdown.add_since(Stage::MetallicRoughness, start);
+        in_lanes!(self.level, lanes => {
+            self.shade_class::<_, SmoothGlassLanes<_>>(lanes, BsdfClass::SmoothGlass, depth);
+        });
+        let start = self.breakdown.add_since(Stage::SmoothGlass, start);
         vectorized!(self.level, _simd => self.shade_others(depth));
         let start = self.breakdown.add_since(Stage::Others, start);
         self.close_ranks(depth);
@@ -230,9 +234,19 @@ impl<'w> Stream<'w> {
                 self.triangles.push(triangle);
                 continue;
             }
-            if goes_on && path.is_in_air() {
+            if hit.is_hit() && (goes_on || depth > 1) {
                 let (instance, index, found) = world.classify(hit);
-                (class, triangle) = (found, (instance, index));
+                triangle = (instance, index);
+                if !goes_on && found != BsdfClass::Other {
+                    // All that counts at the end of a path is emission, and no class emits.
+                    self.triangles.push(triangle);
+                    continue;
+                }
+                let material = || world.scene.instances[instance.index()].material;
+                let is_glass = found == BsdfClass::SmoothGlass;
+                if path.is_in_air() || (is_glass && path.is_only_in(material())) {
+                    class = found;
+                }
             }
             self.triangles.push(triangle);
             self.classes[class as usize].push(i as u32);
@@ -244,7 +258,7 @@ impl<'w> Stream<'w> {
     fn shade_class<L: Lanes, B: BsdfLanes<L>>(&mut self, lanes: L, class: BsdfClass, depth: u32) {
         let Self { integrator, rays, hits, triangles, paths, alive, samples, .. } = self;
         let shadow_rays = &mut self.shadow_rays;
-        let (others, classes) = self.classes.split_first_mut().expect("three classes");
+        let (others, classes) = self.classes.split_first_mut().expect("four classes");
         let vertices = &mut Vertices { rays, hits, triangles, paths, alive, samples, shadow_rays };
         let order = &classes[class as usize - 1];
         shade_in_lanes::<L, B>(integrator, lanes, depth, order, vertices, others);

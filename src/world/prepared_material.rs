@@ -19,14 +19,20 @@ pub enum BsdfClass {
     Lambert,
     /// The same of [`MetallicRoughness`](crate::material::MetallicRoughness).
     MetallicRoughness,
+    /// Smooth glass of one index for all colours, likewise: the boundary of a solid or a sheet.
+    SmoothGlass,
 }
 
 /// The class of a material, whatever its textures say at a point.
-fn classify(material: &Material) -> BsdfClass {
+fn classify(material: &Material, form: BsdfForm) -> BsdfClass {
     let bare = material.layers.is_none() && !material.unlit && !material.is_emissive();
     let smooth = material.normal_texture.is_none() && material.bump_texture.is_none();
-    if !(bare && smooth) || material.transmission > 0.0 {
+    if !(bare && smooth) {
         return BsdfClass::Other;
+    }
+    if material.transmission > 0.0 {
+        let smooth = is_smooth_glass(material, form);
+        return if smooth { BsdfClass::SmoothGlass } else { BsdfClass::Other };
     }
     let is_metallic = material.metallic > 0.0;
     let is_coated = material.specular > 0.0 || material.specular.is_nan();
@@ -39,6 +45,23 @@ fn classify(material: &Material) -> BsdfClass {
     } else {
         BsdfClass::Other
     }
+}
+
+/// Whether a material is clear and smooth all over, whatever its colour.
+fn is_smooth_glass(material: &Material, form: BsdfForm) -> bool {
+    let looked_up = [
+        material.metallic_roughness_texture,
+        material.glossiness_texture,
+        material.specular_texture,
+        material.specular_color_texture,
+        material.transmission_texture,
+    ];
+    if looked_up.iter().any(Option::is_some) || material.dispersion > 0.0 {
+        return false;
+    }
+    let colorless = Material { base_color_texture: None, ..material.clone() };
+    let params = surface_params(&Scene::default(), &colorless, &Attributes::NONE);
+    matches!(BaseBsdf::new(&params, form), BaseBsdf::Dielectric(glass) if glass.rows().is_some())
 }
 
 /// What is known of a material before any point of it is seen.
@@ -85,7 +108,7 @@ impl PreparedMaterial {
             }
         };
         let bsdf = constant.then(plain);
-        let class = classify(material);
+        let class = classify(material, form);
         Self {
             bsdf,
             class,
@@ -97,6 +120,9 @@ impl PreparedMaterial {
                     BsdfClass::MetallicRoughness,
                     Some(Bsdf::Base(BaseBsdf::MetallicRoughness(bsdf))),
                 ) => Some(bsdf.rows()),
+                (BsdfClass::SmoothGlass, Some(Bsdf::Base(BaseBsdf::Dielectric(bsdf)))) => {
+                    bsdf.rows()
+                }
                 _ => None,
             },
             layered: layers.is_some(),

@@ -11,10 +11,12 @@ use super::surface::{normal_and_area, triangle_point};
 use super::{Attributes, LightSamplerKind, Lights, Surface};
 use crate::accel::ClosestHit;
 use crate::geom::Triangle;
+use crate::material::lanes::transmittance;
 use crate::material::{Bsdf, BsdfForm, SurfaceParams, Wavelength};
 use crate::math::{Frame, InstanceId, MaterialId, Ray, Vec2, Vec3, Vec4};
 use crate::scene::defaults::bounds;
 use crate::scene::{AlphaMode, Instance, Material, Scene, TooManyTriangles, Triangles};
+use crate::simd::lanes::Scalar;
 
 /// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
 /// they are the same everywhere.
@@ -265,7 +267,6 @@ impl World {
         let absorption = self.materials.get(id.index()).and_then(|material| material.absorption);
         let Some(volume) = absorption else { return Vec3::ONE };
         let thickness = distance / volume.attenuation_distance;
-        let [r, g, b] = volume.attenuation_color.to_array();
-        Vec3::new(libm::powf(r, thickness), libm::powf(g, thickness), libm::powf(b, thickness))
+        transmittance(Scalar, volume.attenuation_color.into(), thickness).into()
     }
 }

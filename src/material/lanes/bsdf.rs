@@ -14,6 +14,10 @@ pub type BsdfRows = [[f32; 4]; BSDF_ROWS];
 pub trait BsdfLanes<L: Lanes>: Copy {
     /// How many of the rows count.
     const ROWS: usize;
+    /// Whether light may pass from one side to the other.
+    const TRANSMITS: bool;
+    /// Whether all lobes are delta lobes, so that sampling lights is in vain.
+    const IS_DELTA: bool;
 
     /// From what describes each lane's BSDF, for a viewer in the local direction `wo`.
     fn new(lanes: L, columns: [[L::Float; 4]; BSDF_ROWS], form: BsdfForm, wo: Vec3f<L>) -> Self;
@@ -38,7 +42,8 @@ pub trait BsdfLanes<L: Lanes>: Copy {
     fn albedo(&self, lanes: L) -> Vec3f<L>;
 }
 
-/// A sampled direction a lane, none of a delta lobe; see [`crate::material::BsdfSample`].
+/// A sampled direction a lane, of a delta lobe where [`BsdfLanes::IS_DELTA`]; see
+/// [`crate::material::BsdfSample`].
 #[derive(Clone, Copy)]
 pub struct BsdfSamples<L: Lanes> {
     /// Towards the light; unit, local.
@@ -47,17 +52,18 @@ pub struct BsdfSamples<L: Lanes> {
     pub weight: Vec3f<L>,
     /// Density per solid angle.
     pub pdf: L::Float,
+    /// Index of refraction on the side of `wi` over that on the side of `wo`.
+    pub eta: L::Float,
     /// Where there is a sample.
     pub valid: L::Mask,
 }
 
 impl BsdfSamples<Scalar> {
-    /// The sample of the only lane.
+    /// The sample of the only lane, of a delta lobe or not.
     #[inline(always)]
-    pub fn first(self) -> Option<BsdfSample> {
-        let Self { wi, weight, pdf, valid } = self;
-        let sample =
-            BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta: false, eta: 1.0 };
+    pub fn first(self, delta: bool) -> Option<BsdfSample> {
+        let Self { wi, weight, pdf, eta, valid } = self;
+        let sample = BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta, eta };
         valid.then_some(sample)
     }
 }

@@ -15,6 +15,8 @@ pub struct LambertLanes<L: Lanes> {
 
 impl<L: Lanes> BsdfLanes<L> for LambertLanes<L> {
     const ROWS: usize = 1;
+    const TRANSMITS: bool = false;
+    const IS_DELTA: bool = false;
 
     #[inline(always)]
     fn new(_: L, columns: [[L::Float; 4]; BSDF_ROWS], _: BsdfForm, _: Vec3f<L>) -> Self {
@@ -36,6 +38,7 @@ impl<L: Lanes> BsdfLanes<L> for LambertLanes<L> {
             wi: Vec3f { x, y, z: z.flip(wo.z.to_bits()) },
             weight: self.reflectance,
             pdf: z * FRAC_1_PI,
+            eta: lanes.float(1.0),
             valid: is_above(lanes, wo.z.abs()),
         }
     }

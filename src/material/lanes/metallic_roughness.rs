@@ -136,6 +136,8 @@ impl<L: Lanes> MetallicRoughnessLanes<L> {
 
 impl<L: Lanes> BsdfLanes<L> for MetallicRoughnessLanes<L> {
     const ROWS: usize = 4;
+    const TRANSMITS: bool = false;
+    const IS_DELTA: bool = false;
 
     #[inline(always)]
     fn new(lanes: L, columns: [[L::Float; 4]; BSDF_ROWS], form: BsdfForm, wo: Vec3f<L>) -> Self {
@@ -184,6 +186,7 @@ impl<L: Lanes> BsdfLanes<L> for MetallicRoughnessLanes<L> {
             wi: wi.flip(side),
             weight: value.divide(pdf),
             pdf,
+            eta: lanes.float(1.0),
             valid: is_above(lanes, wo.z) & is_above(lanes, wi.z) & pdf.gt(lanes.float(0.0)),
         }
     }

@@ -2,10 +2,10 @@
 //! so what holds for those by furnaces and chi-squared holds for all lanes.
 
 use crate::material::lanes::{
-    BSDF_ROWS, BsdfLanes, BsdfRows, LambertLanes, MetallicRoughnessLanes,
+    BSDF_ROWS, BsdfLanes, BsdfRows, LambertLanes, MetallicRoughnessLanes, SmoothGlassLanes,
 };
-use crate::material::{BaseBsdf, BsdfForm, SurfaceParams};
-use crate::math::Vec3;
+use crate::material::{BaseBsdf, BsdfForm, Dielectric, SurfaceParams};
+use crate::math::{Vec2, Vec3};
 use crate::sampling::{Sampler, warp};
 use crate::simd::lanes::{
     Float, Lanes, Lanes8, Lanes16, MAX_LANES, Mask, Rows, Scalar, Uint, Vec3f,
@@ -13,7 +13,7 @@ use crate::simd::lanes::{
 use crate::simd::{Isa, vectorized};
 
 /// Numbers that come of one BSDF.
-const NUMBERS: usize = 15;
+const NUMBERS: usize = 16;
 
 /// What lanes are asked, a row or two each.
 struct Questions {
@@ -76,6 +76,7 @@ fn ask<L: Lanes, B: BsdfLanes<L>>(lanes: L, form: BsdfForm, questions: &Question
         sample.weight.y,
         sample.weight.z,
         sample.pdf,
+        sample.eta,
     ];
     let mut answers = Answers::default();
     let mut put = |place: usize, number: L::Float| {
@@ -94,7 +95,7 @@ fn ask<L: Lanes, B: BsdfLanes<L>>(lanes: L, form: BsdfForm, questions: &Question
         // What is not valid may be anything.
         put(7 + place, sample.valid.select(number, zero));
     }
-    put(14, sample.valid.select(lanes.float(1.0), zero));
+    put(15, sample.valid.select(lanes.float(1.0), zero));
     answers
 }
 
@@ -140,5 +141,38 @@ fn bsdfs_have_the_same_bits_at_every_width() {
                 _ => unreachable!("a coat"),
             }
         });
+        check!(SmoothGlassLanes, form, |sampler| {
+            smooth_glass(sampler, form).rows().expect("smooth")
+        });
     }
+}
+
+/// Some glass, solid or thin.
+fn smooth_glass(sampler: &mut Sampler, form: BsdfForm) -> Dielectric {
+    let params = SurfaceParams {
+        base_color: Vec3::new(sampler.next_1d(), 1.0, sampler.next_1d()),
+        ior: 0.5 + 2.0 * sampler.next_1d(),
+        roughness: 0.0,
+        thin: sampler.next_1d() < 0.5,
+        ..SurfaceParams::default()
+    };
+    Dielectric::new(&params, form)
+}
+
+/// The boundaries of all kinds of smooth glass take their reflectances from elsewhere.
+#[test]
+fn plain_glass_in_lanes_is_glass() {
+    for seed in 0..1000 {
+        let mut sampler = Sampler::independent(seed, 0, 1);
+        let glass = smooth_glass(&mut sampler, BsdfForm::Conserving);
+        let (wo, u_lobe) = (warp::sphere(sampler.next_2d()), sampler.next_1d());
+        let rows = glass.rows().expect("smooth");
+        let lanes = SmoothGlassLanes::new(Scalar, rows, BsdfForm::Conserving, wo.into());
+        let found = lanes.sample(Scalar, wo.into(), u_lobe, [0.0; 2]).first(true);
+        assert_eq!(found, glass.sample(wo, u_lobe, Vec2::ZERO));
+    }
+    let dull = SurfaceParams { specular: 0.5, roughness: 0.0, ..SurfaceParams::default() };
+    assert!(Dielectric::new(&dull, BsdfForm::Conserving).rows().is_none());
+    let rough = SurfaceParams { roughness: 0.5, ..SurfaceParams::default() };
+    assert!(Dielectric::new(&rough, BsdfForm::Conserving).rows().is_none());
 }

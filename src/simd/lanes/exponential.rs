@@ -48,9 +48,11 @@ pub fn ln<L: Lanes>(lanes: L, x: L::Float) -> L::Float {
 }
 
 /// `x` to the power of `y`, for `x` not below 0; its error is that of [`exp`], and 1.5e-7 of itself
-/// for each unit of its logarithm: less than 2e-5 of it in all. 0 to the power of 0 is 1.
+/// for each unit of its logarithm: less than 2e-5 of it in all. Anything to the
+/// power of 0 is 1, and so is 1 to the power of anything.
 #[inline(always)]
 pub fn pow<L: Lanes>(lanes: L, x: L::Float, y: L::Float) -> L::Float {
     let power = exp(lanes, ln(lanes, x) * y);
-    y.eq(lanes.float(0.0)).select(lanes.float(1.0), power)
+    let one = lanes.float(1.0);
+    (x.eq(one) | y.eq(lanes.float(0.0))).select(one, power)
 }

@@ -10,7 +10,6 @@
 //! table, and [`Lanes::columns`] turns the rows of all lanes into four columns, one number a lane
 //! each.
 
-#[allow(dead_code, reason = "for the absorption of media, in lanes")]
 mod exponential;
 mod fetch;
 mod frame;
@@ -24,8 +23,9 @@ mod trigonometry;
 mod vec3f;
 mod wide;
 
-#[allow(unused_imports)]
-pub use exponential::{exp, ln, pow};
+pub use exponential::pow;
+#[cfg(test)]
+use exponential::{exp, ln};
 pub use fetch::fetch;
 pub use frame::FrameLanes;
 pub use scalar::Scalar;

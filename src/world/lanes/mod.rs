@@ -19,7 +19,7 @@ use super::prepared_material::BsdfClass;
 use crate::accel::ClosestHit;
 use crate::geom::Mesh;
 use crate::material::lanes::BsdfRows;
-use crate::material::{Lambert, MetallicRoughness};
+use crate::material::{Dielectric, Lambert, MetallicRoughness};
 use crate::math::{InstanceId, MaterialId};
 
 impl World {
@@ -36,6 +36,15 @@ impl World {
         self.slack
     }
 
+    /// What the inside of a material absorbs, if anything: the colour that is left of white light
+    /// after a distance, and that distance in metres.
+    #[inline(always)]
+    pub fn absorption(&self, id: MaterialId) -> Option<[f32; 4]> {
+        let volume = self.materials[id.index()].absorption?;
+        let [r, g, b] = volume.attenuation_color.to_array();
+        Some([r, g, b, volume.attenuation_distance])
+    }
+
     /// The form of all BSDFs.
     pub fn form(&self) -> crate::material::BsdfForm {
         self.form
@@ -48,6 +57,9 @@ impl World {
         let params = self.surface_params(id, &point.attributes(mesh, material.textured));
         match material.class {
             BsdfClass::Lambert => Lambert { reflectance: params.base_color }.rows(),
+            BsdfClass::SmoothGlass => {
+                Dielectric::new(&params, self.form).rows().expect("a colour changes no class")
+            }
             _ => MetallicRoughness::new(&params, self.form).rows(),
         }
     }
