@@ -162,7 +162,10 @@ impl Exposure<'_> {
         if is_over(job.args.stop_after, self.control.start.elapsed()) {
             self.control.signals.stop(AGAIN);
         }
+        // A picture with holes is of no use.
+        let has_all_pixels = || film.next_sample() > film.range().start;
         if is_over(job.args.time_limit, film.elapsed())
+            && has_all_pixels()
             && !self.control.signals.is_cancelled()
             && let Ok(mut out_of_time) = self.out_of_time.lock()
         {
