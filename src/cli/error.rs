@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::accel::BuildError;
 use crate::bench::measure::BenchError;
+use crate::denoise::DenoiseError;
 use crate::film::FilmError;
 use crate::formats::LoadError;
 use crate::formats::npy::NpyError;
@@ -28,6 +29,9 @@ pub enum CliError {
     /// A picture could not be read, compared or written.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// A picture could not be denoised.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
     /// The input is not what it should be.
     #[error("{0}")]
     Input(String),
@@ -54,6 +58,7 @@ impl CliError {
             Self::Npy(NpyError::Write { .. }) | Self::Output(_) => 4,
             Self::Load(_) | Self::Npy(_) | Self::Input(_) => 3,
             Self::Film(error) => error.exit_code(),
+            Self::Denoise(error) => error.exit_code(),
             Self::Build(_) | Self::Limit(_) => 5,
             Self::Several(all) => all.iter().map(Self::exit_code).max().unwrap_or(0),
         }

@@ -5,6 +5,7 @@
 mod accels;
 mod bench;
 mod completions;
+mod denoise;
 mod diff;
 mod error;
 mod exit_codes;
@@ -44,6 +45,7 @@ struct Cli {
 enum Command {
     Render(settings::Typed),
     Info(info::InfoArgs),
+    Denoise(denoise::DenoiseArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
     Accels(accels::AccelsArgs),
@@ -59,6 +61,7 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
         Command::Render(typed) => render::run(&typed),
         Command::Info(args) => info::run(&args),
+        Command::Denoise(args) => denoise::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => golden::run(&args),
         Command::Accels(args) => accels::run(&args),

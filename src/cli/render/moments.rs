@@ -17,6 +17,8 @@ pub struct Outcome {
     pub loaded: Duration,
     /// Time to build structures, at all moments.
     pub built: Duration,
+    /// Time that denoising took, if the picture has been denoised.
+    pub denoised: Option<Duration>,
     /// How many moments have samples.
     pub moments: usize,
     /// What ended it before the last moment.
@@ -54,7 +56,7 @@ pub fn render(job: &Job, cancel: &AtomicBool, style: ProgressStyle) -> Result<Ou
         }
         reporter.finish();
         let Progress { film, loaded, built, moments } = progress;
-        Ok(Outcome { rendered: film.finish(), loaded, built, moments, stopped })
+        Ok(Outcome { rendered: film.finish(), loaded, built, denoised: None, moments, stopped })
     })?
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use super::header::describe;
 use super::interrupt::Interrupt;
@@ -15,7 +16,8 @@ use crate::cli::progress::{note, say};
 use crate::cli::settings::parse::ProgressStyle;
 use crate::cli::settings::{self, RenderArgs, Request, Table, Typed};
 use crate::cli::{shell, text};
-use crate::film::{Picture, exr, png};
+use crate::denoise::Denoiser;
+use crate::film::Picture;
 use crate::formats::EnvironmentSource;
 use crate::render::replay;
 
@@ -24,12 +26,11 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     let Request { args, from } = settings::resolve(typed)?;
     let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
     if !stops {
-        let outputs = outputs(&args);
-        if outputs.is_empty() {
-            return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
-        }
-        outputs::check(&outputs, &inputs(&args))?;
+        outputs::check_picture(&outputs(&args), &inputs(&args))?;
     }
+    // Before the work, so that nobody waits in vain.
+    let denoises = args.denoise && !stops;
+    let denoiser = denoises.then(|| Denoiser::find(args.threads)).transpose()?;
     let interrupt = Interrupt::listen()?;
     let job = Job::prepare(args)?;
     if !job.args.quiet {
@@ -49,11 +50,16 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
         return dry_run::run(&job);
     }
     let outcome = moments::render(&job, interrupt.raised(), job.args.progress)?;
-    publish(&job, outcome, &interrupt)
+    publish(&job, outcome, denoiser.as_ref(), &interrupt)
 }
 
-/// Writes the picture and says what it took.
-fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<ExitCode, CliError> {
+/// Writes the picture, denoised if it is to be, and says what it took.
+fn publish(
+    job: &Job,
+    mut outcome: Outcome,
+    denoiser: Option<&Denoiser>,
+    interrupt: &Interrupt,
+) -> Result<ExitCode, CliError> {
     if outcome.rendered.samples.1 == 0 {
         say("interrupted before the first samples: there is nothing to save");
         return Ok(interrupt.exit_code());
@@ -61,7 +67,11 @@ fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<Exi
     let words = shell::own_words();
     describe(&mut outcome.rendered, job, &words);
     report::print_lost(&outcome.rendered, &words);
-    write(&job.args, &outcome.rendered.picture)?;
+    let denoised = match denoiser {
+        Some(denoiser) => denoise(job, &mut outcome, denoiser),
+        None => Ok(()),
+    };
+    outputs::try_all([write(&job.args, &outcome.rendered.picture), denoised])?;
     if !job.args.quiet {
         say(&report::summarize(job, &outcome));
     }
@@ -76,12 +86,12 @@ fn publish(job: &Job, mut outcome: Outcome, interrupt: &Interrupt) -> Result<Exi
 }
 
 /// Renders a scene by the words of a command line, without saying what it takes and without writing
-/// a file: for `dapple golden`.
+/// a file: for `dapple golden`. A denoised layer is not made, since it is not the same everywhere.
 ///
 /// # Errors
 /// All that [`run`] may fail with, and flags that ask for other outputs.
 pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliError> {
-    let args = settings::resolve_words(scene, words)?.args;
+    let mut args = settings::resolve_words(scene, words)?.args;
     let misplaced = [
         ("-o", args.output.is_some()),
         ("--png", args.png.is_some()),
@@ -94,6 +104,7 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
         let message = format!("{flag} has no place here: the picture is compared, not written");
         return Err(CliError::Usage(message));
     }
+    args.denoise = false;
     let job = Job::prepare(args)?;
     let cancel = AtomicBool::new(false);
     let Outcome { mut rendered, stopped, .. } =
@@ -108,10 +119,25 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
     Ok(rendered.picture)
 }
 
+/// Adds the denoised layer, and drops those that were rendered for it alone. Whoever ended the
+/// render early may end this too: the picture is written before.
+fn denoise(job: &Job, outcome: &mut Outcome, denoiser: &Denoiser) -> Result<(), CliError> {
+    let picture = &mut outcome.rendered.picture;
+    if outcome.rendered.cancelled {
+        write(&job.args, picture)?;
+    }
+    let start = Instant::now();
+    let denoised = denoiser.denoise(picture, Path::new("the picture"));
+    outcome.denoised = denoised.is_ok().then(|| start.elapsed());
+    for layer in job.settings.aovs.iter().filter(|layer| !job.args.aov.contains(layer)) {
+        let prefix = format!("{}.", layer.name());
+        picture.retain_channels(|channel| !channel.starts_with(&prefix));
+    }
+    Ok(denoised?)
+}
+
 fn outputs(args: &RenderArgs) -> Vec<Output<'_>> {
-    let exr = args.output.as_deref().map(|path| Output { flag: "-o", path, ending: "exr" });
-    let png = args.png.as_deref().map(|path| Output { flag: "--png", path, ending: "png" });
-    exr.into_iter().chain(png).collect()
+    outputs::of_picture(args.output.as_deref(), args.png.as_deref())
 }
 
 fn inputs(args: &RenderArgs) -> Vec<&Path> {
@@ -139,15 +165,8 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<ExitCode, CliError> 
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes all outputs; where one fails the others are there still.
 fn write(args: &RenderArgs, picture: &Picture) -> Result<(), CliError> {
-    outputs::try_all(outputs(args).into_iter().map(|output| {
-        let written = match output.ending {
-            "png" => png::write(output.path, picture, args.tonemap, args.exposure),
-            _ => exr::write(output.path, picture),
-        };
-        written.map_err(CliError::from)
-    }))
+    outputs::write_picture(&outputs(args), picture, args.tonemap, args.exposure)
 }
 
 #[cfg(test)]

@@ -26,6 +26,7 @@ pub struct RenderArgs {
     pub tonemap: Tonemap,
     pub exposure: f32,
     pub aov: Vec<Aov>,
+    pub denoise: bool,
 
     pub resolution: Option<(u32, u32)>,
     pub spp: u64,
