@@ -32,6 +32,8 @@ pub struct Vertices<'a> {
     pub alive: &'a mut [bool],
     /// Results by slot.
     pub samples: &'a mut [PathSample],
+    /// Whether a camera ray has met what mirrors or is clear: then first hits are followed.
+    pub follows: &'a mut bool,
     /// The rays to lights.
     pub shadow_rays: &'a mut ShadowRays,
 }
@@ -112,6 +114,16 @@ pub fn add_environment_in_lanes<L: Lanes>(
         let one = lanes.float(1.0);
         let ratio = pdf / path_pdf;
         let weight = one / (ratio * ratio + 1.0);
+        if *vertices.follows {
+            lanes.rows(radiance.columns(one), &mut radiances);
+            for (&i, &radiance) in block.iter().zip(&radiances) {
+                let path = &vertices.paths[i as usize];
+                let first = vertices.samples[path.slot as usize].first.as_mut();
+                if let Some(first) = first.filter(|first| first.goes_on) {
+                    first.follow_to_environment(path.throughput, vec3(radiance));
+                }
+            }
+        }
         let alone = path_pdf.eq(lanes.float(f32::INFINITY));
         let radiance = (throughput * radiance).scale(alone.select(one, weight));
         lanes.rows(radiance.columns(one), &mut radiances);
@@ -179,8 +191,8 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(
         vertex.sample_direct(integrator, lanes, &bsdf, (u_light, u), block, (scratch, vertices))
     };
     vertex.live = live & !lanes.mask(lost);
-    if depth == 1 {
-        vertex.describe_first_hits(lanes, bsdf.albedo(lanes), block, vertices);
+    if depth == 1 || *vertices.follows {
+        vertex.describe_first_hits(lanes, &bsdf, block, vertices);
     }
 
     // Sample the BSDF for the next direction, and perhaps end the path there.
@@ -309,31 +321,47 @@ impl<L: Lanes> VertexLanes<L> {
         });
     }
 
-    /// What the camera sees of the surfaces, apart from their light.
+    /// What is seen of the surfaces, apart from their light; see [`super::first_hit`].
     #[inline(always)]
-    fn describe_first_hits(
+    fn describe_first_hits<B: BsdfLanes<L>>(
         &self,
         lanes: L,
-        albedo: Vec3f<L>,
+        bsdf: &B,
         block: &[u32],
         vertices: &mut Vertices<'_>,
     ) {
+        let slot = |lane: usize| vertices.paths[block[lane] as usize].slot as usize;
+        let mut seen = self.live.to_bits();
+        if self.depth > 1 {
+            for_each_lane(self.live.to_bits(), |lane| {
+                let first = &vertices.samples[slot(lane)].first;
+                seen ^= u32::from(!first.is_some_and(|first| first.goes_on)) << lane;
+            });
+        }
+        if seen == 0 {
+            return;
+        }
         let (zero, surface) = (lanes.float(0.0), &self.surface);
         let shading = surface.frame.normal;
         let normal = Vec3f::select(surface.front, shading, -shading);
+        let mirrors = bsdf.is_mirror_like(lanes).to_bits();
         let [mut albedos, mut normals, mut positions] = [Rows::default(); 3];
-        lanes.rows(albedo.columns(zero), &mut albedos);
+        lanes.rows(bsdf.albedo(lanes).columns(zero), &mut albedos);
         lanes.rows(normal.columns(zero), &mut normals);
         lanes.rows(surface.position.columns(surface.t), &mut positions);
-        for_each_lane(self.live.to_bits(), |lane| {
+        for_each_lane(seen, |lane| {
             let path = &vertices.paths[block[lane] as usize];
-            vertices.samples[path.slot as usize].first = Some(FirstHit {
-                albedo: vec3(albedos[lane]),
-                normal: vec3(normals[lane]),
-                position: vec3(positions[lane]),
-                distance: positions[lane][3],
-            });
+            let (albedo, normal) = (vec3(albedos[lane]), vec3(normals[lane]));
+            let goes_on = mirrors >> lane & 1 == 1;
+            match &mut vertices.samples[path.slot as usize].first {
+                Some(first) => first.follow(path.throughput, albedo, normal, goes_on),
+                first => {
+                    let (position, distance) = (vec3(positions[lane]), positions[lane][3]);
+                    *first = Some(FirstHit { albedo, normal, position, distance, goes_on });
+                }
+            }
         });
+        *vertices.follows |= mirrors & seen != 0;
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::boundary::{Boundary, Kind, Split};
 use super::form::BsdfForm;
+use super::ggx::MIRROR_ALPHA;
 use super::params::SurfaceParams;
 use super::rough_dielectric;
 use super::sample::{BsdfSample, is_above};
@@ -33,6 +34,11 @@ impl Dielectric {
     #[inline]
     pub fn is_delta(&self) -> bool {
         matches!(self.boundary.kind, Kind::Smooth | Kind::ThinSmooth)
+    }
+
+    /// See [`super::Bsdf::is_mirror_like`].
+    pub fn is_mirror_like(&self) -> bool {
+        self.is_delta() || self.boundary.alpha <= MIRROR_ALPHA
     }
 
     /// See [`super::Bsdf::eval`].

@@ -203,6 +203,7 @@ mod tests {
             normal: Vec3::Y,
             position: Vec3::new(x, 0.0, 0.0),
             distance: x,
+            goes_on: false,
         };
         let mut sums = PixelSums::default();
         assert_eq!((sums.means().count, sums.means().position), (0, [0.0; 3]));

@@ -36,6 +36,9 @@ pub trait BsdfLanes<L: Lanes>: Copy {
 
     /// See [`crate::material::Bsdf::albedo`].
     fn albedo(&self, lanes: L) -> Vec3f<L>;
+
+    /// See [`crate::material::Bsdf::is_mirror_like`].
+    fn is_mirror_like(&self, lanes: L) -> L::Mask;
 }
 
 /// A sampled direction a lane, none of a delta lobe; see [`crate::material::BsdfSample`].
