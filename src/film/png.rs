@@ -9,8 +9,8 @@ use std::io;
 use std::path::Path;
 
 /// Writes the colours of a picture's crop, the denoised ones if there are such, brightened by
-/// `exposure` stops and tone-mapped; RGBA with straight alpha if some pixel's alpha is below 1, else
-/// RGB.
+/// `exposure` stops and tone-mapped; RGBA with straight alpha if some pixel's alpha is below 1,
+/// else RGB.
 ///
 /// # Errors
 /// [`FilmError::Write`]; [`FilmError::Invalid`] if the picture has no colours.
