@@ -25,7 +25,7 @@
 //! | 6 | [`integrator`]: the algorithm of path tracing |
 //! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
 //! | 4 | [`scene`]: what a scene is · [`generate`]: scenes by rule |
-//! | 3 | [`accel`] · [`material`] · [`light`] · [`camera`] · [`texture`] |
+//! | 3 | [`accel`] · [`material`] · [`light`] · [`camera`] · [`texture`] · [`denoise`] |
 //! | 2 | [`geom`] · [`sampling`] · [`film`]: pictures and their comparison |
 //! | 1 | `files` · [`math`] · `simd` |
 //! | 0 | `names`: choices by name |
@@ -51,6 +51,7 @@ pub mod accel;
 mod bench;
 pub mod camera;
 mod cli;
+pub mod denoise;
 mod files;
 pub mod film;
 pub mod formats;
@@ -73,6 +74,7 @@ pub use accel::{
     Accel, AccelSpec, AnyHit, Batch, BuildError, ClosestHit, SpecError, Tracer, VARIANTS, build,
 };
 pub use camera::Camera;
+pub use denoise::{DenoiseError, Denoiser};
 pub use film::{Comparison, FilmError, Picture, PixelFilter, Tonemap, Window, diff};
 pub use formats::{LoadError, LoadOptions, MissingTexture, load};
 pub use integrator::Transport;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use dapple::camera::Camera;
 use dapple::light::{Environment, Punctual, PunctualKind};
-use dapple::math::{Affine3A, MaterialId, MeshId, TextureId, Vec2, Vec3};
+use dapple::math::{Affine3A, MaterialId, MeshId, TextureId, Vec2, Vec3, Vec4};
 use dapple::scene::{AlphaMode, Instance, Material, Scene, TextureRef, Transform};
 use dapple::texture::{ColorSpace, Filter, Image, Texels, Texture, Wrap};
 use stage::{assert_mean, flat_camera, lambert, mean, rectangle, run, scene, settings, sphere};
@@ -143,4 +143,62 @@ fn instances_share_their_mesh() {
     // Three touching squares of side 2 fill the view.
     let camera = flat_camera(Vec3::Y, Vec3::ZERO, 0.9);
     assert_mean(&run(shared, &camera, &settings(32, 64, 4)), 0.5);
+}
+
+/// Albedo, normal, and the height of the position, of a wall above the camera that is seen in a
+/// surface below it, or of the sky in its place.
+fn seen_in(below: Material, above: Option<Material>) -> [f32; 7] {
+    let floor = rectangle(Vec3::ZERO, Vec3::Z * 5.0, Vec3::X * 5.0);
+    let ceiling = rectangle(Vec3::Y * 4.0, Vec3::Z * 50.0, Vec3::X * 50.0);
+    let mut scene = scene([(floor, below)].into_iter().chain(above.map(|it| (ceiling, it))));
+    scene.environment = Some(Environment::constant(Vec3::new(3.0, 0.5, 0.25)));
+    let camera = flat_camera(Vec3::Y, Vec3::ZERO, 0.1);
+    let picture = run(scene, &camera, &settings(4, 16, 8)).picture;
+    let channels = ["albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z"];
+    let mean = |name: &str| {
+        let values = picture.channel(name).expect("asked for");
+        values.iter().sum::<f32>() / values.len() as f32
+    };
+    let [r, g, b, x, y, z] = channels.map(mean);
+    [r, g, b, x, y, z, mean("position.Y")]
+}
+
+fn assert_near(found: [f32; 7], expected: [f32; 7]) {
+    let near = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.01);
+    assert!(near, "{found:?}, not {expected:?}");
+}
+
+/// Albedo and normal are those of what is seen in a mirror, the position is the mirror's.
+#[test]
+fn layers_show_what_is_seen_in_mirrors() {
+    let metal = |roughness| Material {
+        base_color: Vec4::new(0.5, 0.5, 0.5, 1.0),
+        metallic: 1.0,
+        roughness,
+        ..Material::default()
+    };
+    let wall = || Some(lambert(0.6));
+    for roughness in [0.0, 0.1] {
+        let found = seen_in(metal(roughness), wall());
+        assert_near(found, [0.3, 0.3, 0.3, 0.0, -1.0, 0.0, 0.0]);
+    }
+    // Of light that is brighter than white no more is taken.
+    assert_near(seen_in(metal(0.0), None), [0.5, 0.25, 0.125, 0.0, 0.0, 0.0, 0.0]);
+    // A mirror behind a mirror, of which the second one is not smooth.
+    assert_near(seen_in(metal(0.0), Some(metal(0.5))), [0.25, 0.25, 0.25, 0.0, -1.0, 0.0, 0.0]);
+    // What is rough is seen itself.
+    assert_near(seen_in(metal(0.5), wall()), [0.5, 0.5, 0.5, 0.0, 1.0, 0.0, 0.0]);
+    assert_near(seen_in(lambert(0.4), wall()), [0.4, 0.4, 0.4, 0.0, 1.0, 0.0, 0.0]);
+}
+
+/// The same through a pane: what passes shows the sky below, what it reflects the wall.
+#[test]
+fn layers_show_what_is_seen_through_glass() {
+    let pane = Material { metallic: 0.0, roughness: 0.0, transmission: 1.0, ..Material::default() };
+    let found = seen_in(pane, Some(lambert(0.6)));
+    // Both faces of glass of index 1.5 with all reflections between them.
+    let reflected = 2.0 * 0.04 / 1.04;
+    let passes = 1.0 - reflected;
+    let of = |sky: f32| passes * sky + reflected * 0.6;
+    assert_near(found, [of(1.0), of(0.5), of(0.25), 0.0, -reflected, 0.0, 0.0]);
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::accel::BuildError;
 use crate::bench::measure::BenchError;
+use crate::denoise::DenoiseError;
 use crate::film::FilmError;
 use crate::formats::LoadError;
 use crate::formats::npy::NpyError;
@@ -32,6 +33,9 @@ pub enum CliError {
     /// A part of a picture could not be read, or parts do not add up.
     #[error(transparent)]
     Part(#[from] PartError),
+    /// A picture could not be denoised.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
     /// The input is not what it should be.
     #[error("{0}")]
     Input(String),
@@ -59,6 +63,7 @@ impl CliError {
             Self::Load(_) | Self::Npy(_) | Self::Input(_) => 3,
             Self::Film(error) => error.exit_code(),
             Self::Part(error) => error.exit_code(),
+            Self::Denoise(error) => error.exit_code(),
             Self::Build(_) | Self::Limit(_) => 5,
             Self::Several(all) => all.iter().map(Self::exit_code).max().unwrap_or(0),
         }

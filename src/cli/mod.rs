@@ -7,6 +7,7 @@ mod bench;
 mod clock;
 mod completions;
 mod console;
+mod denoise;
 mod diff;
 mod error;
 mod exit_codes;
@@ -51,6 +52,7 @@ enum Command {
     Render(settings::Typed),
     Merge(merge::MergeArgs),
     Info(info::InfoArgs),
+    Denoise(denoise::DenoiseArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
     Accels(accels::AccelsArgs),
@@ -67,6 +69,7 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
         Command::Render(typed) => render::run(&typed),
         Command::Merge(args) => merge::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Denoise(args) => denoise::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => golden::run(&args),
         Command::Accels(args) => accels::run(&args),

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::cli::error::CliError;
 use crate::files;
+use crate::film::{Picture, Tonemap, exr, png};
 
 /// A file that a command is to write.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +62,43 @@ pub fn check(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
     let replaced = outputs.iter().filter(|output| output.ending != Output::APPENDED);
     try_all(replaced.map(|output| {
         files::probe(output.path).map_err(|source| CliError::not_written(output.path, &source))
+    }))
+}
+
+/// The outputs of a command that writes a picture: an EXR, a PNG, or both.
+pub fn of_picture<'a>(exr: Option<&'a Path>, png: Option<&'a Path>) -> Vec<Output<'a>> {
+    let exr = exr.map(|path| Output { flag: "-o", path, ending: "exr" });
+    let png = png.map(|path| Output { flag: "--png", path, ending: "png" });
+    exr.into_iter().chain(png).collect()
+}
+
+/// Makes sure of the outputs of a command that writes a picture, as [`check`] does.
+///
+/// # Errors
+/// Those of [`check`], and [`CliError::Usage`] if there are none.
+pub fn check_picture(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), CliError> {
+    if outputs.is_empty() {
+        return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
+    }
+    check(outputs, inputs)
+}
+
+/// Writes a picture; where one output fails the other is there still.
+///
+/// # Errors
+/// Each that could not be written.
+pub fn write_picture(
+    outputs: &[Output<'_>],
+    picture: &Picture,
+    tonemap: Tonemap,
+    exposure: f32,
+) -> Result<(), CliError> {
+    try_all(outputs.iter().map(|output| {
+        let written = match output.ending {
+            "png" => png::write(output.path, picture, tonemap, exposure),
+            _ => exr::write(output.path, picture),
+        };
+        written.map_err(CliError::from)
     }))
 }
 

@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
+/// The layer of denoised colours.
+pub const DENOISED: &str = "denoised";
+
 /// A rectangle of pixels, absolute in the frame, y downwards; `x1` and `y1` are not included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Window {
@@ -64,7 +67,7 @@ pub struct Channel {
 ///
 /// The colours are `R G B A`: linear Rec. 709, alpha associated (colours are already multiplied by
 /// it). Other AOVs are prefixed: `albedo.R`, `normal.X`, `position.X`, `depth.Z`,
-/// `variance.R` (of the pixel's mean), `samples.Y`, `cost.Y`.
+/// `variance.R` (of the pixel's mean), `samples.Y`, `cost.Y`, `denoised.R`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// The whole image plane: the display window of the file.
@@ -161,6 +164,15 @@ impl Picture {
         Err(FilmError::invalid(path, no_colours(self.channels.iter().map(|it| it.name.as_str()))))
     }
 
+    /// The colours to be looked at: those of the layer `denoised`, if it is there, or else
+    /// [`Picture::rgb`].
+    ///
+    /// # Errors
+    /// Those of [`Picture::rgb`].
+    pub fn shown_rgb(&self, path: &Path) -> Result<Vec<[f32; 3]>, FilmError> {
+        self.aov(DENOISED, "RGB").map_or_else(|| self.rgb(path), Ok)
+    }
+
     /// Drops all channels for which `keep` is false.
     pub fn retain_channels(&mut self, keep: impl Fn(&str) -> bool) {
         self.channels.retain(|channel| keep(&channel.name));
@@ -203,6 +215,17 @@ mod tests {
         assert_eq!(error.to_string(), "a.exr: no channels R, G, B and no Y; it has Z");
         picture.set_channel("Y", vec![0.5]);
         assert_eq!(picture.rgb(Path::new("a.exr")).expect("grey"), [[0.5; 3]]);
+    }
+
+    #[test]
+    fn denoised_colours_are_shown_and_those_without_are_kept() {
+        let mut picture = Picture::new(Window::of_size(1, 1), Window::of_size(1, 1));
+        picture.set_aov("", "RGB", &[[1.0; 3]]);
+        let path = Path::new("a");
+        assert_eq!(picture.shown_rgb(path).expect("there"), [[1.0; 3]]);
+        picture.set_aov(DENOISED, "RGB", &[[0.5; 3]]);
+        assert_eq!(picture.shown_rgb(path).expect("there"), [[0.5; 3]]);
+        assert_eq!(picture.rgb(path).expect("there"), [[1.0; 3]]);
     }
 
     #[test]

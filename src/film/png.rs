@@ -8,8 +8,9 @@ use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageEr
 use std::io;
 use std::path::Path;
 
-/// Writes the colours of a picture's crop, brightened by `exposure` stops and tone-mapped; RGBA
-/// with straight alpha if some pixel's alpha is below 1, else RGB.
+/// Writes the colours of a picture's crop, the denoised ones if there are such, brightened by
+/// `exposure` stops and tone-mapped; RGBA with straight alpha if some pixel's alpha is below 1,
+/// else RGB.
 ///
 /// # Errors
 /// [`FilmError::Write`]; [`FilmError::Invalid`] if the picture has no colours.
@@ -98,7 +99,7 @@ fn display_bytes(
     exposure: f32,
 ) -> Result<(ExtendedColorType, Vec<u8>), FilmError> {
     let gain = libm::exp2f(exposure);
-    let colours = picture.rgb(path)?;
+    let colours = picture.shown_rgb(path)?;
     let byte = |value: f32| (value * 255.0 + 0.5) as u8;
     let display = |colour: Vec3| tonemap.apply(colour * gain).to_array().map(byte);
     let alphas = picture.channel("A").filter(|alphas| alphas.iter().any(|&alpha| alpha < 1.0));

@@ -10,6 +10,7 @@
 //! | `lanes` | the same steps for many paths at once |
 //! | `shadow_rays` | the shadow rays of a slice |
 //! | `state` | what a path carries, and what goes in and out |
+//! | `first_hit` | what the camera sees, apart from its light |
 //! | `light` | emission, the environment and sampled lights, weighed |
 //! | `mis` | multiple importance sampling: the power heuristic |
 //! | `russian_roulette` | ends paths of little throughput |
@@ -19,6 +20,7 @@
 
 mod crossing;
 mod dimensions;
+mod first_hit;
 mod interior;
 mod lanes;
 mod light;

@@ -16,12 +16,13 @@
 
 use super::crossing::classify_crossing;
 use super::dimensions::{choice_dimension, direction_dimension};
+use super::first_hit::{describe_first_hit, follow_first_hit, follow_to_environment};
 use super::light::{add_emission, add_environment, light_sample_context, sample_direct};
 use super::nested_dielectrics::{absorb, bsdf_for_path, interior_beyond, is_hidden, pass_hidden};
 use super::russian_roulette::survives_russian_roulette;
-use super::state::{FirstHit, Path, PathSample, Step};
+use super::state::{Path, PathSample, Step};
 use crate::accel::ClosestHit;
-use crate::material::{Bsdf, BsdfSample};
+use crate::material::BsdfSample;
 use crate::math::{Ray, Vec3};
 use crate::world::{Surface, World};
 
@@ -77,6 +78,7 @@ impl<'w> PathTracer<'w> {
         if !hit.is_hit() {
             if self.shows_environment(depth) {
                 add_environment(world, path, ray, sample);
+                follow_to_environment(world, path, ray.direction(), sample);
             }
             return Step::END;
         }
@@ -96,10 +98,12 @@ impl<'w> PathTracer<'w> {
         }
         let bsdf = bsdf_for_path(world, depth, path, &surface, hit);
         if depth == 1 {
-            sample.first = Some(describe_first_hit(&surface, &bsdf, hit.t));
+            describe_first_hit(&surface, &bsdf, hit.t, sample);
             if self.transport.max_depth == 1 {
                 return Step::END;
             }
+        } else {
+            follow_first_hit(path, &surface, &bsdf, sample);
         }
         let wo = surface.frame.to_local(-ray.direction());
         path.sampler.seek(choice_dimension(depth));
@@ -177,15 +181,4 @@ fn spawn_ray(surface: &Surface, direction: Vec3, sample: &mut PathSample) -> Opt
         return None;
     }
     Some(next)
-}
-
-/// What the camera sees of a surface, apart from its light.
-fn describe_first_hit(surface: &Surface, bsdf: &Bsdf, distance: f32) -> FirstHit {
-    let side = if surface.front { 1.0 } else { -1.0 };
-    FirstHit {
-        albedo: bsdf.albedo(),
-        normal: surface.frame.normal * side,
-        position: surface.position,
-        distance,
-    }
 }

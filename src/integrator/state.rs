@@ -39,17 +39,21 @@ pub struct PathSample {
     pub first: Option<FirstHit>,
 }
 
-/// What the camera sees, apart from its light.
+/// What the camera sees, apart from its light: the first surface, but albedo and normal are those
+/// of what is seen in mirrors and through what is clear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
-    /// The share of light that the surface scatters.
+    /// The share of light that the surface scatters, times the tint of mirrors and glass before it;
+    /// of the environment seen there, its light, at most one.
     pub albedo: Vec3,
-    /// Unit shading normal, world space, towards the camera's side.
+    /// Unit shading normal, world space, towards the side that is seen; zero for the environment.
     pub normal: Vec3,
     /// World space.
     pub position: Vec3,
     /// Metres from the camera ray's origin.
     pub distance: f32,
+    /// Whether all surfaces so far are mirrors or clear, so that albedo and normal may change.
+    pub goes_on: bool,
 }
 
 /// A segment which, if it is free, lets light through to the path.

@@ -77,6 +77,15 @@ impl BaseBsdf {
         }
     }
 
+    /// See [`super::Bsdf::is_mirror_like`].
+    pub fn is_mirror_like(&self) -> bool {
+        match self {
+            Self::Lambert(_) | Self::Mixed(_) => false,
+            Self::MetallicRoughness(surface) => surface.is_mirror_like(),
+            Self::Dielectric(glass) => glass.is_mirror_like(),
+        }
+    }
+
     /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
         match self {

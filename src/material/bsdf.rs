@@ -66,6 +66,12 @@ impl Bsdf {
         }
     }
 
+    /// Whether one looks at what it mirrors or at what lies behind it, and not at itself: it
+    /// scatters nothing diffusely, and its lobes are delta lobes or nearly so.
+    pub fn is_mirror_like(&self) -> bool {
+        matches!(self, Self::Base(base) if base.is_mirror_like())
+    }
+
     /// About the share of light that it returns, by colour; for the albedo AOV.
     pub fn albedo(&self) -> Vec3 {
         match self {

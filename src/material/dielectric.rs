@@ -2,6 +2,7 @@
 
 use super::boundary::{Boundary, Kind};
 use super::form::BsdfForm;
+use super::ggx::MIRROR_ALPHA;
 use super::lanes::{BsdfRows, SmoothBoundary};
 use super::params::SurfaceParams;
 use super::rough_dielectric;
@@ -35,6 +36,11 @@ impl Dielectric {
     #[inline]
     pub fn is_delta(&self) -> bool {
         matches!(self.boundary.kind, Kind::Smooth | Kind::ThinSmooth)
+    }
+
+    /// See [`super::Bsdf::is_mirror_like`].
+    pub fn is_mirror_like(&self) -> bool {
+        self.is_delta() || self.boundary.alpha <= MIRROR_ALPHA
     }
 
     /// See [`super::Bsdf::eval`].

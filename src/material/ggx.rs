@@ -11,6 +11,10 @@ use crate::sampling::warp;
 /// The least alpha. GGX's alpha is the square of the roughness, but not below this.
 pub const MIN_ALPHA: f32 = 1e-3;
 
+/// The greatest alpha of what passes for a mirror: that of a roughness of 0.1. It spreads what is
+/// seen in it by about a degree.
+pub const MIRROR_ALPHA: f32 = 0.1 * 0.1;
+
 /// The factors that the lobe's density and its value share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lobe {

@@ -2,7 +2,7 @@
 
 use super::energy::{Albedo, Albedos, Row};
 use super::form::BsdfForm;
-use super::ggx::MIN_ALPHA;
+use super::ggx::{MIN_ALPHA, MIRROR_ALPHA};
 use super::lanes::{BsdfLanes, BsdfRows, MIN_SPECULAR_PROBABILITY, MetallicRoughnessLanes};
 use super::params::{SurfaceParams, saturate};
 use super::sample::{BsdfSample, mean};
@@ -117,6 +117,11 @@ impl MetallicRoughness {
             }
         }
         Self { f0, f90: 1.0, coat_f0, coat_f90: 1.0, coat_scale, multiple, ..self }
+    }
+
+    /// See [`super::Bsdf::is_mirror_like`].
+    pub fn is_mirror_like(&self) -> bool {
+        self.diffuse == Vec3::ZERO && self.alpha <= MIRROR_ALPHA
     }
 
     /// See [`super::Bsdf::eval`].

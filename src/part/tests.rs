@@ -24,7 +24,13 @@ fn expose(window: Window, samples: Range<u64>) -> Tile {
             crate::sampling::Sampler::new(sample, u64::from(y) << 32 | u64::from(x), 7);
         let (a, b) = (sampler.next_2d(), sampler.next_2d());
         let radiance = Vec3::new(a.x * 10.0, a.y / (b.x + 1e-3), b.y);
-        let hit = FirstHit { albedo: radiance, normal: Vec3::X, position: radiance, distance: b.x };
+        let hit = FirstHit {
+            albedo: radiance,
+            normal: Vec3::X,
+            position: radiance,
+            distance: b.x,
+            goes_on: false,
+        };
         let first = (b.y > 0.3).then_some(hit);
         (b.x > 0.05).then_some((radiance, first))
     });

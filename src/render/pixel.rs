@@ -162,6 +162,7 @@ mod tests {
             normal: Vec3::Y,
             position: Vec3::new(x, 0.0, 0.0),
             distance: x,
+            goes_on: false,
         };
         let mut sums = PixelSums::starting_at(0);
         assert_eq!((sums.means().count, sums.means().position), (0, [0.0; 3]));

@@ -6,13 +6,13 @@ use super::settings::Settings;
 use super::stream::ray_key;
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
 use crate::camera::Camera;
-use crate::integrator::{PathSample, PathTracer};
+use crate::integrator::{FirstHit, PathSample, PathTracer};
 use crate::math::Ray;
 use crate::world::{AlphaFilter, World};
 
 /// Follows the path of one sample of the pixel at column `x`, row `y` of the frame, exactly as
 /// [`super::render`] would, and describes it: a line for each segment, what it hit, what that emits
-/// and the shadow ray, and last the sample's radiance.
+/// and the shadow ray, and last what the sample adds to albedo, normal and radiance.
 pub fn replay(
     world: &World,
     camera: &Camera,
@@ -61,6 +61,10 @@ pub fn replay(
         }
         let Some(next) = step.next else { break };
         (ray, depth) = (next, depth + 1);
+    }
+    if let Some(first) = &result.first {
+        let FirstHit { albedo, normal, .. } = first;
+        push_line(&mut text, &format!("albedo {albedo:?}, normal {normal:?}"));
     }
     push_line(&mut text, &format!("radiance {:?}", result.radiance));
     text

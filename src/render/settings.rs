@@ -11,9 +11,10 @@ use crate::sampling::{SamplePattern, Sampler};
 /// A layer of the picture besides its colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
-    /// The share of light that the first surface scatters.
+    /// The share of light that the first surface scatters; in mirrors and through what is clear,
+    /// that of what is seen there.
     Albedo,
-    /// Shading normal of the first surface, world space.
+    /// Shading normal of the same surface, world space.
     Normal,
     /// Where the first surface is, world space.
     Position,

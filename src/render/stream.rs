@@ -72,6 +72,8 @@ pub(super) struct Stream<'w> {
     keys: Vec<u64>,
     /// Results by slot.
     samples: Vec<PathSample>,
+    /// Whether a camera ray has met what mirrors or is clear.
+    follows: bool,
     /// How many segments each slot's path had.
     segments: Vec<u32>,
     /// The cost of a path in nanoseconds, by its number of segments.
@@ -105,6 +107,7 @@ impl<'w> Stream<'w> {
             blocked: Vec::new(),
             keys: Vec::new(),
             samples: Vec::new(),
+            follows: false,
             segments: Vec::new(),
             shares: Vec::new(),
             grid: None,
@@ -124,6 +127,7 @@ impl<'w> Stream<'w> {
         };
         in_lanes!(self.level, lanes => starts.start(lanes, started));
         self.breakdown.add_since(Stage::Start, start);
+        self.follows = false;
         self.segments.clear();
         self.segments.resize(self.samples.len(), 0);
         self.shares.clear();
@@ -256,10 +260,11 @@ impl<'w> Stream<'w> {
     /// Shades the paths of a class, many at once.
     #[inline(always)]
     fn shade_class<L: Lanes, B: BsdfLanes<L>>(&mut self, lanes: L, class: BsdfClass, depth: u32) {
-        let Self { integrator, rays, hits, triangles, paths, alive, samples, .. } = self;
+        let Self { integrator, rays, hits, triangles, paths, alive, samples, follows, .. } = self;
         let shadow_rays = &mut self.shadow_rays;
         let (others, classes) = self.classes.split_first_mut().expect("four classes");
-        let vertices = &mut Vertices { rays, hits, triangles, paths, alive, samples, shadow_rays };
+        let vertices =
+            &mut Vertices { rays, hits, triangles, paths, alive, samples, follows, shadow_rays };
         let order = &classes[class as usize - 1];
         shade_in_lanes::<L, B>(integrator, lanes, depth, order, vertices, others);
     }
@@ -267,9 +272,10 @@ impl<'w> Stream<'w> {
     /// Adds the environment to the paths that leave the scene.
     #[inline(always)]
     fn add_environment<L: Lanes>(&mut self, lanes: L) {
-        let Self { integrator, rays, hits, triangles, paths, alive, samples, .. } = self;
+        let Self { integrator, rays, hits, triangles, paths, alive, samples, follows, .. } = self;
         let shadow_rays = &mut self.shadow_rays;
-        let vertices = &mut Vertices { rays, hits, triangles, paths, alive, samples, shadow_rays };
+        let vertices =
+            &mut Vertices { rays, hits, triangles, paths, alive, samples, follows, shadow_rays };
         add_environment_in_lanes(integrator, lanes, &self.leaving, vertices);
     }
 
@@ -281,6 +287,7 @@ impl<'w> Stream<'w> {
             let (path, ray) = (&mut self.paths[i], self.rays[i]);
             let sample = &mut self.samples[path.slot as usize];
             let step = self.integrator.advance(depth, path, &ray, &self.hits[i], sample);
+            self.follows |= depth == 1 && sample.first.is_some_and(|first| first.goes_on);
             if let Some(shadow) = step.shadow {
                 self.shadow_rays.push(path, shadow);
             }

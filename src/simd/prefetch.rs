@@ -1,6 +1,6 @@
 //! Asking for memory before it is needed.
 //!
-//! The only unsafe code of the project. With sixteen rays in flight it makes the walk of the wide
+//! The only unsafe code of rendering. With sixteen rays in flight it makes the walk of the wide
 //! hierarchies faster by 10 % where the tree fits the second-level cache (70 thousand triangles)
 //! and 1.9 to 2.3 times as fast where it does not (870 thousand); `kd-prefetch`, over the plain
 //! stack, 2.1 times there.

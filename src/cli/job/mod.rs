@@ -20,7 +20,7 @@ use crate::cli::input;
 use crate::cli::settings::RenderArgs;
 use crate::film::Window;
 use crate::integrator::Transport;
-use crate::render::{NoiseTarget, Settings};
+use crate::render::{Aov, NoiseTarget, Settings};
 use crate::scene::Notice;
 use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
 use crate::world::World;
@@ -190,8 +190,16 @@ fn choose_settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError>
             roulette_depth: args.rr_depth.0,
             transparent: args.transparent,
         },
-        aovs: args.aov.clone(),
+        aovs: layers_to_render(args),
     })
+}
+
+/// The layers that are wanted, and those that a denoiser reads.
+fn layers_to_render(args: &RenderArgs) -> Vec<Aov> {
+    let mut layers = args.aov.clone();
+    let read = [Aov::Albedo, Aov::Normal].into_iter().filter(|_| args.denoise);
+    layers.extend(read.filter(|layer| !args.aov.contains(layer)));
+    layers
 }
 
 #[cfg(test)]

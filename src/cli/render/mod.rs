@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `run` | the command, and the same without files for `dapple golden` |
 //! | `moments` | builds and renders, moment by moment |
+//! | `publish` | writes the outputs |
 //! | `report` | says what a render took |
 //! | `header` | writes into the picture how it was made |
 //! | `dry_run` | estimates what a render would take |
@@ -14,6 +15,7 @@ mod checkpoint;
 mod dry_run;
 mod header;
 mod moments;
+mod publish;
 mod report;
 mod run;
 mod signals;

@@ -38,6 +38,8 @@ pub struct Took {
     pub moments: usize,
     /// What ended it before the last moment.
     pub stopped: Option<CliError>,
+    /// Time to denoise the picture, if it is.
+    pub denoised: Option<Duration>,
     /// Whether it ended because its time was over.
     pub out_of_time: bool,
 }

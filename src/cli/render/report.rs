@@ -94,7 +94,7 @@ pub fn print_noisy(outcome: &Outcome) {
 
 /// The last line: what it took.
 pub fn summarize(job: &Job, outcome: &Outcome) -> String {
-    let Outcome { rendered, took: Took { loaded, built, .. } } = outcome;
+    let Outcome { rendered, took: Took { loaded, built, denoised, .. } } = outcome;
     let (width, height) = job.settings.resolution;
     let seconds = rendered.elapsed.as_secs_f64();
     let rays = rendered.rays.total() as f64;
@@ -107,6 +107,8 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
         (fewest, most) if fewest == most => fewest.to_string(),
         (fewest, most) => format!("{fewest} to {most}"),
     };
+    let denoised =
+        denoised.map_or(String::new(), |time| format!(", denoise {:.2} s", time.as_secs_f64()));
     let noise = rendered.reached.map_or(String::new(), |reached| {
         format!(
             ", noise {:.4} at most, {:.1} % of it reached",
@@ -118,7 +120,7 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
         .map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
     format!(
         "{}: {width}x{height}, {samples} spp{noise}, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
-         {:.2} µs a path; load {:.2} s, build {:.2} s{memory}",
+         {:.2} µs a path; load {:.2} s, build {:.2} s{denoised}{memory}",
         outputs.join(", "),
         rays / 1e6,
         seconds,
@@ -131,7 +133,7 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
 
 /// The same as a JSON object.
 pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
-    let Outcome { rendered, took: Took { loaded, built, moments, .. } } = outcome;
+    let Outcome { rendered, took: Took { loaded, built, denoised, moments, .. } } = outcome;
     json!({
         "scene": job.args.scene_file,
         "resolution": [job.settings.resolution.0, job.settings.resolution.1],
@@ -147,6 +149,7 @@ pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
         "moments": moments,
         "load_s": loaded.as_secs_f64(),
         "build_s": built.as_secs_f64(),
+        "denoise_s": denoised.map(|time| time.as_secs_f64()),
         "mrays_s": rendered.rays.total() as f64 / rendered.elapsed.as_secs_f64().max(1e-9) / 1e6,
         "lost_samples": rendered.lost_count,
         "peak_bytes": memory::peak(),

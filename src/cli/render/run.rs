@@ -6,19 +6,19 @@ use std::time::Instant;
 
 use super::checkpoint;
 use super::header::Header;
-use super::moments::{self, Control, Exposed, Outcome};
+use super::moments::{self, Control, Exposed};
+use super::publish::{self, Publisher};
 use super::signals::Signals;
 use super::{dry_run, report};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
-use crate::cli::outputs::{self, Output};
-use crate::cli::progress::{note, say};
+use crate::cli::progress::note;
 use crate::cli::settings::{self, Origin, RenderArgs, Request, Table, Typed};
 use crate::cli::status::Phase;
-use crate::cli::watch::{self, Watch};
+use crate::cli::watch::Watch;
 use crate::cli::{shell, text};
-use crate::film::{Picture, exr, png};
-use crate::formats::EnvironmentSource;
+use crate::denoise::Denoiser;
+use crate::film::Picture;
 use crate::render::{Film, replay};
 
 /// Runs the command.
@@ -29,14 +29,13 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
     let checkpoint = checkpoint::path(&args)?;
     if !stops {
-        let outputs = outputs(&args, checkpoint.as_deref());
-        if outputs.iter().all(|output| output.flag == "--checkpoint") {
-            return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
-        }
-        outputs::check(&[outputs, watch::outputs(&args)].concat(), &inputs(&args))?;
+        publish::check_outputs(&args, checkpoint.as_deref())?;
     }
+    // Before the work, so that nobody waits in vain.
+    let denoises = args.denoise && !stops;
+    let denoiser = denoises.then(|| Denoiser::find(args.threads)).transpose()?;
     let watch = if stops { Watch::silent() } else { Watch::start(&args)? };
-    let ended = run_watched(args, from.as_ref(), start, &signals, &watch);
+    let ended = run_watched(args, from.as_ref(), denoiser, (start, &signals, &watch));
     let told = watch.finish(ended.as_ref().map_or_else(CliError::exit_code, |&code| code));
     let code = ended?;
     told.map(|()| ExitCode::from(code))
@@ -46,9 +45,8 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
 fn run_watched(
     args: RenderArgs,
     from: Option<&Origin>,
-    start: Instant,
-    signals: &Signals,
-    watch: &Watch,
+    denoiser: Option<Denoiser>,
+    (start, signals, watch): (Instant, &Signals, &Watch),
 ) -> Result<u8, CliError> {
     let job = Job::prepare(args)?;
     if !job.args.quiet {
@@ -68,88 +66,12 @@ fn run_watched(
         return dry_run::run(&job).map(|_| 0);
     }
     let words = shell::own_words();
-    let save = |film: &Film| save_picture(&job, film, &words);
+    let publisher = Publisher { job: &job, words: &words };
+    let save = |film: &Film| publisher.save(film);
     let control = Control { signals, watch, start, save: &save };
     let exposed = moments::expose(&job, &control)?;
     watch.enter(Phase::Write);
-    publish(&job, exposed, &control, &words)
-}
-
-/// Writes the outputs and says what it took.
-fn publish(
-    job: &Job,
-    exposed: Exposed,
-    control: &Control<'_>,
-    words: &[String],
-) -> Result<u8, CliError> {
-    let Exposed { film, took, checkpoint } = exposed;
-    let save = || checkpoint.as_ref().map_or(Ok(()), |checkpoint| checkpoint.save(&film));
-    if film.is_blank() && !film.range().is_empty() {
-        say("interrupted before the first samples: there is nothing to save");
-        return Ok(control.signals.code());
-    }
-    let is_whole = film.is_whole();
-    // What is needed to go on comes first.
-    let saved = if is_whole { Ok(()) } else { save() };
-    let mut rendered = film.finish();
-    Header::of_render(&rendered, job, words).apply(&mut rendered.picture);
-    report::print_lost(&rendered, words);
-    control.watch.set_rays(rendered.rays.total());
-    let picture = &rendered.picture;
-    let written =
-        [write_part(job, &film), write(&job.args, picture), control.watch.present(picture)];
-    let written = outputs::try_all([saved].into_iter().chain(written));
-    if let Err(error) = written {
-        return Err(match is_whole.then(save) {
-            Some(Err(too)) => CliError::Several(vec![error, too]),
-            _ => error,
-        });
-    }
-    if is_whole && let Some(checkpoint) = &checkpoint {
-        checkpoint.remove();
-    }
-    finish(job, Outcome { rendered, took }, control)
-}
-
-/// Says what it took, and works out how the process ends.
-fn finish(job: &Job, outcome: Outcome, control: &Control<'_>) -> Result<u8, CliError> {
-    control.watch.tell(&report::summarize(job, &outcome));
-    if job.args.json {
-        text::print(&format!("{}\n", report::summarize_as_json(job, &outcome)))?;
-    }
-    let is_incomplete = report::is_incomplete(&outcome);
-    if outcome.rendered.cancelled {
-        report::print_unfinished(job, &outcome);
-    } else if is_incomplete && !job.args.quiet {
-        report::print_noisy(&outcome);
-    }
-    if let Some(error) = outcome.took.stopped {
-        return Err(error);
-    }
-    let code = control.signals.code();
-    if code == 0 && job.args.fail_incomplete && is_incomplete {
-        let message = "the picture is not as good as was asked for (--fail-incomplete)";
-        return Err(CliError::Limit(message.to_owned()));
-    }
-    Ok(code)
-}
-
-/// Writes what there is of the picture while more samples are taken. That it cannot is a warning.
-fn save_picture(job: &Job, film: &Film, words: &[String]) {
-    let mut rendered = film.finish();
-    Header::of_render(&rendered, job, words).apply(&mut rendered.picture);
-    if let Err(error) =
-        outputs::try_all([write_part(job, film), write(&job.args, &rendered.picture)])
-    {
-        say(&format!("warning: {error}; the render goes on"));
-    }
-}
-
-/// Writes the sums that are asked for.
-fn write_part(job: &Job, film: &Film) -> Result<(), CliError> {
-    let Some(path) = &job.args.partial else { return Ok(()) };
-    let head = checkpoint::head(job)?;
-    checkpoint::write(path, &head, film).map_err(|source| CliError::not_written(path, &source))
+    publisher.publish(exposed, denoiser.as_ref(), &control)
 }
 
 /// Renders a scene by the words of a command line, without saying what it takes and without writing
@@ -194,23 +116,6 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
     Ok(rendered.picture)
 }
 
-fn outputs<'a>(args: &'a RenderArgs, checkpoint: Option<&'a Path>) -> Vec<Output<'a>> {
-    let exr = args.output.as_deref().map(|path| Output { flag: "-o", path, ending: "exr" });
-    let png = args.png.as_deref().map(|path| Output { flag: "--png", path, ending: "png" });
-    let partial = args.partial.as_deref();
-    let part = partial.map(|path| Output { flag: "--partial", path, ending: "part" });
-    let saved = checkpoint.map(|path| Output { flag: "--checkpoint", path, ending: "checkpoint" });
-    [exr, png, part, saved].into_iter().flatten().collect()
-}
-
-fn inputs(args: &RenderArgs) -> Vec<&Path> {
-    let environment = match &args.env {
-        Some(EnvironmentSource::File(path)) => Some(path.as_path()),
-        _ => None,
-    };
-    std::iter::once(&*args.scene_file).chain(environment).collect()
-}
-
 /// Prints the path of one sample.
 fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<u8, CliError> {
     let (width, height) = job.settings.resolution;
@@ -226,13 +131,6 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<u8, CliError> {
     })??;
     text::print(&path)?;
     Ok(0)
-}
-
-/// Writes the pictures; where one fails the others are there still.
-fn write(args: &RenderArgs, picture: &Picture) -> Result<(), CliError> {
-    let exr = args.output.iter().map(|path| exr::write(path, picture));
-    let png = args.png.iter().map(|path| png::write(path, picture, args.tonemap, args.exposure));
-    outputs::try_all(exr.chain(png).map(|written| written.map_err(CliError::from)))
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ pub struct RenderArgs {
     pub preview: Option<PathBuf>,
     pub show: Option<Show>,
     pub tev: Option<TevAddress>,
+    pub denoise: bool,
 
     pub resolution: Option<(u32, u32)>,
     pub spp: u64,

@@ -1,6 +1,6 @@
 //! Settings: files to write, and how a PNG looks.
 
-use super::parse::{finite, from_str, list};
+use super::parse::{finite, from_str, list, switch};
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 use crate::film::tonemap::Tonemap;
@@ -59,6 +59,20 @@ pub static OUTPUT: &[Setting] = &[
         advanced: true,
         read: Reader::Text(|word| assign(list::<Aov>(word), |args| &mut args.aov)),
         write: |args| args.aov.to_toml(),
+        ..LOOK
+    },
+    Setting {
+        name: "denoise",
+        form: Form::Switch,
+        example: "true",
+        help: "Adds a layer `denoised`, which the PNG then shows, by Open Image Denoise",
+        details: "Its library is looked for when the render starts: what DAPPLE_OIDN names, the \
+                  library or a folder that holds it; or else where the system has its libraries; \
+                  or else in the Python package that `pip install pyoidn` installs. All other \
+                  layers have the same bytes as without. Those of this one depend on the \
+                  library's version and on the processor.",
+        read: Reader::Text(|word| assign(switch(word), |args| &mut args.denoise)),
+        write: |args| args.denoise.to_toml(),
         ..LOOK
     },
 ];

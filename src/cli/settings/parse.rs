@@ -104,7 +104,7 @@ where
 }
 
 /// A number, neither infinite nor NaN.
-pub(super) fn finite(text: &str) -> Result<f32, String> {
+pub fn finite(text: &str) -> Result<f32, String> {
     let value: f32 = text.trim().parse().map_err(|_| format!("`{text}` is not a number"))?;
     if value.is_finite() { Ok(value) } else { Err(format!("{value} is not finite")) }
 }

@@ -29,6 +29,16 @@ pub fn add_environment_in_lanes<L: Lanes>(
         let one = lanes.float(1.0);
         let ratio = pdf / path_pdf;
         let weight = one / (ratio * ratio + 1.0);
+        if *vertices.follows {
+            lanes.rows(radiance.columns(one), &mut radiances);
+            for (&i, &radiance) in block.iter().zip(&radiances) {
+                let path = &vertices.paths[i as usize];
+                let first = vertices.samples[path.slot as usize].first.as_mut();
+                if let Some(first) = first.filter(|first| first.goes_on) {
+                    first.follow_to_environment(path.throughput, vec3(radiance));
+                }
+            }
+        }
         let alone = path_pdf.eq(lanes.float(f32::INFINITY));
         let radiance = (throughput * radiance).scale(alone.select(one, weight));
         lanes.rows(radiance.columns(one), &mut radiances);

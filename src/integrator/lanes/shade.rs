@@ -75,8 +75,8 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(block: &mut Block<'_, '_, L>, rows: &V
         vertex.sample_direct(block, &bsdf, u_light, u)
     };
     vertex.live = live & !lanes.mask(lost);
-    if depth == 1 {
-        vertex.describe_first_hits(block, bsdf.albedo(lanes));
+    if depth == 1 || *block.vertices.follows {
+        vertex.describe_first_hits(block, &bsdf);
     }
 
     // Sample the BSDF for the next direction, and perhaps end the path there.
@@ -87,25 +87,43 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(block: &mut Block<'_, '_, L>, rows: &V
 }
 
 impl<L: Lanes> VertexLanes<L> {
-    /// What the camera sees of the surfaces, apart from their light.
+    /// What is seen of the surfaces, apart from their light; see [`super::super::first_hit`].
     #[inline(always)]
-    fn describe_first_hits(&self, block: &mut Block<'_, '_, L>, albedo: Vec3f<L>) {
-        let Block { lanes, paths, vertices, .. } = block;
+    fn describe_first_hits<B: BsdfLanes<L>>(&self, block: &mut Block<'_, '_, L>, bsdf: &B) {
+        let Block { lanes, depth, paths, vertices, .. } = block;
+        let lanes = *lanes;
+        let slot = |lane: usize| vertices.paths[paths[lane] as usize].slot as usize;
+        let mut seen = self.live.to_bits();
+        if *depth > 1 {
+            for_each_lane(self.live.to_bits(), |lane| {
+                let first = &vertices.samples[slot(lane)].first;
+                seen ^= u32::from(!first.is_some_and(|first| first.goes_on)) << lane;
+            });
+        }
+        if seen == 0 {
+            return;
+        }
         let (zero, surface) = (lanes.float(0.0), &self.surface);
         let shading = surface.frame.normal;
         let normal = Vec3f::select(surface.front, shading, -shading);
-        let [mut albedos, mut normals, mut positions] = [Rows::default(); 3];
-        lanes.rows(albedo.columns(zero), &mut albedos);
+        let mirrors = bsdf.is_mirror_like(lanes).to_bits();
+        let [mut albedos, mut normals, mut positions, mut throughputs] = [Rows::default(); 4];
+        lanes.rows(bsdf.albedo(lanes).columns(zero), &mut albedos);
         lanes.rows(normal.columns(zero), &mut normals);
         lanes.rows(surface.position.columns(surface.t), &mut positions);
-        for_each_lane(self.live.to_bits(), |lane| {
+        lanes.rows(self.throughput.columns(zero), &mut throughputs);
+        for_each_lane(seen, |lane| {
             let path = &vertices.paths[paths[lane] as usize];
-            vertices.samples[path.slot as usize].first = Some(FirstHit {
-                albedo: vec3(albedos[lane]),
-                normal: vec3(normals[lane]),
-                position: vec3(positions[lane]),
-                distance: positions[lane][3],
-            });
+            let (albedo, normal) = (vec3(albedos[lane]), vec3(normals[lane]));
+            let goes_on = mirrors >> lane & 1 == 1;
+            match &mut vertices.samples[path.slot as usize].first {
+                Some(first) => first.follow(vec3(throughputs[lane]), albedo, normal, goes_on),
+                first => {
+                    let (position, distance) = (vec3(positions[lane]), positions[lane][3]);
+                    *first = Some(FirstHit { albedo, normal, position, distance, goes_on });
+                }
+            }
         });
+        *vertices.follows |= mirrors & seen != 0;
     }
 }

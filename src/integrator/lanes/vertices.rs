@@ -23,6 +23,8 @@ pub struct Vertices<'a> {
     pub alive: &'a mut [bool],
     /// Results by slot.
     pub samples: &'a mut [PathSample],
+    /// Whether a camera ray has met what mirrors or is clear: then first hits are followed.
+    pub follows: &'a mut bool,
     /// The rays to lights.
     pub shadow_rays: &'a mut ShadowRays,
 }

@@ -40,6 +40,9 @@ pub trait BsdfLanes<L: Lanes>: Copy {
 
     /// See [`crate::material::Bsdf::albedo`].
     fn albedo(&self, lanes: L) -> Vec3f<L>;
+
+    /// See [`crate::material::Bsdf::is_mirror_like`].
+    fn is_mirror_like(&self, lanes: L) -> L::Mask;
 }
 
 /// A sampled direction a lane, of a delta lobe where [`BsdfLanes::IS_DELTA`]; see

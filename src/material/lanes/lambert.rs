@@ -47,4 +47,9 @@ impl<L: Lanes> BsdfLanes<L> for LambertLanes<L> {
     fn albedo(&self, _: L) -> Vec3f<L> {
         self.reflectance
     }
+
+    #[inline(always)]
+    fn is_mirror_like(&self, lanes: L) -> L::Mask {
+        lanes.mask(0)
+    }
 }

@@ -4,6 +4,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::super::energy::Albedos;
 use super::super::form::BsdfForm;
+use super::super::ggx::MIRROR_ALPHA;
 use super::bsdf::{BSDF_ROWS, BsdfLanes, BsdfSamples, is_above, or_zero};
 use crate::sampling::warp;
 use crate::simd::lanes::{Float, Lanes, Mask, Uint, Vec3f, unit_circle};
@@ -194,6 +195,11 @@ impl<L: Lanes> BsdfLanes<L> for MetallicRoughnessLanes<L> {
     #[inline(always)]
     fn albedo(&self, lanes: L) -> Vec3f<L> {
         self.diffuse.scale(lanes.float(1.0) - self.coat_f0) + self.f0
+    }
+
+    #[inline(always)]
+    fn is_mirror_like(&self, lanes: L) -> L::Mask {
+        self.diffuse.is_zero() & self.alpha.le(lanes.float(MIRROR_ALPHA))
     }
 }
 

@@ -55,4 +55,9 @@ impl<L: Lanes> BsdfLanes<L> for SmoothGlassLanes<L> {
     fn albedo(&self, _: L) -> Vec3f<L> {
         self.tint
     }
+
+    #[inline(always)]
+    fn is_mirror_like(&self, lanes: L) -> L::Mask {
+        lanes.first(L::WIDTH)
+    }
 }
