@@ -59,9 +59,11 @@ proptest! {
     ) {
         let folder = tempfile::tempdir().expect("a folder");
         let folder = folder.path();
-        let base = format!("render {} --resolution 33x21 --reproducible -q --spp {spp}", scene(case));
+        let size = "--resolution 33x21 --reproducible -q";
+        let base = format!("render {} {size} --spp {spp}", scene(case));
         run(folder, &format!("{base} -o whole.exr"));
-        let mut edges: Vec<u64> = cuts.iter().map(|cut| (cut * 16).min(spp)).chain([0, spp]).collect();
+        let cuts = cuts.iter().map(|cut| (cut * 16).min(spp));
+        let mut edges: Vec<u64> = cuts.chain([0, spp]).collect();
         edges.retain(|&edge| edge % 16 == 0 || edge == spp);
         edges.sort_unstable();
         edges.dedup();

@@ -1,7 +1,8 @@
 //! The file around tiles.
 //!
-//! A line of text that names the format; chunks of a kind (four letters), a length, the bytes, and a
-//! checksum (CRC-32) over all three; last, where the index begins. All integers are little endian.
+//! A line of text that names the format; chunks of a kind (four letters), a length, the bytes, and
+//! a checksum (CRC-32) over all three; last, where the index begins. All integers are little
+//! endian.
 //! The chunks are `HEAD` (JSON), one `TILE` for each tile of the crop in their order, and `INDX`:
 //! where each tile begins, its samples, whether it is finished and how many were lost. There is no
 //! byte that is not checked.

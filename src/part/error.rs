@@ -42,7 +42,8 @@ pub enum PartError {
         reason: String,
     },
     /// Two parts are not of the same picture.
-    #[error("{} and {} are not parts of one picture:{}", a.display(), b.display(), list(differences))]
+    #[error("{} and {} are not parts of one picture:{}",
+            a.display(), b.display(), list(differences))]
     OtherPicture {
         /// One.
         a: PathBuf,

@@ -30,7 +30,7 @@ pub use head::Head;
 pub use merge::Merge;
 pub use plan::Gap;
 
-/// Reads the bytes of a part, or else of one tile of it, whatever they are: what `cargo fuzz` calls.
+/// Reads the bytes of a part, or else of one tile of it, whatever they are: for `cargo fuzz`.
 #[doc(hidden)]
 pub fn read_any(bytes: &[u8]) {
     let (path, length) = (std::path::Path::new("a.part"), bytes.len() as u64);

@@ -1,8 +1,8 @@
 //! A tile as bytes, and back.
 //!
-//! The numbers of a tile stand by columns: the same byte of the same number of all pixels, one after
-//! the other, for neighbours have like exponents; then they are deflated. Last come the means that
-//! the tile remembers, if it does.
+//! The numbers of a tile stand by columns: the same byte of the same number of all pixels, one
+//! after the other, for neighbours have like exponents; then they are deflated. Last come the means
+//! that the tile remembers, if it does.
 
 use std::io::{Read, Write};
 

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use super::aov::assemble_picture;
 use super::breakdown::Breakdown;
-use super::noise::{Grid, NoiseTarget, dark_level, tell_error};
+use super::noise::{Grid, dark_level, tell_error};
+use super::noise_target::NoiseTarget;
 use super::passes::{pass_ends, spread};
 use super::preview::assemble_preview;
 use super::progress::Progress;

@@ -6,7 +6,8 @@
 //! | `stream` | advances some thousand paths together, bounce by bounce |
 //! | `pixel`, `tile` | the sums of a pixel's samples; a square of pixels |
 //! | `passes` | the order of work |
-//! | `noise`, `earlier` | when the noise of a tile is low enough; what it remembers for that |
+//! | `noise`, `noise_target` | when the noise of a tile is low enough |
+//! | `earlier` | what a tile remembers for that |
 //! | `film` | hands tiles to threads, pass after pass |
 //! | `frame` | a whole picture in one call |
 //! | `progress`, `ticks` | how far a render is, and who looks after it |
@@ -21,6 +22,7 @@ mod earlier;
 mod film;
 mod frame;
 mod noise;
+mod noise_target;
 mod passes;
 mod pixel;
 mod preview;
@@ -39,7 +41,7 @@ pub use breakdown::{Breakdown, Stage};
 pub(crate) use earlier::Earlier;
 pub use film::Film;
 pub use frame::{Control, render};
-pub use noise::{NoiseReached, NoiseTarget};
+pub use noise_target::{NoiseReached, NoiseTarget};
 pub use progress::Progress;
 pub use rendered::Rendered;
 pub use replay::replay;

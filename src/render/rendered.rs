@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::breakdown::Breakdown;
-use super::noise::NoiseReached;
+use super::noise_target::NoiseReached;
 use super::stream::RayCounts;
 use super::tile::LostSample;
 use crate::film::Picture;

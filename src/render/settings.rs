@@ -1,6 +1,6 @@
 //! What a picture is a function of, besides its scene and camera.
 
-use super::noise::NoiseTarget;
+use super::noise_target::NoiseTarget;
 use crate::camera::CameraRays;
 use crate::film::{PixelFilter, Window};
 use crate::integrator::{LENS_DIMENSION, Path, Transport};

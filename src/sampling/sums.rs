@@ -166,9 +166,9 @@ impl<const C: usize, const V: usize> BlockSums<C, V> {
         })
     }
 
-    /// The sums of a run of samples from the words that [`Self::to_words`] gave; `range` starts at a
-    /// block. None if there are too few words, a number is not finite, or more samples are in a node
-    /// than it can hold.
+    /// The sums of a run of samples from the words that [`Self::to_words`] gave; `range` starts at
+    /// a block. None if there are too few words, a number is not finite, or more samples are in a
+    /// node than it can hold.
     pub fn from_words(
         range: std::ops::Range<u64>,
         words: &mut impl Iterator<Item = u64>,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use toml::{Table as TomlTable, Value};
 
-use super::MergeArgs;
+use super::args::MergeArgs;
 use crate::cli::error::CliError;
 use crate::cli::render::Header;
 use crate::cli::shell;

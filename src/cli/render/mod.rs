@@ -9,11 +9,12 @@
 //! | `header` | writes into the picture how it was made |
 //! | `dry_run` | estimates what a render would take |
 //! | `checkpoint` | parts and checkpoints: sums to files and back |
-//! | `signals` | what a render is told from outside |
+//! | `signals`, `listen` | what a render is told from outside |
 
 mod checkpoint;
 mod dry_run;
 mod header;
+mod listen;
 mod moments;
 mod publish;
 mod report;

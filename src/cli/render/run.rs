@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::checkpoint;
 use super::header::Header;
+use super::listen::listen;
 use super::moments::{self, Control, Exposed};
 use super::publish::{self, Publisher};
 use super::signals::Signals;
@@ -24,7 +25,7 @@ use crate::render::{Film, replay};
 /// Runs the command.
 pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     let start = Instant::now();
-    let signals = Signals::listen()?;
+    let signals = listen()?;
     let Request { args, from } = settings::resolve(typed)?;
     let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
     let checkpoint = checkpoint::path(&args)?;

@@ -1,14 +1,12 @@
 //! Signals: a render that is told to end saves first.
 //!
 //! USR1 saves and ends with 75 (again), TERM with 143 and INT (Ctrl-C) with 130; HUP saves and goes
-//! on. While something is being saved further ones are ignored, except for the third INT, which ends
-//! at once. While the scene is read and the structure is built there is nothing to save: all but HUP
-//! end at once.
+//! on. While something is being saved further ones are ignored, except for the third INT, which
+//! ends at once. While the scene is read and the structure is built there is nothing to save: all
+//! but HUP end at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
-
-use crate::cli::error::CliError;
 
 /// Exit code of a render that is to be started again (`EX_TEMPFAIL` of sysexits.h).
 pub const AGAIN: u8 = 75;
@@ -29,17 +27,6 @@ struct State {
 }
 
 impl Signals {
-    /// Listens from now on.
-    ///
-    /// # Errors
-    /// If the system does not let it.
-    pub fn listen() -> Result<Self, CliError> {
-        let signals = Self::default();
-        system::listen(&signals)
-            .map_err(|error| CliError::Limit(format!("cannot listen to signals: {error}")))?;
-        Ok(signals)
-    }
-
     /// True once the render is to end.
     pub fn cancel(&self) -> &AtomicBool {
         &self.0.cancel
@@ -60,6 +47,21 @@ impl Signals {
         self.0.has_samples.store(true, Ordering::SeqCst);
     }
 
+    /// Tells it to save and go on.
+    pub fn ask_to_save(&self) {
+        self.0.save.store(true, Ordering::Relaxed);
+    }
+
+    /// Counts an interrupt; returns how many there were.
+    pub fn count_interrupt(&self) -> usize {
+        self.0.interrupts.fetch_add(1, Ordering::SeqCst) + 1
+    }
+
+    /// Whether there may be samples to save.
+    pub fn has_samples(&self) -> bool {
+        self.0.has_samples.load(Ordering::SeqCst)
+    }
+
     /// Ends the render with an exit code, unless it is ending already.
     pub fn stop(&self, code: u8) {
         let _ = self.0.code.compare_exchange(0, code, Ordering::SeqCst, Ordering::SeqCst);
@@ -69,82 +71,6 @@ impl Signals {
     /// The exit code of what ended it: 0 if nothing did.
     pub fn code(&self) -> u8 {
         self.0.code.load(Ordering::SeqCst)
-    }
-}
-
-#[cfg(unix)]
-mod system {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
-    use signal_hook::iterator::Signals as Incoming;
-
-    use super::{AGAIN, Ordering, Signals};
-    use crate::cli::progress::say;
-    use crate::files::remove_pending;
-
-    /// Starts a thread that takes signals as they come.
-    pub fn listen(signals: &Signals) -> std::io::Result<()> {
-        let mut incoming = Incoming::new([SIGHUP, SIGINT, SIGTERM, SIGUSR1])?;
-        let signals = signals.clone();
-        let take = move || incoming.forever().for_each(|signal| signals.take(signal));
-        std::thread::Builder::new().name("signals".to_owned()).spawn(take)?;
-        Ok(())
-    }
-
-    impl Signals {
-        fn take(&self, signal: i32) {
-            let code = match signal {
-                SIGHUP => {
-                    self.0.save.store(true, Ordering::Relaxed);
-                    return;
-                }
-                SIGUSR1 => AGAIN,
-                _ => 128 + signal as u8,
-            };
-            let has_samples = self.0.has_samples.load(Ordering::SeqCst);
-            let times = match signal {
-                SIGINT => self.0.interrupts.fetch_add(1, Ordering::SeqCst) + 1,
-                _ => 0,
-            };
-            if has_samples && times < 3 {
-                self.stop(code);
-                return;
-            }
-            say(if has_samples {
-                "interrupted again: ended without saving"
-            } else {
-                "interrupted while reading and building: there is nothing to save"
-            });
-            remove_pending();
-            std::process::exit(i32::from(code));
-        }
-    }
-}
-
-#[cfg(not(unix))]
-mod system {
-    use std::sync::Arc;
-
-    use signal_hook::consts::{SIGINT, SIGTERM};
-
-    use super::Signals;
-
-    /// Where there are no signals but INT and TERM: the first saves and ends, a second ends at once.
-    pub fn listen(signals: &Signals) -> std::io::Result<()> {
-        let cancel = Arc::new(std::sync::atomic::AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM] {
-            let code = 128 + signal;
-            signal_hook::flag::register_conditional_shutdown(signal, code, cancel.clone())?;
-            signal_hook::flag::register(signal, cancel.clone())?;
-        }
-        let signals = signals.clone();
-        let wait = move || {
-            while !cancel.load(std::sync::atomic::Ordering::Relaxed) {
-                std::thread::sleep(std::time::Duration::from_millis(50));
-            }
-            signals.stop(130);
-        };
-        std::thread::Builder::new().name("signals".to_owned()).spawn(wait)?;
-        Ok(())
     }
 }
 
@@ -160,7 +86,7 @@ mod tests {
         signals.stop(143);
         assert!(signals.is_cancelled() && signals.code() == AGAIN);
         assert!(!signals.takes_save());
-        signals.0.save.store(true, Ordering::Relaxed);
+        signals.ask_to_save();
         assert!(signals.takes_save() && !signals.takes_save());
     }
 }

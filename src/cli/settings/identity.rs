@@ -80,7 +80,7 @@ mod tests {
         resolve_words(Path::new("a.gltf"), &words).expect("good words").args
     }
 
-    /// Each setting of the table, changed alone: whether samples still add up is what its role says.
+    /// Each setting of the table, changed alone: its role says whether samples still add up.
     #[test]
     fn each_setting_that_samples_depend_on_makes_another_picture() {
         let table = Table::default();

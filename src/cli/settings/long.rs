@@ -98,7 +98,7 @@ pub static LONG: &[Setting] = &[
         details: "Tiles of 16x16 pixels stop at 16, 32, 64, … samples, once the error that their \
                   variance tells, and that of their neighbours, is below it. The layer `samples` \
                   shows where they went.",
-        conflicts: &["spp", "samples", "part", "shutter"],
+        conflicts: &["samples", "part", "shutter"],
         read: Reader::Text(|word| assign(positive(word), |args| &mut args.noise)),
         write: |args| args.noise.to_toml(),
         ..ENOUGH

@@ -169,8 +169,8 @@ mod tests {
                 prop_assert_eq!(pair[0].end, pair[1].start);
                 prop_assert!(pair[0].end == spp || pair[0].end % BLOCK == 0);
             }
-            let blocks: Vec<_> = ranges.iter().map(|it| (it.end - it.start).div_ceil(BLOCK)).collect();
-            let most = *blocks.iter().max().unwrap_or(&0);
+            let blocks = ranges.iter().map(|it| (it.end - it.start).div_ceil(BLOCK));
+            let most = blocks.max().unwrap_or(0);
             prop_assert!(most <= spp.div_ceil(BLOCK).div_ceil(count) * 9 / 8 + 1);
         }
     }
