@@ -119,7 +119,8 @@ mod tests {
         let table = Table::default();
         let given = "--spp 4 --seed 3 --env 1,2,3 --transparent --resolution 64x32 --threads 2";
         let words = table.to_words(Path::new("a"), &table.to_toml(&args(given))).expect("good");
-        let expected = "--env 1,2,3 --resolution 64,32 --seed 3 --transparent";
+        let expected = "--env 1,2,3 --env-rotate 0.0 --env-scale 1.0 --resolution 64,32 --seed 3 \
+                        --transparent";
         assert_eq!(words.join(" "), expected);
         assert_eq!(table.identity(&args(&words.join(" "))), table.identity(&args(given)));
     }
