@@ -11,6 +11,7 @@ mod shutter;
 mod view;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use crate::accel::{self, Accel, BuildError};
@@ -45,6 +46,8 @@ pub struct Job {
     pub first: Moment,
     /// Whether the environment light was chosen for the user.
     automatic_sky: bool,
+    /// See [`Job::digest_moments`].
+    moments_digest: OnceLock<u64>,
 }
 
 /// The scene at one time.
@@ -82,7 +85,7 @@ impl Job {
         args.resolution = Some(settings.resolution);
         let world = scene::build_world(scene, &args)?;
         let first = Moment { world, camera, notices, elapsed: start.elapsed() };
-        Ok(Self { args, settings, shutter, first, automatic_sky })
+        Ok(Self { args, settings, shutter, first, automatic_sky, moments_digest: OnceLock::new() })
     }
 
     /// The scene at a later moment; none for the first, which is there. What the first left to be
@@ -119,13 +122,16 @@ impl Job {
         Ok(Some(Moment { world, camera, notices, elapsed: start.elapsed() }))
     }
 
-    /// A digest of the scene at all moments, if there are several: each is read for it.
+    /// A digest of the scene at all moments, if there are several: each is read for it, once.
     ///
     /// # Errors
     /// What is wrong with the scene at one of them.
     pub fn digest_moments(&self) -> Result<Option<u64>, CliError> {
         if self.shutter.moments() == 1 {
             return Ok(None);
+        }
+        if let Some(&known) = self.moments_digest.get() {
+            return Ok(Some(known));
         }
         let mut hasher = DefaultHasher::new();
         self.first.world.scene.digest().hash(&mut hasher);
@@ -134,7 +140,7 @@ impl Job {
             let now = posed.as_ref().unwrap_or(&self.first);
             now.world.scene.digest().hash(&mut hasher);
         }
-        Ok(Some(hasher.finish()))
+        Ok(Some(*self.moments_digest.get_or_init(|| hasher.finish())))
     }
 
     /// Builds the structure that was asked for, on the threads of the current pool.

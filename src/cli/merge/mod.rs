@@ -38,6 +38,9 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, CliError> {
             say(&format!("note: {b}: the same samples as {a}; they count once"));
         }
     }
+    if merge.lost_count() > 0 {
+        say(&format!("warning: {} samples were not finite and are left out", merge.lost_count()));
+    }
     run_on_threads(args.threads, || {
         outputs::try_all([
             args.partial.as_ref().map_or(Ok(()), |path| write_part(path, &merge)),
