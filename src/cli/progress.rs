@@ -145,7 +145,12 @@ mod tests {
     #[test]
     fn lines_come_at_intervals() {
         let due = Mutex::new(LINE_EVERY);
-        let at = |seconds| Progress { done: 1, total: 2, elapsed: Duration::from_secs(seconds) };
+        let at = |seconds| Progress {
+            before: 0,
+            done: 1,
+            total: 2,
+            elapsed: Duration::from_secs(seconds),
+        };
         let said: Vec<u64> =
             (0..35).filter(|&second| is_due(&due, at(second), LINE_EVERY)).collect();
         assert_eq!(said, [10, 20, 30]);

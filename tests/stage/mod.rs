@@ -88,6 +88,7 @@ pub fn settings(side: u32, spp: u64, max_depth: u32) -> Settings {
         resolution: (side, side),
         crop: Window::of_size(side as usize, side as usize),
         spp,
+        noise: None,
         seed: 0,
         pattern: SamplePattern::default(),
         filter: PixelFilter::Box,
