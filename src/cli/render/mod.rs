@@ -8,10 +8,14 @@
 //! | `header` | writes into the picture how it was made |
 //! | `dry_run` | estimates what a render would take |
 //! | `checkpoint` | parts and checkpoints: sums to files and back |
+//! | `done` | whether all is there already |
+//! | `frames` | the frames of an animation, a render each |
 //! | `signals` | what a render is told from outside |
 
 mod checkpoint;
+mod done;
 mod dry_run;
+mod frames;
 mod header;
 mod moments;
 mod report;

@@ -8,7 +8,7 @@ use super::checkpoint;
 use super::header::Header;
 use super::moments::{self, Control, Exposed, Outcome};
 use super::signals::Signals;
-use super::{dry_run, report};
+use super::{done, dry_run, frames, report};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::outputs::{self, Output};
@@ -19,12 +19,32 @@ use crate::cli::{shell, text};
 use crate::film::{Picture, exr, png};
 use crate::formats::EnvironmentSource;
 use crate::render::{Film, replay};
+use crate::scene::Notice;
 
 /// Runs the command.
 pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     let signals = Signals::listen()?;
     let Request { args, from } = settings::resolve(typed)?;
+    let mut said = Vec::new();
+    for args in frames::split(args)? {
+        let request = Request { args: args?, from: from.clone() };
+        let code = run_one(request, start, &signals, &mut said)?;
+        signals.go_on();
+        if signals.is_cancelled() {
+            return Ok(code);
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Renders a picture. What has been `said` of the scene already is not said again.
+fn run_one(
+    Request { args, from }: Request,
+    start: Instant,
+    signals: &Signals,
+    said: &mut Vec<Notice>,
+) -> Result<ExitCode, CliError> {
     let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
     let checkpoint = checkpoint::path(&args)?;
     if !stops {
@@ -34,7 +54,9 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
         }
         outputs::check(&outputs, &inputs(&args))?;
     }
-    let job = Job::prepare(args)?;
+    let mut job = Job::prepare(args)?;
+    job.first.notices.retain(|notice| !said.contains(notice));
+    said.extend(job.first.notices.iter().cloned());
     if !job.args.quiet {
         report::print_scene(&job);
         if let Some(from) = &from {
@@ -51,11 +73,14 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     if job.args.dry_run {
         return dry_run::run(&job);
     }
+    if done::is_done(&job)? {
+        return Ok(ExitCode::SUCCESS);
+    }
     let words = shell::own_words();
     let save = |film: &Film| save_picture(&job, film, &words);
-    let control = Control { signals: &signals, style: job.args.progress, start, save: &save };
+    let control = Control { signals, style: job.args.progress, start, save: &save };
     let exposed = moments::expose(&job, &control)?;
-    publish(&job, exposed, &signals, &words)
+    publish(&job, exposed, signals, &words)
 }
 
 /// Writes the outputs and says what it took.
@@ -146,6 +171,7 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
         ("--partial", args.partial.is_some()),
         ("--checkpoint", args.checkpoint.is_some()),
         ("--resume", args.resume.is_some()),
+        ("--frames", args.frames.is_some()),
         ("--debug-sample", args.debug_sample.is_some()),
         ("--json", args.json),
         ("--dry-run", args.dry_run),
