@@ -8,6 +8,7 @@ mod completions;
 mod diff;
 mod error;
 mod exit_codes;
+mod farm;
 mod flags;
 mod generate;
 mod golden;
@@ -45,6 +46,7 @@ struct Cli {
 enum Command {
     Render(settings::Typed),
     Merge(merge::MergeArgs),
+    Farm(farm::FarmArgs),
     Info(info::InfoArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
@@ -61,6 +63,7 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
         Command::Render(typed) => render::run(&typed),
         Command::Merge(args) => merge::run(&args),
+        Command::Farm(args) => farm::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => golden::run(&args),
