@@ -84,7 +84,8 @@ impl Slurm {
         for entry in std::fs::read_dir(place.path("out.parts")).into_iter().flatten().flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             if entry.path().extension().is_some_and(|ending| ending == "log") {
-                text += &format!("-- {name}\n{}", place.text(&format!("out.parts/{name}")));
+                let said = place.text(&format!("out.parts/{name}"));
+                text.extend(["-- ", &name, "\n", &said]);
             }
         }
         text
