@@ -11,6 +11,7 @@ mod denoise;
 mod diff;
 mod error;
 mod exit_codes;
+mod farm;
 mod flags;
 mod generate;
 mod golden;
@@ -51,6 +52,7 @@ struct Cli {
 enum Command {
     Render(settings::Typed),
     Merge(merge::MergeArgs),
+    Farm(farm::FarmArgs),
     Info(info::InfoArgs),
     Denoise(denoise::DenoiseArgs),
     Diff(diff::DiffArgs),
@@ -68,6 +70,7 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     match command {
         Command::Render(typed) => render::run(&typed),
         Command::Merge(args) => merge::run(&args),
+        Command::Farm(args) => farm::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Denoise(args) => denoise::run(&args),
         Command::Diff(args) => diff::run(&args),

@@ -22,6 +22,7 @@ const DOCUMENTS: &[&str] = &[
     "CONTRIBUTING.md",
     "SECURITY.md",
     "docs/guide.md",
+    "docs/farms.md",
     "docs/structures.md",
     "docs/peers.md",
     "docs/formats.md",

@@ -21,6 +21,7 @@ pub fn write(args: &MergeArgs, merge: &Merge) -> Result<(), CliError> {
     if args.reproducible {
         header.make_reproducible();
     }
+    header.set_unfinished(!merge.gaps().is_empty());
     let settings = settings(&head, header.is_reproducible());
     let layers = Layers::new(&settings);
     let mut lines = Lines { merge, layers: &layers, kept: Vec::new() };

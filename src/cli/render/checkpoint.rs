@@ -196,7 +196,7 @@ impl Restored {
 }
 
 /// What makes it impossible to go on from the samples of `then` to those of `now`.
-fn differences(then: &Head, now: &Head) -> Vec<Difference> {
+pub fn differences(then: &Head, now: &Head) -> Vec<Difference> {
     let mut found = then.differences(now);
     let mut compare = |key: &str, values: [String; 2]| {
         if values[0] != values[1] {

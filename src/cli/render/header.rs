@@ -1,5 +1,6 @@
 //! A picture's header: how it was made.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use toml::{Table as TomlTable, Value};
@@ -21,6 +22,8 @@ pub struct Header {
     render_s: f64,
     /// Under a target for the noise: what was reached.
     reached: Option<NoiseReached>,
+    /// Whether samples are missing that were asked for.
+    unfinished: bool,
     /// The words of the command line after `dapple`.
     words: Vec<String>,
 }
@@ -29,14 +32,38 @@ impl Header {
     /// The header of a picture that a job rendered.
     pub fn of_render(rendered: &Rendered, job: &Job, words: &[String]) -> Self {
         Self {
-            settings: parse(&Table::default().to_toml(&job.args)),
-            scene: job.args.scene_file.display().to_string(),
-            scene_digest: format!("{:016x}", job.first.world.scene.digest()),
             lost_samples: rendered.lost_count,
             render_s: (rendered.before + rendered.elapsed).as_secs_f64(),
             reached: rendered.reached,
+            unfinished: rendered.cancelled,
             words: words.to_vec(),
+            ..Self::of_job(job)
         }
+    }
+
+    /// What is known before the first sample.
+    fn of_job(job: &Job) -> Self {
+        Self {
+            settings: parse(&Table::default().to_toml(&job.args)),
+            scene: job.args.scene_file.display().to_string(),
+            scene_digest: format!("{:016x}", job.first.world.scene.digest()),
+            lost_samples: 0,
+            render_s: 0.0,
+            reached: None,
+            unfinished: false,
+            words: Vec::new(),
+        }
+    }
+
+    /// Whether a picture with such a header is what a job is to make, and whole. Of a scene in
+    /// motion, the first moment is compared.
+    pub fn is_of(strings: &BTreeMap<String, String>, job: &Job) -> bool {
+        let wanted = Self::of_job(job);
+        let found = |name: &str| strings.get(&format!("dapple/{name}"));
+        found("unfinished").is_none()
+            && found("version").is_some_and(|version| version == env!("CARGO_PKG_VERSION"))
+            && found("scene-digest") == Some(&wanted.scene_digest)
+            && found("settings").is_some_and(|it| are_same(it, &wanted.settings.to_string()))
     }
 
     /// The header of a picture that parts add up to: what one render of all samples would tell.
@@ -57,6 +84,7 @@ impl Header {
             lost_samples,
             render_s: head.render_s,
             reached: None,
+            unfinished: false,
             words: words.to_vec(),
         }
     }
@@ -64,6 +92,11 @@ impl Header {
     /// Makes the picture one that is the same whenever it is made.
     pub fn make_reproducible(&mut self) {
         self.settings.insert("reproducible".to_owned(), true.into());
+    }
+
+    /// Says whether samples are missing that were asked for.
+    pub fn set_unfinished(&mut self, unfinished: bool) {
+        self.unfinished = unfinished;
     }
 
     /// Whether it leaves out what differs between runs.
@@ -110,6 +143,9 @@ impl Header {
             let reached = format!("{largest:.5} at most; share of the tiles below: {share:.4}");
             strings.push(("noise-reached", reached));
         }
+        if self.unfinished {
+            strings.push(("unfinished", "samples are missing".to_owned()));
+        }
         strings.into_iter().map(|(name, value)| (format!("dapple/{name}"), value)).collect()
     }
 
@@ -121,6 +157,17 @@ impl Header {
             picture.retain_channels(|name| !name.starts_with("cost."));
         }
     }
+}
+
+/// Whether two texts of settings differ at most in what is about the machine.
+pub fn are_same(a: &str, b: &str) -> bool {
+    let table = Table::default();
+    let of_picture = |text: &str| {
+        let mut settings = parse(text);
+        settings.retain(|name, _| table.is_reproducible(name));
+        settings
+    };
+    of_picture(a) == of_picture(b)
 }
 
 /// Settings that this program wrote.

@@ -10,9 +10,13 @@
 //! | `dry_run` | estimates what a render would take |
 //! | `checkpoint` | parts and checkpoints: sums to files and back |
 //! | `signals`, `listen` | what a render is told from outside |
+//! | `done` | whether all is there already |
+//! | `frames` | the frames of an animation, a render each |
 
 mod checkpoint;
+mod done;
 mod dry_run;
+mod frames;
 mod header;
 mod listen;
 mod moments;

@@ -10,23 +10,43 @@ use super::listen::listen;
 use super::moments::{self, Control, Exposed};
 use super::publish::{self, Publisher};
 use super::signals::Signals;
-use super::{dry_run, report};
+use super::{done, dry_run, frames, report};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::progress::note;
-use crate::cli::settings::{self, Origin, RenderArgs, Request, Table, Typed};
+use crate::cli::settings::{self, Request, Table, Typed};
 use crate::cli::status::Phase;
 use crate::cli::watch::Watch;
 use crate::cli::{shell, text};
 use crate::denoise::Denoiser;
 use crate::film::Picture;
 use crate::render::{Film, replay};
+use crate::scene::Notice;
 
 /// Runs the command.
 pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     let signals = listen()?;
     let Request { args, from } = settings::resolve(typed)?;
+    let mut said = Vec::new();
+    for args in frames::split(args)? {
+        let request = Request { args: args?, from: from.clone() };
+        let code = run_one(request, (start, &signals), &mut said)?;
+        signals.go_on();
+        if signals.is_cancelled() {
+            return Ok(ExitCode::from(code));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Renders a picture, while someone watches. What has been `said` of the scene already is not said
+/// again. Returns the exit code.
+fn run_one(
+    Request { args, from }: Request,
+    (start, signals): (Instant, &Signals),
+    said: &mut Vec<Notice>,
+) -> Result<u8, CliError> {
     let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
     let checkpoint = checkpoint::path(&args)?;
     if !stops {
@@ -36,23 +56,25 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     let denoises = args.denoise && !stops;
     let denoiser = denoises.then(|| Denoiser::find(args.threads)).transpose()?;
     let watch = if stops { Watch::silent() } else { Watch::start(&args)? };
-    let ended = run_watched(args, from.as_ref(), denoiser, (start, &signals, &watch));
+    let request = Request { args, from };
+    let ended = run_watched(request, denoiser, (start, signals, &watch), said);
     let told = watch.finish(ended.as_ref().map_or_else(CliError::exit_code, |&code| code));
     let code = ended?;
-    told.map(|()| ExitCode::from(code))
+    told.map(|()| code)
 }
 
-/// The same, while someone watches. Returns the exit code.
 fn run_watched(
-    args: RenderArgs,
-    from: Option<&Origin>,
+    Request { args, from }: Request,
     denoiser: Option<Denoiser>,
     (start, signals, watch): (Instant, &Signals, &Watch),
+    said: &mut Vec<Notice>,
 ) -> Result<u8, CliError> {
-    let job = Job::prepare(args)?;
+    let mut job = Job::prepare(args)?;
+    job.first.notices.retain(|notice| !said.contains(notice));
+    said.extend(job.first.notices.iter().cloned());
     if !job.args.quiet {
         report::print_scene(&job);
-        if let Some(from) = from {
+        if let Some(from) = &from {
             from.list_changes(job.first.world.scene.digest()).iter().for_each(note);
         }
     }
@@ -65,6 +87,9 @@ fn run_watched(
     }
     if job.args.dry_run {
         return dry_run::run(&job).map(|_| 0);
+    }
+    if done::is_done(&job)? {
+        return Ok(0);
     }
     let words = shell::own_words();
     let publisher = Publisher { job: &job, words: &words };

@@ -68,6 +68,16 @@ impl Signals {
         self.0.cancel.store(true, Ordering::SeqCst);
     }
 
+    /// Takes back that this render is to end, if nothing from outside says so: the next one may
+    /// begin.
+    pub fn go_on(&self) {
+        self.0.cancel.store(false, Ordering::SeqCst);
+        // A signal sets the code before it cancels, so none is lost in between.
+        if self.code() != 0 {
+            self.0.cancel.store(true, Ordering::SeqCst);
+        }
+    }
+
     /// The exit code of what ended it: 0 if nothing did.
     pub fn code(&self) -> u8 {
         self.0.code.load(Ordering::SeqCst)
@@ -86,6 +96,12 @@ mod tests {
         signals.stop(143);
         assert!(signals.is_cancelled() && signals.code() == AGAIN);
         assert!(!signals.takes_save());
+        signals.go_on();
+        assert!(signals.is_cancelled(), "a signal ends what comes next, too");
+        let out_of_time = Signals::default();
+        out_of_time.stop(0);
+        out_of_time.go_on();
+        assert!(!out_of_time.is_cancelled());
         signals.ask_to_save();
         assert!(signals.takes_save() && !signals.takes_save());
     }

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::frames::Frames;
 use super::parse::{CameraModel, MissingTextureArg, ProgressStyle, RouletteDepth};
 use super::parse_long::{Every, Resume, Share};
 use super::parse_watch::{Show, TevAddress};
@@ -18,6 +19,9 @@ use crate::render::Aov;
 use crate::sampling::SamplePattern;
 use crate::simd::Isa;
 use crate::world::LightSamplerKind;
+
+/// Frames a second, if no one says.
+const FPS: f32 = 24.0;
 
 /// What `dapple render` is asked for: a field for each entry of the table of settings, where its
 /// meaning is documented.
@@ -88,6 +92,9 @@ pub struct RenderArgs {
     pub variant: Option<String>,
     pub animation: Option<String>,
     pub time: Option<f32>,
+    pub frames: Option<Frames>,
+    /// Frames a second.
+    pub fps: Option<f32>,
     pub strict: bool,
     pub missing_texture: Option<MissingTextureArg>,
 
@@ -107,6 +114,11 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
+    /// When a frame is, in seconds.
+    pub fn time_of(&self, frame: u32) -> f32 {
+        (f64::from(frame) / f64::from(self.fps.unwrap_or(FPS))) as f32
+    }
+
     /// The clear sky that is asked for.
     pub fn clear_sky(&self) -> Option<Sky> {
         let turbidity = self.sky?;

@@ -40,6 +40,8 @@ pub struct Typed {
     pub scene_file: Option<PathBuf>,
     /// The settings, each once.
     pub given: Vec<(&'static Setting, Assignment)>,
+    /// The words that give them again.
+    pub words: Vec<(&'static Setting, Vec<OsString>)>,
 }
 
 impl std::fmt::Debug for Typed {
@@ -70,8 +72,11 @@ impl Table {
         let given = self
             .settings()
             .filter(|setting| matches.value_source(setting.name) == Some(ValueSource::CommandLine));
-        let given = given.filter_map(|setting| Some((setting, read_assignment(setting, matches)?)));
-        Typed { scene_file: matches.get_one::<PathBuf>(SCENE).cloned(), given: given.collect() }
+        let given: Vec<&'static Setting> = given.collect();
+        let words = given.iter().map(|setting| (*setting, words(setting, matches))).collect();
+        let read = |setting| Some((setting, read_assignment(setting, matches)?));
+        let scene_file = matches.get_one::<PathBuf>(SCENE).cloned();
+        Typed { scene_file, given: given.into_iter().filter_map(read).collect(), words }
     }
 
     /// Reads words, of which a later flag overrides an earlier one.
@@ -179,5 +184,49 @@ fn read_assignment(setting: &'static Setting, matches: &ArgMatches) -> Option<As
         Form::Number | Form::Numbers | Form::Word | Form::Optional(_) => {
             matches.get_one(setting.name).cloned()
         }
+    }
+}
+
+/// The words that give a setting again as it was typed.
+fn words(setting: &Setting, matches: &ArgMatches) -> Vec<OsString> {
+    let flag = || OsString::from(setting.flag());
+    let of_value = |value: &OsStr| match setting.form {
+        Form::Optional(missing) if value == missing => vec![flag()],
+        _ if value.as_encoded_bytes().starts_with(b"-") => {
+            let mut word = flag();
+            word.push("=");
+            word.push(value);
+            vec![word]
+        }
+        _ => vec![flag(), value.to_owned()],
+    };
+    match setting.form {
+        Form::Switch => vec![flag()],
+        Form::Count => (0..matches.get_count(setting.name)).map(|_| flag()).collect(),
+        _ => matches.get_raw(setting.name).into_iter().flatten().flat_map(of_value).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_come_back_as_they_were_typed() {
+        let typed = "a.gltf -vv --look-from=-1,2,3 -o out.exr --aov albedo --aov depth,normal \
+                     --resume --checkpoint c --transparent --seed 7";
+        let table = Table::default();
+        let read = |words: Vec<OsString>| table.read_words(words).expect("good words");
+        let first = read(typed.split_whitespace().map(OsString::from).collect());
+        let words = |typed: &Typed| -> Vec<OsString> {
+            typed.words.iter().flat_map(|(_, words)| words.clone()).collect()
+        };
+        let again = words(&first);
+        let text = again.join(OsStr::new(" ")).into_string().expect("UTF-8");
+        let expected = "--output out.exr --aov albedo --aov depth,normal --seed 7 --transparent \
+                        --look-from=-1,2,3 --checkpoint c --resume --verbose --verbose";
+        assert_eq!(text, expected);
+        let scene = OsString::from("a.gltf");
+        assert_eq!(words(&read(std::iter::once(scene).chain(again.clone()).collect())), again);
     }
 }

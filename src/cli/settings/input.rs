@@ -1,6 +1,7 @@
 //! Settings: what is read.
 
-use super::parse::{MissingTextureArg, choice, choices, finite, from_str, switch};
+use super::frames::frames;
+use super::parse::{MissingTextureArg, choice, choices, finite, from_str, positive, switch};
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 
@@ -60,6 +61,31 @@ pub static INPUT: &[Setting] = &[
         advanced: true,
         read: Reader::Text(|word| assign(finite(word), |args| &mut args.time)),
         write: |args| args.time.to_toml(),
+        ..SCENE
+    },
+    Setting {
+        name: "frames",
+        role: Role::Run,
+        value: "A..B",
+        example: "1..240",
+        help: "Renders the frames from A up to B, one after the other, to out.####.exr",
+        details: "Frame N is posed at N / --fps seconds, as by --time. The last row of # in the \
+                  names after -o, --png, --partial and --checkpoint becomes its number. With \
+                  --resume auto, frames that are there already are left out.",
+        conflicts: &["debug-sample", "print-config", "dry-run"],
+        read: Reader::Text(|word| assign(frames(word), |args| &mut args.frames)),
+        ..SCENE
+    },
+    Setting {
+        name: "fps",
+        role: Role::Run,
+        form: Form::Number,
+        value: "F",
+        otherwise: "24",
+        example: "25",
+        help: "Frames a second, for --frames",
+        advanced: true,
+        read: Reader::Text(|word| assign(positive(word), |args| &mut args.fps)),
         ..SCENE
     },
     Setting {

@@ -57,6 +57,8 @@ pub static LONG: &[Setting] = &[
         choices: Some(choices::<Resume>),
         example: "auto",
         help: "Goes on from the checkpoint; auto: if it is there",
+        details: "With auto, a picture or part that is there already, whole and of the same scene \
+                  and settings, is left as it is.",
         read: Reader::Text(|word| assign(choice::<Resume>(word), |args| &mut args.resume)),
         advanced: false,
         ..RUN

@@ -15,12 +15,14 @@
 //! | `table` | the entries together: defaults, rules, TOML |
 //! | `command` | the entries as flags, and what was typed |
 //! | `resolve`, `origin` | what was typed over what a file says: a scene, or `--from` a picture |
+//! | `frames`, `pose` | frames of an animation: their numbers in names, and their times |
 //! | `identity` | which settings make two pictures different ones |
 //! | `markdown` | the entries as documentation |
 
 mod args;
 mod camera;
 mod command;
+pub mod frames;
 mod identity;
 mod image;
 mod input;
@@ -33,6 +35,7 @@ mod output;
 pub mod parse;
 pub mod parse_long;
 pub mod parse_watch;
+pub mod pose;
 mod resolve;
 mod setting;
 mod speed;
@@ -44,6 +47,5 @@ mod watch;
 
 pub use args::RenderArgs;
 pub use command::Typed;
-pub use origin::Origin;
 pub use resolve::{Request, resolve, resolve_words};
 pub use table::Table;

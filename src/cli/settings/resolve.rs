@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use super::args::RenderArgs;
 use super::command::Typed;
 use super::origin::{self, Origin};
+use super::pose;
 use super::setting::{Assignment, Form, Role, Setting};
 use super::table::Table;
 use crate::cli::error::CliError;
@@ -74,6 +75,7 @@ pub(super) fn resolve_by(table: &Table, typed: &Typed) -> Result<Request, CliErr
     for value in &source.values {
         value.assignment.apply(&mut args);
     }
+    pose::pose_first(&mut args, typed)?;
     match table.find_useless(&args) {
         Some(setting) => Err(source.blame(setting, explain_useless(setting))),
         None => Ok(Request { args, from }),
