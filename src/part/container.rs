@@ -136,7 +136,9 @@ pub fn read_chunk(
     contents.try_reserve_exact(bytes).map_err(|error| error.to_string())?;
     contents.resize(bytes, 0);
     let mut sum = [0; 4];
-    file.read_exact(&mut contents).and_then(|()| file.read_exact(&mut sum)).map_err(say)?;
+    file.read_exact(&mut contents)
+        .and_then(|()| file.read_exact(&mut sum))
+        .map_err(|error| say(&error))?;
     if u32::from_le_bytes(sum) != checksum(kind, &contents) {
         return Err("its checksum is another".to_owned());
     }
@@ -159,10 +161,10 @@ fn read_at(
     at: u64,
     bytes: &mut [u8],
 ) -> Result<(), String> {
-    file.seek(SeekFrom::Start(at)).and_then(|_| file.read_exact(bytes)).map_err(say)
+    file.seek(SeekFrom::Start(at)).and_then(|_| file.read_exact(bytes)).map_err(|error| say(&error))
 }
 
-fn say(error: io::Error) -> String {
+fn say(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::UnexpectedEof => "the file is cut short".to_owned(),
         _ => error.to_string(),

@@ -1,6 +1,6 @@
 //! What can be wrong with parts.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -99,8 +99,13 @@ impl fmt::Display for Difference {
     }
 }
 
-fn list(differences: &[Difference]) -> String {
-    differences.iter().map(|difference| format!("\n  {difference}")).collect()
+/// A line for each difference.
+pub fn list(differences: &[Difference]) -> String {
+    let mut lines = String::new();
+    for difference in differences {
+        let _ = write!(lines, "\n  {difference}");
+    }
+    lines
 }
 
 impl PartError {

@@ -131,7 +131,8 @@ impl Head {
             return Err(format!("the pixels {crop} are not in a frame of {width}x{height}"));
         }
         let samples = head.samples();
-        if samples.start > samples.end || samples.end > 1 << 32 || samples.start % 16 != 0 {
+        if samples.start > samples.end || samples.end > 1 << 32 || !samples.start.is_multiple_of(16)
+        {
             return Err(format!("there are no samples {}..{}", samples.start, samples.end));
         }
         Ok(head)

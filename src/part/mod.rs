@@ -24,7 +24,7 @@ mod plan;
 mod tests;
 mod tile_codec;
 
-pub use error::{Difference, PartError};
+pub use error::{Difference, PartError, list as list_differences};
 pub use file::{Part, PartWriter, is_part};
 pub use head::Head;
 pub use merge::Merge;

@@ -77,7 +77,8 @@ pub(super) fn tell_error(tile: &mut Tile, dark: f64) {
         let (mut square, mut level) = (0.0, 0.0);
         for (now, then) in now.iter().zip(&then.means) {
             for (now, &then) in now.iter().zip(then) {
-                square += (now - f64::from(then)).powi(2);
+                let step = now - f64::from(then);
+                square += step * step;
                 level += now;
             }
         }

@@ -191,13 +191,12 @@ impl Tile {
     ) {
         for (pixel, (x, y)) in places(self.window).enumerate() {
             for number in samples.clone() {
-                match sample(x, y, number) {
-                    Some((radiance, first)) => self.pixels[pixel].add(radiance, first.as_ref()),
-                    None => {
-                        self.pixels[pixel].skip();
-                        self.lost.push(LostSample { y, x, sample: number });
-                        self.lost_count += 1;
-                    }
+                if let Some((radiance, first)) = sample(x, y, number) {
+                    self.pixels[pixel].add(radiance, first.as_ref());
+                } else {
+                    self.pixels[pixel].skip();
+                    self.lost.push(LostSample { y, x, sample: number });
+                    self.lost_count += 1;
                 }
             }
         }

@@ -12,7 +12,7 @@ use crate::cli::progress::say;
 use crate::cli::settings::parse_long::{Every, Resume};
 use crate::cli::settings::{RenderArgs, Table};
 use crate::files::{self, Flush};
-use crate::part::{Difference, Head, Part, PartError, PartWriter};
+use crate::part::{Difference, Head, Part, PartError, PartWriter, list_differences};
 use crate::render::{Film, Tile};
 
 /// Between checkpoints, if no one says.
@@ -182,7 +182,7 @@ impl Restored {
         let part = Part::open(path)?;
         let differences = differences(&part.head, head);
         if !differences.is_empty() {
-            let lines: String = differences.iter().map(|it| format!("\n  {it}")).collect();
+            let lines = list_differences(&differences);
             let shown = path.display();
             return Err(CliError::Input(format!(
                 "{shown}: is the checkpoint of another render (it first, this second):{lines}"

@@ -176,14 +176,9 @@ impl Exposure<'_> {
         }
         let told = self.control.signals.takes_save();
         match self.checkpoint {
-            Some(checkpoint) => {
-                // What ends the render saves it, too.
-                if !self.control.signals.is_cancelled() {
-                    if checkpoint.look_after(film, told) {
-                        watch.count_checkpoint();
-                    }
-                }
-            }
+            // What ends the render saves it, too.
+            Some(_) if self.control.signals.is_cancelled() => {}
+            Some(checkpoint) => watch.count_checkpoints(checkpoint.look_after(film, told).into()),
             None if told => (self.control.save)(film),
             None => {}
         }

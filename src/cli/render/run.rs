@@ -57,7 +57,7 @@ fn run_one(
     let denoiser = denoises.then(|| Denoiser::find(args.threads)).transpose()?;
     let watch = if stops { Watch::silent() } else { Watch::start(&args)? };
     let request = Request { args, from };
-    let ended = run_watched(request, denoiser, (start, signals, &watch), said);
+    let ended = run_watched(request, denoiser.as_ref(), (start, signals, &watch), said);
     let told = watch.finish(ended.as_ref().map_or_else(CliError::exit_code, |&code| code));
     let code = ended?;
     told.map(|()| code)
@@ -65,7 +65,7 @@ fn run_one(
 
 fn run_watched(
     Request { args, from }: Request,
-    denoiser: Option<Denoiser>,
+    denoiser: Option<&Denoiser>,
     (start, signals, watch): (Instant, &Signals, &Watch),
     said: &mut Vec<Notice>,
 ) -> Result<u8, CliError> {
@@ -97,7 +97,7 @@ fn run_watched(
     let control = Control { signals, watch, start, save: &save };
     let exposed = moments::expose(&job, &control)?;
     watch.enter(Phase::Write);
-    publisher.publish(exposed, denoiser.as_ref(), &control)
+    publisher.publish(exposed, denoiser, &control)
 }
 
 /// Renders a scene by the words of a command line, without saying what it takes and without writing

@@ -155,9 +155,9 @@ impl Watch {
         self.rays.store(rays, Ordering::Relaxed);
     }
 
-    /// Takes note of a checkpoint that was written.
-    pub fn count_checkpoint(&self) {
-        self.checkpoints.fetch_add(1, Ordering::Relaxed);
+    /// Takes note of checkpoints that were written.
+    pub fn count_checkpoints(&self, count: u64) {
+        self.checkpoints.fetch_add(count, Ordering::Relaxed);
     }
 
     /// Takes note of the progress. `snapshot` makes a picture of the colours so far; it is called

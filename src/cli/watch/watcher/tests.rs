@@ -48,7 +48,7 @@ fn a_watched_run_leaves_the_last_state_of_all_files() {
         watch.update(progress(done, seconds), &snapshot);
         assert_eq!(snapshots.load(Ordering::Relaxed), expected, "{done}");
     }
-    watch.count_checkpoint();
+    watch.count_checkpoints(1);
     watch.set_rays(77);
     watch.present(&grey(1.0)).expect("written");
     watch.finish(0).expect("written");
