@@ -5,14 +5,16 @@
 
 use crate::files::{self, memory};
 use crate::film::picture::no_colours;
+use crate::film::primaries::Primaries;
 use crate::film::{FilmError, Picture, Window};
+use crate::math::DVec2;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::lines::LineRef;
 use ::exr::block::reader::{AllChunksReader, ChunksReader};
 use ::exr::compression::Compression;
 use ::exr::math::Vec2;
 use ::exr::meta::MetaData;
-use ::exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
+use ::exr::meta::attribute::{AttributeValue, EnvironmentMap, IntegerBounds, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 use rayon::prelude::*;
@@ -30,6 +32,30 @@ const MAX_RATIO: u64 = 1100;
 /// Chunks that are decompressed at a time, by all threads.
 const BATCH: usize = 64;
 
+/// What a header tells of the colours, beyond the channels' names.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meaning {
+    /// What red, green and blue are; none: those of Rec. 709.
+    pub primaries: Option<Primaries>,
+    /// Whether the picture holds the six sides of a cube of directions.
+    pub is_cube: bool,
+}
+
+impl Meaning {
+    fn of(header: &Header) -> Self {
+        let point = |it: Vec2<f32>| DVec2::new(f64::from(it.x()), f64::from(it.y()));
+        let primaries = header.shared_attributes.chromaticities.map(|it| Primaries {
+            red: point(it.red),
+            green: point(it.green),
+            blue: point(it.blue),
+            white: point(it.white),
+        });
+        let primaries = primaries.filter(|it| !it.is_rec_709());
+        let is_cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
+        Self { primaries, is_cube }
+    }
+}
+
 /// Reads all channels of a flat EXR file, scanlines or tiles, of any sample type, as floats.
 ///
 /// Of several parts the first with colours counts, else the first; of several resolutions the
@@ -40,62 +66,26 @@ const BATCH: usize = 64;
 /// is not supported, channels at less than full resolution, or more pixels than can be meant.
 pub fn read(path: &Path) -> Result<Picture, FilmError> {
     let (file, length) = open(path)?;
-    decode_channels(file, length, path, |_| true)
+    Ok(decode_channels(file, length, path, |_| true)?.0)
 }
 
-/// Reads the colours alone: width, height and linear `R G B`, or `Y` for all three.
-///
-/// # Errors
-/// As [`read`], and [`FilmError::Invalid`] if there are no colours.
-pub fn read_rgb(path: &Path) -> Result<(usize, usize, Vec<[f32; 3]>), FilmError> {
-    let (file, length) = open(path)?;
-    decode_rgb(file, length, path)
-}
-
-/// The colours of a file of `length` bytes from anywhere, as [`read_rgb`]; `path` is for messages.
-///
-/// # Errors
-/// As [`read_rgb`].
-pub fn decode_rgb(
-    source: impl Read + Seek,
-    length: u64,
-    path: &Path,
-) -> Result<(usize, usize, Vec<[f32; 3]>), FilmError> {
-    let colours = |name: &str| matches!(name, "R" | "G" | "B" | "Y");
-    let picture = decode_channels(source, length, path, colours)?;
-    Ok((picture.width(), picture.height(), picture.rgb(path)?))
-}
-
-/// The same with alpha, which colours are multiplied by; 1 where the file has none.
-///
-/// # Errors
-/// As [`read_rgb`].
-pub fn decode_rgba(
-    source: impl Read + Seek,
-    length: u64,
-    path: &Path,
-) -> Result<(usize, usize, Vec<[f32; 4]>), FilmError> {
-    let wanted = |name: &str| matches!(name, "R" | "G" | "B" | "Y" | "A");
-    let picture = decode_channels(source, length, path, wanted)?;
-    let colours = picture.rgb(path)?;
-    let with = |([r, g, b], a): ([f32; 3], f32)| [r, g, b, a];
-    let texels = match picture.channel("A") {
-        Some(alpha) => colours.into_iter().zip(alpha.iter().copied()).map(with).collect(),
-        None => colours.into_iter().map(|colour| with((colour, 1.0))).collect(),
-    };
-    Ok((picture.width(), picture.height(), texels))
-}
-
-/// Width and height of what [`decode`] would read, by the header alone; the largest of its parts.
+/// Width and height of what [`decode`] would read, or of the frame around it if that is larger, by
+/// the header alone; the largest of its parts.
 ///
 /// # Errors
 /// What is wrong with the header.
 pub fn size(bytes: &[u8]) -> Result<(u64, u64), String> {
     let meta = MetaData::read_from_unbuffered(Cursor::new(bytes), false);
     let meta = meta.map_err(|error| format!("not a sound EXR file: {error}"))?;
-    let sizes = meta.headers.iter().map(|header| header.layer_size);
-    let largest = sizes.max_by_key(|size| size.x().saturating_mul(size.y()));
-    largest.map(|size| (size.x() as u64, size.y() as u64)).ok_or("has no parts".to_owned())
+    let sizes = meta.headers.iter().map(frame_size);
+    let largest = sizes.max_by_key(|(width, height)| width.saturating_mul(*height));
+    largest.ok_or("has no parts".to_owned())
+}
+
+/// Width and height of a part or of the frame around it, whichever is larger.
+pub fn frame_size(header: &Header) -> (u64, u64) {
+    let (own, frame) = (header.layer_size, header.shared_attributes.display_window.size);
+    (own.x().max(frame.x()) as u64, own.y().max(frame.y()) as u64)
 }
 
 /// Reads a file that is in memory; `path` is for messages.
@@ -103,20 +93,24 @@ pub fn size(bytes: &[u8]) -> Result<(u64, u64), String> {
 /// # Errors
 /// As [`read`].
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Picture, FilmError> {
-    decode_channels(Cursor::new(bytes), bytes.len() as u64, path, |_| true)
+    Ok(decode_channels(Cursor::new(bytes), bytes.len() as u64, path, |_| true)?.0)
 }
 
-fn open(path: &Path) -> Result<(BufReader<File>, u64), FilmError> {
+pub(super) fn open(path: &Path) -> Result<(BufReader<File>, u64), FilmError> {
     let (file, length) = files::open(path).map_err(|source| FilmError::read(path, source))?;
     Ok((BufReader::new(file), length))
 }
 
-fn decode_channels(
+/// Reads the channels that are `wanted`.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn decode_channels(
     source: impl Read + Seek,
     length: u64,
     path: &Path,
     wanted: impl Fn(&str) -> bool,
-) -> Result<Picture, FilmError> {
+) -> Result<(Picture, Meaning), FilmError> {
     let invalid = |message: String| FilmError::invalid(path, message);
     let reader = ::exr::block::read(source, false).map_err(|error| read_error(path, error))?;
     let part = reader.headers().iter().position(has_colours).unwrap_or(0);
@@ -130,6 +124,7 @@ fn decode_channels(
     let mut picture =
         Picture::new(window(header.shared_attributes.display_window), window(header.data_window()));
     collect_strings(header, &mut picture);
+    let meaning = Meaning::of(header);
     let names: Vec<_> =
         header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
     // Once as planes, and once more in what is made of them.
@@ -154,7 +149,7 @@ fn decode_channels(
             picture.set_channel(name, samples);
         }
     }
-    Ok(picture)
+    Ok((picture, meaning))
 }
 
 /// Decompresses all chunks of a part and puts their lines where they belong.
