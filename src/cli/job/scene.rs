@@ -41,7 +41,7 @@ pub fn load(args: &RenderArgs, time: Option<f32>) -> Result<(Scene, Vec<Notice>)
         }
         scene.environment = Some(sky.environment(args.env_scale));
     }
-    if args.strict && !notices.is_empty() {
+    if args.strict && notices.iter().any(Notice::is_refused) {
         return Err(LoadError::Strict { notices }.into());
     }
     Ok((scene, notices))

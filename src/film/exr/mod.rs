@@ -2,6 +2,7 @@
 
 mod colors;
 mod read;
+mod subsampled;
 mod write;
 
 pub use colors::read_rgb;

@@ -3,6 +3,7 @@
 //! What a header claims is checked against the length of the file before anything is allocated,
 //! and only the channels that are asked for are kept.
 
+use super::subsampled;
 use crate::files::{self, memory};
 use crate::film::picture::no_colours;
 use crate::film::primaries::Primaries;
@@ -63,7 +64,7 @@ impl Meaning {
 ///
 /// # Errors
 /// [`FilmError::Read`]; [`FilmError::Invalid`] for a damaged file, deep data, a compression that
-/// is not supported, channels at less than full resolution, or more pixels than can be meant.
+/// is not supported, or more pixels than can be meant.
 pub fn read(path: &Path) -> Result<Picture, FilmError> {
     let (file, length) = open(path)?;
     Ok(decode_channels(file, length, path, |_| true)?.0)
@@ -106,37 +107,30 @@ pub(super) fn open(path: &Path) -> Result<(BufReader<File>, u64), FilmError> {
 /// # Errors
 /// As [`read`].
 pub(super) fn decode_channels(
-    source: impl Read + Seek,
+    mut source: impl Read + Seek,
     length: u64,
     path: &Path,
     wanted: impl Fn(&str) -> bool,
 ) -> Result<(Picture, Meaning), FilmError> {
     let invalid = |message: String| FilmError::invalid(path, message);
+    let subsampled = subsampled::find(&mut source);
+    source.rewind().map_err(|error| FilmError::read(path, error))?;
+    if let Some(part) = subsampled {
+        let (mut picture, names) = prepare(&part.header, length, path, &wanted)?;
+        let planes = part.read(&mut source, length, picture.crop, wanted).map_err(invalid)?;
+        set_channels(&mut picture, names, planes);
+        return Ok((picture, Meaning::of(&part.header)));
+    }
     let reader = ::exr::block::read(source, false).map_err(|error| read_error(path, error))?;
     let part = reader.headers().iter().position(has_colours).unwrap_or(0);
     for header in reader.headers() {
         check_chunks(header, length).map_err(invalid)?;
     }
     let header = &reader.headers()[part];
-    let compression = header.compression;
-    check_part(header, length).map_err(invalid)?;
-
-    let mut picture =
-        Picture::new(window(header.shared_attributes.display_window), window(header.data_window()));
-    collect_strings(header, &mut picture);
-    let meaning = Meaning::of(header);
-    let names: Vec<_> =
-        header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
-    // Once as planes, and once more in what is made of them.
-    let kept = names.iter().filter(|name| wanted(name)).count();
-    let bytes = (picture.crop.area() as u64).saturating_mul(8 * kept as u64);
-    memory::claim(bytes).map_err(|error| invalid(error.to_string()))?;
+    let (compression, meaning) = (header.compression, Meaning::of(header));
+    let (mut picture, names) = prepare(header, length, path, &wanted)?;
     let mut planes: Vec<Option<Vec<f32>>> =
         names.iter().map(|name| wanted(name).then(|| vec![0.0; picture.crop.area()])).collect();
-    if planes.iter().all(Option::is_none) {
-        return Err(invalid(no_colours(names.iter().map(String::as_str))));
-    }
-
     let chunks = reader.all_chunks(false).map_err(|error| read_error(path, error))?;
     fill(chunks, part, &mut planes).map_err(|error| match read_error(path, error) {
         FilmError::Invalid { path, message } => {
@@ -144,12 +138,43 @@ pub(super) fn decode_channels(
         }
         other => other,
     })?;
+    set_channels(&mut picture, names, planes);
+    Ok((picture, meaning))
+}
+
+/// A picture without channels yet, and the names of all that the file has.
+///
+/// # Errors
+/// What cannot be meant or held; if nothing is wanted of the file.
+fn prepare(
+    header: &Header,
+    length: u64,
+    path: &Path,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<(Picture, Vec<String>), FilmError> {
+    let invalid = |message: String| FilmError::invalid(path, message);
+    check_part(header, length).map_err(invalid)?;
+    let frame = window(header.shared_attributes.display_window);
+    let mut picture = Picture::new(frame, window(header.data_window()));
+    collect_strings(header, &mut picture);
+    let names: Vec<_> =
+        header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    let kept = names.iter().filter(|name| wanted(name)).count();
+    if kept == 0 {
+        return Err(invalid(no_colours(names.iter().map(String::as_str))));
+    }
+    // Once as planes, and once more in what is made of them.
+    let bytes = (picture.crop.area() as u64).saturating_mul(8 * kept as u64);
+    memory::claim(bytes).map_err(|error| invalid(error.to_string()))?;
+    Ok((picture, names))
+}
+
+fn set_channels(picture: &mut Picture, names: Vec<String>, planes: Vec<Option<Vec<f32>>>) {
     for (name, plane) in names.into_iter().zip(planes) {
         if let Some(samples) = plane {
             picture.set_channel(name, samples);
         }
     }
-    Ok((picture, meaning))
 }
 
 /// Decompresses all chunks of a part and puts their lines where they belong.
@@ -253,14 +278,6 @@ fn check_part(header: &Header, length: u64) -> Result<(), String> {
     if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
         // The crate's decoder trusts the counters of a chunk: a damaged one ends the process.
         return Err(format!("{} is not supported; convert it to ZIP or PIZ", header.compression));
-    }
-    if let Some(channel) = header.channels.list.iter().find(|it| it.sampling != Vec2(1, 1)) {
-        let Vec2(x, y) = channel.sampling;
-        return Err(format!(
-            "channel {} has a value for every {x}x{y} pixels only, which is not supported; \
-             convert the file to R, G and B",
-            channel.name
-        ));
     }
     Ok(())
 }
