@@ -293,8 +293,8 @@ mod tests {
         let error = checked(vec![[0.0; 3], [1.0, f32::NAN, 0.0]]).expect_err("it is NaN");
         assert_eq!(
             error.to_string(),
-            "a.exr: pixel 1, 0: is infinite or not a number (1 such pixels): repair the image, or use \
-             --env-repair"
+            "a.exr: pixel 1, 0: is infinite or not a number (1 such pixels): repair the image, or \
+             use --env-repair"
         );
         let (pixels, said) = checked(vec![[-0.5, 1.0, 0.0], [0.0; 3]]).expect("it is finite");
         assert_eq!(pixels[0], [0.0, 1.0, 0.0]);

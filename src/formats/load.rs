@@ -16,8 +16,8 @@ use crate::scene::{Notice, Scene};
 /// ```
 ///
 /// # Errors
-/// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error, but
-/// for one of a rest pose.
+/// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error,
+/// but for one of a rest pose.
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene, LoadError> {
     let path = path.as_ref();
     let scene =

@@ -140,8 +140,8 @@ impl Plane {
 }
 
 impl Part {
-    /// The wanted channels in full size, in the header's order, of a file of `length` bytes. Callers
-    /// have checked the picture's size.
+    /// The wanted channels in full size, in the header's order, of a file of `length` bytes.
+    /// Callers have checked the picture's size.
     ///
     /// # Errors
     /// What is damaged or not supported.
@@ -232,7 +232,7 @@ mod tests {
 
     use super::super::decode;
 
-    /// A file of 4 by 4 pixels from (2, -2) on, whose `RY` and `BY` have a value for 2 by 2 of them.
+    /// A file of 4 by 4 pixels from (2, -2) on, whose `RY` and `BY` have one value for 2 by 2.
     fn file(compression: u8, values: &[[f32; 16]; 3]) -> Vec<u8> {
         let mut bytes = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
         let mut attribute = |name: &str, kind: &str, value: &[u8]| {

@@ -68,7 +68,7 @@ impl Header {
             match key {
                 "FORMAT" => check_format(value).map_err(|problem| lines.error(&problem))?,
                 "EXPOSURE" => {
-                    exposure *= positive::<1>(value).map_err(|it| lines.fault(key, it))?[0]
+                    exposure *= positive::<1>(value).map_err(|it| lines.fault(key, it))?[0];
                 }
                 "COLORCORR" => {
                     let factors = positive::<3>(value).map_err(|it| lines.fault(key, it))?;

@@ -6,7 +6,8 @@
 //!
 //! - G. Ward, "Real Pixels", Graphics Gems II, 1991; the Radiance file formats, "Picture files".
 //! - `EXPOSURE` and `COLORCORR` are divided out, however many there are, and `PRIMARIES` taken to
-//!   Rec. 709; without them colours are those of Rec. 709. All eight orders of axes are put upright.
+//!   Rec. 709; without them colours are those of Rec. 709.
+//! - All eight orders of axes are put upright.
 //! - A mantissa stands for its number over 256, not for the middle of its step, so that a written 1
 //!   is read as 1.
 

@@ -58,7 +58,9 @@ fn newer(source: &mut impl BufRead, channel: usize, pixels: &mut [[u8; 4]]) -> R
         rest = after;
         if code > 128 {
             let value = byte(source)?;
-            run.iter_mut().for_each(|pixel| pixel[channel] = value);
+            for pixel in run {
+                pixel[channel] = value;
+            }
         } else {
             let mut values = [0; 128];
             source.read_exact(&mut values[..count])?;

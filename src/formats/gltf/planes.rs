@@ -77,7 +77,7 @@ fn sides(camera: &Camera, aspect: f32) -> Option<Vec<Side>> {
                 .map(|(normal, reach)| side(normal, reach))
                 .to_vec()
         }
-        _ => return None,
+        Projection::Panorama => return None,
     })
 }
 

@@ -106,8 +106,8 @@ const EXPANSION: u64 = 256;
 
 /// Makes the textures in `slots`, which are indices into `textures`. Each image is decoded once.
 /// What is missing or broken goes to `broken`, or is noted, and colours are magenta; `None` is what
-/// holds no colours, to be left out. Where a WebP image cannot be used, the one that the texture has
-/// for other programs is, and that is noted.
+/// holds no colours, to be left out. Where a WebP image cannot be used, the one that the texture
+/// has for other programs is, and that is noted.
 pub fn load_textures(
     slots: &[(usize, ColorSpace)],
     textures: &[TextureDeclaration],

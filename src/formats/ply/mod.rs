@@ -175,7 +175,9 @@ fn material(
         .and_then(|bytes| Image::decode_noting(&bytes, name).map_err(|error| error.to_string()));
     let texture = match (image, options.missing_texture) {
         (Ok((image, notes)), _) => {
-            notes.iter().for_each(|note| notices.add(format!("{name:?} {note}")));
+            for note in notes {
+                notices.add(format!("{name:?} {note}"));
+            }
             let image = Arc::new(image);
             Texture::new(image, ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Bilinear).named(name)
         }

@@ -84,8 +84,8 @@ fn strength(table: &Table, kind: PunctualKind) -> Result<f32, LoadError> {
 
 /// What is all around, as it is declared.
 pub enum Surroundings {
-    /// A colour or a file, which may be missing; what multiplies it, degrees that it turns, and what
-    /// to do about pixels that are no numbers.
+    /// A colour or a file, which may be missing; what multiplies it, degrees that it turns, and
+    /// what to do about pixels that are no numbers.
     Source(Result<EnvironmentSource, Broken>, f32, f32, NotFinite),
     /// A clear day, and what multiplies it.
     Sky(Sky, f32),
