@@ -35,7 +35,7 @@ const CHECKS: [(&str, Check); 6] = [
         let textures = ["fuzz.image", "fuzz.tga"].map(|name| Image::decode(bytes, name).is_ok());
         let (source, length) = (Cursor::new(bytes), bytes.len() as u64);
         let environment =
-            EnvironmentImage::decode(source, length, Path::new("fuzz.image"), NotFinite::Repair);
+            EnvironmentImage::decode(source, length, Path::new("fuzz.image"), NotFinite::Refuse);
         if textures.contains(&true) {
             return Ok(());
         }

@@ -181,7 +181,8 @@ pub static LIGHT: &[Setting] = &[
         advanced: true,
         requires: &["env"],
         read: Reader::Text(|word| assign(switch(word), |args| &mut args.env_repair)),
-        write: |args| args.env_repair.to_toml(),
+        // Pictures made before it was there tell nothing of it.
+        write: |args| if args.env_repair { true.to_toml() } else { None },
         ..AROUND
     },
 ];

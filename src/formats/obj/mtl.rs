@@ -263,7 +263,7 @@ mod tests {
             "map_Ps", "map_Pc", "map_Pcr", "map_Ka",
         ];
         for keyword in maps {
-            for rest in ["", "  ", " -s 2 2 2", " \"\""] {
+            for rest in ["", "  ", " -clamp on", " \"\""] {
                 let (materials, remarks) =
                     parsed(&format!("newmtl a\n{keyword}{rest}\nKd 1\n")).expect("it is no error");
                 assert_eq!(remarks, [format!("{keyword} names no file and is skipped")]);

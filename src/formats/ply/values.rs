@@ -93,7 +93,7 @@ impl<'a> Ascii<'a> {
     fn word(&mut self) -> Result<&'a [u8], Problem> {
         let blank = self.bytes.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
         let (before, rest) = self.bytes.split_at(blank);
-        if self.by_lines && self.in_row && before.contains(&b'\n') {
+        if self.by_lines && self.in_row && !rest.is_empty() && before.contains(&b'\n') {
             return Err(LINE_ENDS.to_owned());
         }
         before.iter().filter(|&&byte| byte == b'\n').for_each(|_| self.line += 1);
