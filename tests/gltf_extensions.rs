@@ -3,7 +3,7 @@
 mod gltf_file;
 
 use dapple::camera::Projection;
-use dapple::formats::{LoadError, LoadOptions};
+use dapple::formats::{LoadError, LoadOptions, gltf};
 use dapple::material::BsdfForm;
 use dapple::math::{Vec2, Vec3, Vec4};
 use dapple::scene::Scene;
@@ -214,4 +214,30 @@ fn cameras_keep_their_names() {
     let scene = file.load().expect("loads");
     assert_eq!(scene.cameras[0].name, "door");
     assert_eq!(scene.cameras[0].camera.projection, Projection::Perspective { yfov: 0.5 });
+}
+
+/// A picture for other programs stands in for a WebP that is gone, and that is said.
+#[test]
+fn a_webp_that_is_missing_gives_way_to_its_png() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let png = image::RgbImage::from_raw(1, 1, vec![255, 0, 255]).expect("one texel");
+    png.save(folder.path().join("a.png")).expect("written");
+    let load = |plain: &str| {
+        let mut file = File::square();
+        file.push("images", json!({"uri": "gone.webp"}));
+        file.push("images", json!({"uri": plain}));
+        let webp = json!({"EXT_texture_webp": {"source": 0}});
+        file.push("textures", json!({"source": 1, "extensions": webp}));
+        file.document["extensionsUsed"] = json!(["EXT_texture_webp"]);
+        file.document["materials"][0] =
+            json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+        gltf::parse(&folder.path().join("a.gltf"), &file.text(), &LoadOptions::default())
+    };
+    let scene = load("a.png").expect("the png is there");
+    assert_eq!(scene.textures[0].name(), "a.png");
+    assert_eq!(scene.textures[0].texel(0, 0).to_array(), [1.0, 0.0, 1.0, 1.0]);
+    let said: Vec<_> = scene.notices.iter().map(|notice| &*notice.message).collect();
+    assert_eq!(said, ["\"gone.webp\": no such file: \"a.png\" is used"]);
+    let error = message(load("gone.png"));
+    assert!(error.contains("gone.webp"), "{error}");
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use dapple::formats::obj::{check_mtl, check_obj};
 use dapple::formats::{
-    EnvironmentImage, LoadError, LoadOptions, MissingTexture, npy, obj, ply, toml,
+    EnvironmentImage, LoadError, LoadOptions, MissingTexture, NotFinite, npy, obj, ply, toml,
 };
 use dapple::texture::Image;
 use proptest::prelude::*;
@@ -34,7 +34,8 @@ const CHECKS: [(&str, Check); 6] = [
         // enough that one of them reads the file.
         let textures = ["fuzz.image", "fuzz.tga"].map(|name| Image::decode(bytes, name).is_ok());
         let (source, length) = (Cursor::new(bytes), bytes.len() as u64);
-        let environment = EnvironmentImage::decode(source, length, Path::new("fuzz.image"));
+        let environment =
+            EnvironmentImage::decode(source, length, Path::new("fuzz.image"), NotFinite::Refuse);
         if textures.contains(&true) {
             return Ok(());
         }

@@ -4,7 +4,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use dapple::formats::EnvironmentImage;
+use dapple::formats::{EnvironmentImage, NotFinite};
 use dapple::texture::Image;
 use libfuzzer_sys::fuzz_target;
 
@@ -13,5 +13,5 @@ fuzz_target!(|bytes: &[u8]| {
         let _ = Image::decode(bytes, name);
     }
     let (source, length) = (Cursor::new(bytes), bytes.len() as u64);
-    let _ = EnvironmentImage::decode(source, length, Path::new("fuzz.image"));
+    let _ = EnvironmentImage::decode(source, length, Path::new("fuzz.image"), NotFinite::Repair);
 });

@@ -4,7 +4,9 @@
 //! |---|---|
 //! | [`filter`] | where in and around its pixel a sample falls |
 //! | [`picture`] | frame, crop and float channels by name |
-//! | [`exr`], [`png`] | the two file formats |
+//! | [`exr`], [`png`] | the two file formats that are written |
+//! | [`radiance`] | one that is only read |
+//! | [`primaries`] | what red, green and blue stand for in a file |
 //! | [`tonemap`] | linear light to display values: AgX or clamped sRGB |
 //! | [`compare`] | all figures about two pictures; built of [`metrics`], [`flip`] and [`ztest`] |
 //! | [`golden`] | a folder of pictures that renders are held against |
@@ -19,6 +21,8 @@ pub mod golden;
 pub mod metrics;
 pub mod picture;
 pub mod png;
+pub mod primaries;
+pub mod radiance;
 pub mod tonemap;
 pub mod ztest;
 

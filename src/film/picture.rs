@@ -1,6 +1,7 @@
 //! A picture: a frame, the part of it that is there, and float channels by name.
 
 use super::FilmError;
+use crate::math::DVec3;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
@@ -150,18 +151,39 @@ impl Picture {
         Some(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| [x, y, z]).collect())
     }
 
-    /// The colours: `R`, `G`, `B`, or `Y` thrice. `path` is for the message.
+    /// The colours: `R`, `G`, `B`, or luminance and chroma (`Y`, `RY`, `BY`) of Rec. 709, or `Y`
+    /// thrice. `path` is for the message.
     ///
     /// # Errors
-    /// [`FilmError::Invalid`] that lists the channels, if neither is there.
+    /// [`FilmError::Invalid`] that lists the channels, if none of them is there.
     pub fn rgb(&self, path: &Path) -> Result<Vec<[f32; 3]>, FilmError> {
+        self.rgb_by(DVec3::new(0.2126, 0.7152, 0.0722), path)
+    }
+
+    /// [`Picture::rgb`], where red, green and blue have other shares in the luminance.
+    pub(super) fn rgb_by(&self, shares: DVec3, path: &Path) -> Result<Vec<[f32; 3]>, FilmError> {
+        let invalid = |message: &str| Err(FilmError::invalid(path, message));
         if let Some(colours) = self.aov("", "RGB") {
             return Ok(colours);
         }
-        if let Some(grey) = self.channel("Y") {
-            return Ok(grey.iter().map(|&y| [y; 3]).collect());
+        let Some(grey) = self.channel("Y") else {
+            return invalid(&no_colours(self.channels.iter().map(|it| it.name.as_str())));
+        };
+        if self.channel("X").is_some() && self.channel("Z").is_some() {
+            return invalid(
+                "the channels X, Y and Z are not supported: they may be a place as well as CIE \
+                 XYZ; convert the file to R, G and B",
+            );
         }
-        Err(FilmError::invalid(path, no_colours(self.channels.iter().map(|it| it.name.as_str()))))
+        match (self.channel("RY"), self.channel("BY")) {
+            (None, None) => Ok(grey.iter().map(|&y| [y; 3]).collect()),
+            (Some(red), Some(blue)) => {
+                let all = grey.iter().zip(red).zip(blue);
+                Ok(all.map(|((&y, &ry), &by)| of_chroma([y, ry, by], shares)).collect())
+            }
+            (Some(_), None) => invalid("has RY and no BY: its colours cannot be told"),
+            (None, Some(_)) => invalid("has BY and no RY: its colours cannot be told"),
+        }
     }
 
     /// The colours to be looked at: those of the layer `denoised`, if it is there, or else
@@ -177,6 +199,14 @@ impl Picture {
     pub fn retain_channels(&mut self, keep: impl Fn(&str) -> bool) {
         self.channels.retain(|channel| keep(&channel.name));
     }
+}
+
+/// Red, green and blue of a luminance, and of (R - Y) / Y and (B - Y) / Y.
+fn of_chroma([y, ry, by]: [f32; 3], shares: DVec3) -> [f32; 3] {
+    let [y, ry, by] = [y, ry, by].map(f64::from);
+    let (red, blue) = ((ry + 1.0) * y, (by + 1.0) * y);
+    let green = (y - shares.x * red - shares.z * blue) / shares.y;
+    [red, green, blue].map(|value| value as f32)
 }
 
 fn channel_name(aov: &str, suffix: char) -> String {

@@ -1,29 +1,14 @@
 //! Surroundings that the command line asks for: a colour, or a latitude-longitude image.
 
-use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use ::image::codecs::hdr::HdrDecoder;
-use ::image::{ImageDecoder, ImageFormat, ImageReader};
-
 use super::LoadError;
-use crate::files::{self, memory};
-use crate::film::{FilmError, exr::decode_rgb};
+use super::environment_image::EnvironmentImage;
+use super::environment_repair::NotFinite;
 use crate::light::Environment;
 use crate::math::Vec3;
 use crate::scene::Notice;
-use crate::texture::{Image, ImageError, Texels, srgb_to_linear};
-
-/// The most pixels of an image of floats: 16384 by 8192.
-const MAX_PIXELS: u64 = 1 << 27;
-/// The most pixels of others, which take more memory on their way.
-const MAX_LOW_RANGE_PIXELS: u64 = 1 << 25;
-/// The longest file of them: more than eight bytes for each of so many pixels.
-const MAX_LOW_RANGE_BYTES: u64 = 1 << 30;
-
-/// Colours, twice while they are decoded, and tables to choose pixels by.
-const BYTES_A_PIXEL: u64 = 48;
 
 /// What `--env` asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,11 +55,12 @@ impl EnvironmentSource {
         &self,
         scale: f32,
         rotate_degrees: f32,
+        not_finite: NotFinite,
     ) -> Result<(Environment, Vec<Notice>), LoadError> {
         match self {
             Self::Constant(radiance) => Ok((Environment::constant(*radiance * scale), Vec::new())),
             Self::File(path) => {
-                let (image, notices) = EnvironmentImage::read(path)?;
+                let (image, notices) = EnvironmentImage::read(path, not_finite)?;
                 let EnvironmentImage { width, height, pixels } = image;
                 let environment = Environment::image(width, height, pixels, scale, rotate_degrees);
                 Ok((environment, notices))
@@ -83,223 +69,9 @@ impl EnvironmentSource {
     }
 }
 
-/// Linear radiance by rows from the top, all finite and not negative.
-#[derive(Debug, PartialEq)]
-pub struct EnvironmentImage {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Red, green and blue.
-    pub pixels: Vec<[f32; 3]>,
-}
-
-impl EnvironmentImage {
-    /// Reads a file; its first bytes tell the format. Eight and sixteen bit images are taken as
-    /// sRGB. Negative values are taken as zero, which is said, as are other oddities.
-    ///
-    /// # Errors
-    /// [`LoadError`] with the file's name, if it cannot be read or decoded, is larger than 16384
-    /// by 8192 pixels (8192 by 4096 where it is no image of floats), or holds a value that is not
-    /// finite.
-    pub fn read(path: &Path) -> Result<(Self, Vec<Notice>), LoadError> {
-        let (file, length) = files::open(path).map_err(|source| {
-            let missing = "no such file, nor is it a colour as R,G,B";
-            let source = match source.kind() {
-                io::ErrorKind::NotFound => io::Error::other(missing),
-                _ => source,
-            };
-            LoadError::read(path, source)
-        })?;
-        Self::decode(BufReader::new(file), length, path)
-    }
-
-    /// The same of `length` bytes from anywhere; `path` is for messages.
-    ///
-    /// # Errors
-    /// As [`EnvironmentImage::read`].
-    pub fn decode(
-        mut source: impl BufRead + Seek,
-        length: u64,
-        path: &Path,
-    ) -> Result<(Self, Vec<Notice>), LoadError> {
-        let mut notices = Vec::new();
-        let mut notice = |message: String| {
-            notices.push(Notice { place: path.display().to_string(), message });
-        };
-        let format = format(&mut source).map_err(|source| LoadError::read(path, source))?;
-        let mut image = match format {
-            Format::Exr => exr(source, length, path)?,
-            Format::Hdr => hdr(source, length, path)?,
-            Format::Other => {
-                let image = low_range(source, length, path, &mut notice)?;
-                notice("is an image of low dynamic range: it cannot hold the sun".to_owned());
-                image
-            }
-        };
-        image.check(path, &mut notice)?;
-        Ok((image, notices))
-    }
-
-    /// Refuses what is not finite, and says what is odd.
-    fn check(&mut self, path: &Path, notice: &mut impl FnMut(String)) -> Result<(), LoadError> {
-        let Self { width, height, pixels } = self;
-        let odd = |pixel: &[f32; 3]| pixel.iter().any(|value| !value.is_finite());
-        if let Some(first) = pixels.iter().position(odd) {
-            let count = pixels.iter().filter(|pixel| odd(pixel)).count();
-            return Err(LoadError::invalid(
-                path,
-                format!("pixel {}, {}", first % *width, first / *width),
-                format!("is infinite or not a number ({count} such pixels): repair the image"),
-            ));
-        }
-        let (mut negative, mut least) = (0, 0.0_f32);
-        for pixel in pixels.iter_mut().filter(|pixel| pixel.iter().any(|&value| value < 0.0)) {
-            negative += 1;
-            least = pixel.iter().fold(least, |least, &value| least.min(value));
-            *pixel = pixel.map(|value| value.max(0.0));
-        }
-        if negative > 0 {
-            notice(format!("{negative} pixels are negative, down to {least}: taken as zero"));
-        }
-        if pixels.iter().all(|pixel| *pixel == [0.0; 3]) {
-            notice("is wholly black".to_owned());
-        }
-        if *width != 2 * *height {
-            notice(format!(
-                "is {width} by {height}, not twice as wide as high: it is taken as a map of all \
-                 directions nevertheless"
-            ));
-        }
-        Ok(())
-    }
-}
-
-enum Format {
-    Exr,
-    Hdr,
-    Other,
-}
-
-/// By the first bytes; the next to be read is the first again.
-fn format(source: &mut (impl Read + Seek)) -> io::Result<Format> {
-    let mut start = Vec::new();
-    source.by_ref().take(10).read_to_end(&mut start)?;
-    source.rewind()?;
-    Ok(if start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        Format::Exr
-    } else if start.starts_with(b"#?RADIANCE") || start.starts_with(b"#?RGBE") {
-        Format::Hdr
-    } else {
-        Format::Other
-    })
-}
-
-/// Refuses what is beyond `most` pixels, or beyond the memory that is left.
-fn check_size(path: &Path, width: u64, height: u64, most: u64) -> Result<(), LoadError> {
-    let pixels = width.saturating_mul(height);
-    if pixels > most {
-        let message = format!("{width} by {height} pixels are too many: at most {most}");
-        return Err(LoadError::invalid(path, "", message));
-    }
-    memory::claim(pixels * BYTES_A_PIXEL)
-        .map_err(|error| LoadError::invalid(path, "", format!("{error}: make it smaller")))
-}
-
-fn exr(
-    mut source: impl Read + Seek,
-    length: u64,
-    path: &Path,
-) -> Result<EnvironmentImage, LoadError> {
-    // A header alone can claim any size; what follows is checked by the reader.
-    let meta = ::exr::meta::MetaData::read_from_unbuffered(&mut source, false);
-    source.rewind().map_err(|source| LoadError::read(path, source))?;
-    for header in meta.iter().flat_map(|meta| &meta.headers) {
-        let size = header.layer_size;
-        check_size(path, size.x() as u64, size.y() as u64, MAX_PIXELS)?;
-    }
-    let (width, height, pixels) =
-        decode_rgb(source, length, path).map_err(|error| match error {
-            FilmError::Invalid { path, message } => LoadError::invalid(&path, "", message),
-            FilmError::Read { path, source } => LoadError::read(&path, source),
-            other => LoadError::invalid(path, "", other.to_string()),
-        })?;
-    Ok(EnvironmentImage { width, height, pixels })
-}
-
-fn hdr(source: impl BufRead, length: u64, path: &Path) -> Result<EnvironmentImage, LoadError> {
-    let failed = |error: ::image::ImageError| LoadError::invalid(path, "", error.to_string());
-    let decoder = HdrDecoder::new(source).map_err(failed)?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, width.into(), height.into(), MAX_PIXELS)?;
-    // A run of 127 equal values takes two bytes in each of four channels.
-    if u64::from(width) * u64::from(height) > length.saturating_mul(16) + 4096 {
-        let message = format!("ends before its {width} by {height} pixels");
-        return Err(LoadError::invalid(path, "", message));
-    }
-    let (width, height) = (width as usize, height as usize);
-    let mut pixels = vec![[0.0_f32; 3]; width * height];
-    decoder.read_image(bytemuck::cast_slice_mut(&mut pixels)).map_err(failed)?;
-    if pixels.is_empty() {
-        return Err(LoadError::invalid(path, "", "the image has no pixels"));
-    }
-    Ok(EnvironmentImage { width, height, pixels })
-}
-
-fn low_range(
-    mut source: impl Read,
-    length: u64,
-    path: &Path,
-    notice: &mut impl FnMut(String),
-) -> Result<EnvironmentImage, LoadError> {
-    let failed = |message: String| LoadError::invalid(path, "", message);
-    if length > MAX_LOW_RANGE_BYTES {
-        return Err(failed("is larger than 1 GiB".to_owned()));
-    }
-    let mut bytes = Vec::new();
-    source.read_to_end(&mut bytes).map_err(|source| LoadError::read(path, source))?;
-    let known = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
-    let known = known.map_err(|_| failed(ImageError::UnknownFormat.to_string()))?;
-    let size = ImageReader::with_format(io::Cursor::new(&bytes), known).into_dimensions();
-    let (width, height) = size.map_err(|error| failed(error.to_string()))?;
-    check_size(path, width.into(), height.into(), MAX_LOW_RANGE_PIXELS)?;
-    let image = Image::decode(&bytes, &path.display().to_string());
-    let image = image.map_err(|error| failed(error.to_string()))?;
-    if !image.is_opaque() {
-        notice("its alpha is not honoured".to_owned());
-    }
-    let pixels = match image.texels() {
-        Texels::Rgba8(all) => {
-            let decode: Vec<f32> =
-                (0..=255_u8).map(|v| srgb_to_linear(f32::from(v) / 255.0)).collect();
-            all.iter().map(|[r, g, b, _]| [r, g, b].map(|v| decode[usize::from(*v)])).collect()
-        }
-        Texels::Rgba16(all) => all
-            .iter()
-            .map(|[r, g, b, _]| [r, g, b].map(|v| srgb_to_linear(f32::from(*v) / 65535.0)))
-            .collect(),
-        Texels::Rgba32F(all) => all.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
-    };
-    Ok(EnvironmentImage { width: width as usize, height: height as usize, pixels })
-}
-
 #[cfg(test)]
 mod tests {
-    use ::image::codecs::hdr::HdrEncoder;
-    use ::image::{Rgb, RgbImage};
-    use std::fs::File;
-
     use super::*;
-
-    fn folder() -> tempfile::TempDir {
-        tempfile::tempdir().expect("the system's temporary folder is writable")
-    }
-
-    /// Writes a 2 by 1 image of floats.
-    fn write_hdr(path: &Path, pixels: [[f32; 3]; 2]) {
-        let file = File::create(path).expect("the folder is writable");
-        HdrEncoder::new(file).encode(&pixels.map(Rgb), 2, 1).expect("it can be written");
-    }
 
     #[test]
     fn three_numbers_are_a_colour() {
@@ -312,71 +84,8 @@ mod tests {
             assert!(message.starts_with("a colour is three"), "{message}");
         }
         let file = parsed("a,b").expect("the name of a file");
-        let error = file.load(1.0, 0.0).map(drop).expect_err("there is no such file");
+        let error =
+            file.load(1.0, 0.0, NotFinite::Refuse).map(drop).expect_err("there is no such file");
         assert_eq!(error.to_string(), "a,b: no such file, nor is it a colour as R,G,B");
-    }
-
-    #[test]
-    fn radiance_files_keep_their_range() {
-        let folder = folder();
-        let path = folder.path().join("a.hdr");
-        write_hdr(&path, [[1000.0, 0.5, 0.0], [0.25, 0.25, 0.25]]);
-        let (image, notices) = EnvironmentImage::read(&path).expect("it is well-formed");
-        assert_eq!((image.width, image.height), (2, 1));
-        // Eight bits of mantissa under one exponent.
-        assert!((image.pixels[0][0] - 1000.0).abs() < 4.0);
-        assert_eq!(image.pixels[1], [0.25; 3]);
-        assert!(notices.is_empty(), "{notices:?}");
-    }
-
-    #[test]
-    fn other_images_are_decoded_and_said_to_be_low() {
-        let folder = folder();
-        let path = folder.path().join("a.png");
-        let texels = vec![255, 188, 0, 255, 255, 255];
-        let image = RgbImage::from_raw(2, 1, texels).expect("two texels");
-        image.save(&path).expect("it can be written");
-        let (image, notices) = EnvironmentImage::read(&path).expect("it is well-formed");
-        assert_eq!(image.pixels[0][0], 1.0);
-        assert!((image.pixels[0][1] - 0.502_886_5).abs() < 1e-6);
-        assert_eq!(notices.len(), 1);
-    }
-
-    #[test]
-    fn what_is_not_finite_is_refused_and_what_is_negative_is_said() {
-        let path = Path::new("a.exr");
-        let checked = |pixels: Vec<[f32; 3]>| {
-            let mut said = Vec::new();
-            let mut image = EnvironmentImage { width: 2, height: 1, pixels };
-            image.check(path, &mut |message| said.push(message)).map(|()| (image.pixels, said))
-        };
-        let error = checked(vec![[0.0; 3], [1.0, f32::NAN, 0.0]]).expect_err("it is NaN");
-        assert_eq!(
-            error.to_string(),
-            "a.exr: pixel 1, 0: is infinite or not a number (1 such pixels): repair the image"
-        );
-        let (pixels, said) = checked(vec![[-0.5, 1.0, 0.0], [0.0; 3]]).expect("it is finite");
-        assert_eq!(pixels[0], [0.0, 1.0, 0.0]);
-        assert_eq!(said, ["1 pixels are negative, down to -0.5: taken as zero"]);
-        let (_, said) = checked(vec![[0.0; 3]; 2]).expect("it is finite");
-        assert_eq!(said, ["is wholly black"]);
-    }
-
-    #[test]
-    fn damaged_files_are_errors_with_their_name() {
-        let folder = folder();
-        let path = folder.path().join("a.hdr");
-        write_hdr(&path, [[1.0; 3]; 2]);
-        let whole = std::fs::read(&path).expect("it was written");
-        for length in 0..whole.len() {
-            std::fs::write(&path, &whole[..length]).expect("the folder is writable");
-            let error = EnvironmentImage::read(&path).expect_err("it is cut").to_string();
-            assert!(error.contains("a.hdr: "), "{error}");
-        }
-        let huge = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8000 +X 16000\n";
-        std::fs::write(&path, huge).expect("the folder is writable");
-        let error = EnvironmentImage::read(&path).expect_err("nothing follows").to_string();
-        assert!(error.ends_with("ends before its 16000 by 8000 pixels"), "{error}");
-        assert!(EnvironmentImage::read(folder.path()).is_err());
     }
 }

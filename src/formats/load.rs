@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::model::load_model;
 use super::{LoadError, LoadOptions, toml};
-use crate::scene::Scene;
+use crate::scene::{Notice, Scene};
 
 /// Loads a scene; its format is told by its ending, else by its first bytes.
 ///
@@ -16,12 +16,13 @@ use crate::scene::Scene;
 /// ```
 ///
 /// # Errors
-/// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error.
+/// [`LoadError`], which names the file and the place in it. With `strict` any notice is an error,
+/// but for one of a rest pose.
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene, LoadError> {
     let path = path.as_ref();
     let scene =
         if toml::is_toml(path) { toml::load(path, options) } else { load_model(path, options) }?;
-    if options.strict && !scene.notices.is_empty() {
+    if options.strict && scene.notices.iter().any(Notice::is_refused) {
         return Err(LoadError::Strict { notices: scene.notices });
     }
     Ok(scene)

@@ -2,6 +2,8 @@
 
 mod choice;
 mod environment;
+mod environment_image;
+mod environment_repair;
 mod error;
 pub mod gltf;
 mod load;
@@ -18,7 +20,9 @@ mod triangulate;
 mod uri;
 
 pub use choice::find_by_name_or_number;
-pub use environment::{EnvironmentImage, EnvironmentSource, NeitherColorNorFile};
+pub use environment::{EnvironmentSource, NeitherColorNorFile};
+pub use environment_image::EnvironmentImage;
+pub use environment_repair::NotFinite;
 pub use error::{Broken, LoadError};
 pub use load::load;
 pub use options::{LoadOptions, MissingTexture};

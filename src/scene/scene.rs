@@ -28,6 +28,17 @@ pub struct Notice {
     pub message: String,
 }
 
+impl Notice {
+    /// What is said of a file whose animations nobody asked for.
+    pub const REST_POSE: &str = "all is in its rest pose: --time poses animations";
+
+    /// Whether something was asked for and not done, so that strictness refuses the scene. That a
+    /// rest pose is shown, as the format has it, is none.
+    pub fn is_refused(&self) -> bool {
+        !self.message.starts_with(Self::REST_POSE)
+    }
+}
+
 /// An extension that a file uses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UsedExtension {

@@ -8,6 +8,7 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::image::{Image, Texels};
 use crate::files::memory::{self, TooMuch};
+use crate::film::radiance::{self, RadianceError, is_radiance};
 use crate::film::{FilmError, exr};
 
 /// Why an image could not be decoded; says what, not which file.
@@ -19,6 +20,9 @@ pub enum ImageError {
     /// The same of an OpenEXR file.
     #[error("{0}")]
     Exr(String),
+    /// The same of a Radiance picture.
+    #[error("{0}")]
+    Radiance(#[from] RadianceError),
     /// The first bytes are those of no format that dapple reads, nor does the name tell.
     #[error("not an image that dapple reads (png, jpeg, webp, tga, bmp, gif, tiff, hdr, exr)")]
     UnknownFormat,
@@ -55,28 +59,20 @@ impl Image {
     /// # Errors
     /// [`ImageError`]; among others beyond 16384 texels a side, 1 GiB, or what memory is left.
     pub fn decode(bytes: &[u8], name: &str) -> Result<Self, ImageError> {
+        Ok(Self::decode_noting(bytes, name)?.0)
+    }
+
+    /// The same, and what is odd about the file.
+    ///
+    /// # Errors
+    /// As for [`Image::decode`].
+    pub fn decode_noting(bytes: &[u8], name: &str) -> Result<(Self, Vec<String>), ImageError> {
         if is_exr(bytes) {
             return decode_exr(bytes, name);
         }
-        let (decoder, format) = decoder(bytes, name)?;
-        let (width, height) = decoder.dimensions();
-        if width == 0 || height == 0 {
-            return Err(ImageError::Empty);
-        }
-        memory::claim(peak_bytes(&decoder, format))?;
-        let texels = match decoder.color_type() {
-            ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
-                Texels::Rgba8(read(decoder, u8::MAX)?)
-            }
-            ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
-                Texels::Rgba16(read(decoder, u16::MAX)?)
-            }
-            ColorType::Rgb32F | ColorType::Rgba32F => {
-                Texels::Rgba32F(finite(read(decoder, 1.0)?, width)?)
-            }
-            _ => return Err(ImageError::UnknownFormat),
-        };
-        Ok(Self::new(width, height, texels))
+        let image =
+            if is_radiance(bytes) { decode_radiance(bytes) } else { decode_other(bytes, name) };
+        Ok((image?, Vec::new()))
     }
 
     /// The memory that the texels of a file would take, by its header alone.
@@ -84,12 +80,39 @@ impl Image {
     /// # Errors
     /// As for [`Image::decode`], as far as the header tells.
     pub fn decoded_bytes(bytes: &[u8], name: &str) -> Result<u64, ImageError> {
+        let floats = |(width, height): (u64, u64)| width * height * size_of::<[f32; 4]>() as u64;
         if is_exr(bytes) {
-            let (width, height) = exr_size(bytes)?;
-            return Ok(width * height * size_of::<[f32; 4]>() as u64);
+            return Ok(floats(exr_size(bytes)?));
+        }
+        if is_radiance(bytes) {
+            let mut source = bytes;
+            return Ok(floats(radiance_size(&radiance::Header::read(&mut source)?)?));
         }
         Ok(kept_bytes(&decoder(bytes, name)?.0))
     }
+}
+
+/// Decodes what the crate `image` reads.
+fn decode_other(bytes: &[u8], name: &str) -> Result<Image, ImageError> {
+    let (decoder, format) = decoder(bytes, name)?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err(ImageError::Empty);
+    }
+    memory::claim(peak_bytes(&decoder, format))?;
+    let texels = match decoder.color_type() {
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+            Texels::Rgba8(read(decoder, u8::MAX)?)
+        }
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
+            Texels::Rgba16(read(decoder, u16::MAX)?)
+        }
+        ColorType::Rgb32F | ColorType::Rgba32F => {
+            Texels::Rgba32F(finite(read(decoder, 1.0)?, width)?)
+        }
+        _ => return Err(ImageError::UnknownFormat),
+    };
+    Ok(Image::new(width, height, texels))
 }
 
 fn is_exr(bytes: &[u8]) -> bool {
@@ -104,17 +127,43 @@ fn exr_size(bytes: &[u8]) -> Result<(u64, u64), ImageError> {
     Ok((width, height))
 }
 
-fn decode_exr(bytes: &[u8], name: &str) -> Result<Image, ImageError> {
+fn decode_exr(bytes: &[u8], name: &str) -> Result<(Image, Vec<String>), ImageError> {
     exr_size(bytes)?;
     let source = Cursor::new(bytes);
     let decoded = exr::decode_rgba(source, bytes.len() as u64, Path::new(name));
-    let (width, height, mut texels) = decoded.map_err(|error| match error {
-        FilmError::Invalid { message, .. } => ImageError::Exr(message),
-        other => ImageError::Exr(other.to_string()),
-    })?;
+    let exr::Framed { width, height, pixels: mut texels, notes } =
+        decoded.map_err(|error| match error {
+            FilmError::Invalid { message, .. } => ImageError::Exr(message),
+            other => ImageError::Exr(other.to_string()),
+        })?;
     for [r, g, b, a] in texels.iter_mut().filter(|texel| texel[3] > 0.0 && texel[3] < 1.0) {
         (*r, *g, *b) = (*r / *a, *g / *a, *b / *a);
     }
+    let texels = finite(texels, width as u32)?;
+    Ok((Image::new(width as u32, height as u32, Texels::Rgba32F(texels)), notes))
+}
+
+/// Width and height, within the limits.
+fn radiance_size(header: &radiance::Header) -> Result<(u64, u64), ImageError> {
+    let (width, height) = (header.width as u64, header.height as u64);
+    if width.max(height) > u64::from(MAX_SIZE) {
+        return Err(ImageError::TooLarge(width, height));
+    }
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_BYTES);
+    limits.reserve(width * height * size_of::<[f32; 3]>() as u64)?;
+    Ok((width, height))
+}
+
+fn decode_radiance(bytes: &[u8]) -> Result<Image, ImageError> {
+    let mut source = bytes;
+    let header = radiance::Header::read(&mut source)?;
+    let (width, height) = radiance_size(&header)?;
+    // As they come, upright, and with alpha.
+    let texel = (2 * size_of::<[f32; 3]>() + size_of::<[f32; 4]>()) as u64;
+    memory::claim(width * height * texel)?;
+    let pixels = radiance::read_pixels(&mut source, &header, bytes.len() as u64)?;
+    let texels = pixels.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
     let texels = finite(texels, width as u32)?;
     Ok(Image::new(width as u32, height as u32, Texels::Rgba32F(texels)))
 }
@@ -150,7 +199,7 @@ fn kept_bytes(decoder: &impl ImageDecoder) -> u64 {
 fn peak_bytes(decoder: &impl ImageDecoder, format: ImageFormat) -> u64 {
     let (width, height) = decoder.dimensions();
     let own = match format {
-        ImageFormat::Png | ImageFormat::Bmp | ImageFormat::Hdr => 0,
+        ImageFormat::Png | ImageFormat::Bmp => 0,
         _ => decoder.total_bytes().max(u64::from(width) * u64::from(height) * 8),
     };
     kept_bytes(decoder) + own
@@ -268,6 +317,30 @@ mod tests {
         let expected = vec![[4.0, 0.5, 0.0, 1.0], [0.25, 0.25, 0.25, 1.0]];
         assert!(decoded == Image::new(2, 1, Texels::Rgba32F(expected)));
         assert_eq!(Image::decoded_bytes(&bytes, "a.hdr").expect("tells"), 32);
+
+        // Of another program, under an exposure.
+        let mut other = b"#?RGBE\nEXPOSURE=4\n\n-Y 2 +X 1\n".to_vec();
+        other.extend([128, 128, 128, 129, 128, 128, 128, 129]);
+        let decoded = Image::decode(&other, "a").expect("the first bytes tell");
+        assert!(decoded == Image::new(1, 2, Texels::Rgba32F(vec![[0.25, 0.25, 0.25, 1.0]; 2])));
+        let error = Image::decode(&other[..other.len() - 1], "a").expect_err("is cut");
+        assert_eq!(error.to_string(), "the file ends in row 2 of 2");
+        let huge = b"#?RGBE\n\n-Y 16384 +X 16384\n";
+        assert!(Image::decode(huge, "a").is_err() && Image::decoded_bytes(huge, "a").is_err());
+    }
+
+    /// As a picture of a part of its frame: what is beyond is clear, and that is said.
+    #[test]
+    fn a_part_of_a_frame_is_at_its_place() {
+        let mut picture =
+            Picture::new(Window::of_size(2, 2), Window { x0: 1, y0: 1, x1: 2, y1: 2 });
+        picture.set_channel("Y", vec![1.0]);
+        let bytes = exr::encode(&picture).expect("encodes");
+        let (image, notes) = Image::decode_noting(&bytes, "a.exr").expect("decodes");
+        let expected = vec![[0.0; 4], [0.0; 4], [0.0; 4], [1.0; 4]];
+        assert!(image == Image::new(2, 2, Texels::Rgba32F(expected)));
+        assert_eq!(notes.len(), 1);
+        assert_eq!(Image::decoded_bytes(&bytes, "a.exr").expect("tells"), 64);
     }
 
     fn exr_of(channels: &[(&str, [f32; 2])]) -> Vec<u8> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::cli::error::CliError;
 use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::MissingTextureArg;
-use crate::formats::{self, LoadError, LoadOptions, MissingTexture};
+use crate::formats::{self, LoadError, LoadOptions, MissingTexture, NotFinite};
 use crate::scene::{Notice, Scene};
 use crate::world::World;
 
@@ -30,7 +30,8 @@ pub fn load(args: &RenderArgs, time: Option<f32>) -> Result<(Scene, Vec<Notice>)
     let mut scene = formats::load(&args.scene_file, &options)?;
     let mut notices = std::mem::take(&mut scene.notices);
     if let Some(source) = &args.env {
-        let (environment, remarks) = source.load(args.env_scale, args.env_rotate)?;
+        let not_finite = if args.env_repair { NotFinite::Repair } else { NotFinite::Refuse };
+        let (environment, remarks) = source.load(args.env_scale, args.env_rotate, not_finite)?;
         scene.environment = Some(environment);
         notices.extend(remarks);
     } else if let Some(sky) = args.clear_sky() {
@@ -40,7 +41,7 @@ pub fn load(args: &RenderArgs, time: Option<f32>) -> Result<(Scene, Vec<Notice>)
         }
         scene.environment = Some(sky.environment(args.env_scale));
     }
-    if args.strict && !notices.is_empty() {
+    if args.strict && notices.iter().any(Notice::is_refused) {
         return Err(LoadError::Strict { notices }.into());
     }
     Ok((scene, notices))

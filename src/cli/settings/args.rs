@@ -60,6 +60,7 @@ pub struct RenderArgs {
     pub ground_albedo: Option<f32>,
     pub env_scale: f32,
     pub env_rotate: f32,
+    pub env_repair: bool,
 
     pub camera: Option<String>,
     pub look_from: Option<Vec3>,

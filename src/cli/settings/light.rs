@@ -1,7 +1,7 @@
 //! Settings: how light is followed, and where it comes from.
 
 use super::parse::{
-    diameter, elevation, finite, from_str, not_negative, share, turbidity, vector, whole,
+    diameter, elevation, finite, from_str, not_negative, share, switch, turbidity, vector, whole,
 };
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
@@ -170,6 +170,19 @@ pub static LIGHT: &[Setting] = &[
         requires: &["env"],
         read: Reader::Text(|word| assign(finite(word), |args| &mut args.env_rotate)),
         write: |args| args.env_rotate.to_toml(),
+        ..AROUND
+    },
+    Setting {
+        name: "env-repair",
+        form: Form::Switch,
+        example: "true",
+        help: "Where a pixel of the environment image is infinite or no number, the mean of its \
+               neighbours takes its place",
+        advanced: true,
+        requires: &["env"],
+        read: Reader::Text(|word| assign(switch(word), |args| &mut args.env_repair)),
+        // Pictures made before it was there tell nothing of it.
+        write: |args| if args.env_repair { true.to_toml() } else { None },
         ..AROUND
     },
 ];

@@ -169,7 +169,7 @@ mod tests {
             "ground-albedo",
         ];
         assert_eq!(replaced("env"), sky);
-        assert_eq!(replaced("sky"), ["env", "env-rotate"]);
+        assert_eq!(replaced("sky"), ["env", "env-rotate", "env-repair"]);
         assert_eq!(replaced("sun-direction"), ["sun-elevation", "sun-azimuth"]);
         assert_eq!(replaced("sun-elevation"), ["sun-direction"]);
         assert_eq!(replaced("camera-model"), ["fov", "aperture", "focus"]);

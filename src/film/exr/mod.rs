@@ -1,10 +1,14 @@
 //! OpenEXR files: one part of ZIP-compressed float32 scanlines out; any flat file in.
 
+mod colors;
 mod read;
+mod subsampled;
 mod write;
 
-pub use read::{decode, read, read_rgb};
-pub(crate) use read::{decode_rgb, decode_rgba, size};
+pub use colors::read_rgb;
+pub(crate) use colors::{Framed, decode_rgb, decode_rgba};
+pub use read::{decode, read};
+pub(crate) use read::{frame_size, size};
 pub use write::{Layout, RowsError, encode, write, write_rows};
 
 #[cfg(test)]

@@ -3,16 +3,19 @@
 //! What a header claims is checked against the length of the file before anything is allocated,
 //! and only the channels that are asked for are kept.
 
+use super::subsampled;
 use crate::files::{self, memory};
 use crate::film::picture::no_colours;
+use crate::film::primaries::Primaries;
 use crate::film::{FilmError, Picture, Window};
+use crate::math::DVec2;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::lines::LineRef;
 use ::exr::block::reader::{AllChunksReader, ChunksReader};
 use ::exr::compression::Compression;
 use ::exr::math::Vec2;
 use ::exr::meta::MetaData;
-use ::exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
+use ::exr::meta::attribute::{AttributeValue, EnvironmentMap, IntegerBounds, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 use rayon::prelude::*;
@@ -30,6 +33,30 @@ const MAX_RATIO: u64 = 1100;
 /// Chunks that are decompressed at a time, by all threads.
 const BATCH: usize = 64;
 
+/// What a header tells of the colours, beyond the channels' names.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meaning {
+    /// What red, green and blue are; none: those of Rec. 709.
+    pub primaries: Option<Primaries>,
+    /// Whether the picture holds the six sides of a cube of directions.
+    pub is_cube: bool,
+}
+
+impl Meaning {
+    fn of(header: &Header) -> Self {
+        let point = |it: Vec2<f32>| DVec2::new(f64::from(it.x()), f64::from(it.y()));
+        let primaries = header.shared_attributes.chromaticities.map(|it| Primaries {
+            red: point(it.red),
+            green: point(it.green),
+            blue: point(it.blue),
+            white: point(it.white),
+        });
+        let primaries = primaries.filter(|it| !it.is_rec_709());
+        let is_cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
+        Self { primaries, is_cube }
+    }
+}
+
 /// Reads all channels of a flat EXR file, scanlines or tiles, of any sample type, as floats.
 ///
 /// Of several parts the first with colours counts, else the first; of several resolutions the
@@ -37,65 +64,29 @@ const BATCH: usize = 64;
 ///
 /// # Errors
 /// [`FilmError::Read`]; [`FilmError::Invalid`] for a damaged file, deep data, a compression that
-/// is not supported, channels at less than full resolution, or more pixels than can be meant.
+/// is not supported, or more pixels than can be meant.
 pub fn read(path: &Path) -> Result<Picture, FilmError> {
     let (file, length) = open(path)?;
-    decode_channels(file, length, path, |_| true)
+    Ok(decode_channels(file, length, path, |_| true)?.0)
 }
 
-/// Reads the colours alone: width, height and linear `R G B`, or `Y` for all three.
-///
-/// # Errors
-/// As [`read`], and [`FilmError::Invalid`] if there are no colours.
-pub fn read_rgb(path: &Path) -> Result<(usize, usize, Vec<[f32; 3]>), FilmError> {
-    let (file, length) = open(path)?;
-    decode_rgb(file, length, path)
-}
-
-/// The colours of a file of `length` bytes from anywhere, as [`read_rgb`]; `path` is for messages.
-///
-/// # Errors
-/// As [`read_rgb`].
-pub fn decode_rgb(
-    source: impl Read + Seek,
-    length: u64,
-    path: &Path,
-) -> Result<(usize, usize, Vec<[f32; 3]>), FilmError> {
-    let colours = |name: &str| matches!(name, "R" | "G" | "B" | "Y");
-    let picture = decode_channels(source, length, path, colours)?;
-    Ok((picture.width(), picture.height(), picture.rgb(path)?))
-}
-
-/// The same with alpha, which colours are multiplied by; 1 where the file has none.
-///
-/// # Errors
-/// As [`read_rgb`].
-pub fn decode_rgba(
-    source: impl Read + Seek,
-    length: u64,
-    path: &Path,
-) -> Result<(usize, usize, Vec<[f32; 4]>), FilmError> {
-    let wanted = |name: &str| matches!(name, "R" | "G" | "B" | "Y" | "A");
-    let picture = decode_channels(source, length, path, wanted)?;
-    let colours = picture.rgb(path)?;
-    let with = |([r, g, b], a): ([f32; 3], f32)| [r, g, b, a];
-    let texels = match picture.channel("A") {
-        Some(alpha) => colours.into_iter().zip(alpha.iter().copied()).map(with).collect(),
-        None => colours.into_iter().map(|colour| with((colour, 1.0))).collect(),
-    };
-    Ok((picture.width(), picture.height(), texels))
-}
-
-/// Width and height of what [`decode`] would read, by the header alone; the largest of its parts.
+/// Width and height of what [`decode`] would read, or of the frame around it if that is larger, by
+/// the header alone; the largest of its parts.
 ///
 /// # Errors
 /// What is wrong with the header.
 pub fn size(bytes: &[u8]) -> Result<(u64, u64), String> {
     let meta = MetaData::read_from_unbuffered(Cursor::new(bytes), false);
     let meta = meta.map_err(|error| format!("not a sound EXR file: {error}"))?;
-    let sizes = meta.headers.iter().map(|header| header.layer_size);
-    let largest = sizes.max_by_key(|size| size.x().saturating_mul(size.y()));
-    largest.map(|size| (size.x() as u64, size.y() as u64)).ok_or("has no parts".to_owned())
+    let sizes = meta.headers.iter().map(frame_size);
+    let largest = sizes.max_by_key(|(width, height)| width.saturating_mul(*height));
+    largest.ok_or("has no parts".to_owned())
+}
+
+/// Width and height of a part or of the frame around it, whichever is larger.
+pub fn frame_size(header: &Header) -> (u64, u64) {
+    let (own, frame) = (header.layer_size, header.shared_attributes.display_window.size);
+    (own.x().max(frame.x()) as u64, own.y().max(frame.y()) as u64)
 }
 
 /// Reads a file that is in memory; `path` is for messages.
@@ -103,45 +94,43 @@ pub fn size(bytes: &[u8]) -> Result<(u64, u64), String> {
 /// # Errors
 /// As [`read`].
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Picture, FilmError> {
-    decode_channels(Cursor::new(bytes), bytes.len() as u64, path, |_| true)
+    Ok(decode_channels(Cursor::new(bytes), bytes.len() as u64, path, |_| true)?.0)
 }
 
-fn open(path: &Path) -> Result<(BufReader<File>, u64), FilmError> {
+pub(super) fn open(path: &Path) -> Result<(BufReader<File>, u64), FilmError> {
     let (file, length) = files::open(path).map_err(|source| FilmError::read(path, source))?;
     Ok((BufReader::new(file), length))
 }
 
-fn decode_channels(
-    source: impl Read + Seek,
+/// Reads the channels that are `wanted`.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn decode_channels(
+    mut source: impl Read + Seek,
     length: u64,
     path: &Path,
     wanted: impl Fn(&str) -> bool,
-) -> Result<Picture, FilmError> {
+) -> Result<(Picture, Meaning), FilmError> {
     let invalid = |message: String| FilmError::invalid(path, message);
+    let subsampled = subsampled::find(&mut source);
+    source.rewind().map_err(|error| FilmError::read(path, error))?;
+    if let Some(part) = subsampled {
+        let (mut picture, names) = prepare(&part.header, length, path, &wanted)?;
+        let planes = part.read(&mut source, length, picture.crop, wanted).map_err(invalid)?;
+        set_channels(&mut picture, names, planes);
+        return Ok((picture, Meaning::of(&part.header)));
+    }
     let reader = ::exr::block::read(source, false).map_err(|error| read_error(path, error))?;
     let part = reader.headers().iter().position(has_colours).unwrap_or(0);
     for header in reader.headers() {
         check_chunks(header, length).map_err(invalid)?;
     }
     let header = &reader.headers()[part];
-    let compression = header.compression;
-    check_part(header, length).map_err(invalid)?;
-
-    let mut picture =
-        Picture::new(window(header.shared_attributes.display_window), window(header.data_window()));
-    collect_strings(header, &mut picture);
-    let names: Vec<_> =
-        header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
-    // Once as planes, and once more in what is made of them.
-    let kept = names.iter().filter(|name| wanted(name)).count();
-    let bytes = (picture.crop.area() as u64).saturating_mul(8 * kept as u64);
-    memory::claim(bytes).map_err(|error| invalid(error.to_string()))?;
+    let (compression, meaning) = (header.compression, Meaning::of(header));
+    let (mut picture, names) = prepare(header, length, path, &wanted)?;
     let mut planes: Vec<Option<Vec<f32>>> =
         names.iter().map(|name| wanted(name).then(|| vec![0.0; picture.crop.area()])).collect();
-    if planes.iter().all(Option::is_none) {
-        return Err(invalid(no_colours(names.iter().map(String::as_str))));
-    }
-
     let chunks = reader.all_chunks(false).map_err(|error| read_error(path, error))?;
     fill(chunks, part, &mut planes).map_err(|error| match read_error(path, error) {
         FilmError::Invalid { path, message } => {
@@ -149,12 +138,43 @@ fn decode_channels(
         }
         other => other,
     })?;
+    set_channels(&mut picture, names, planes);
+    Ok((picture, meaning))
+}
+
+/// A picture without channels yet, and the names of all that the file has.
+///
+/// # Errors
+/// What cannot be meant or held; if nothing is wanted of the file.
+fn prepare(
+    header: &Header,
+    length: u64,
+    path: &Path,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<(Picture, Vec<String>), FilmError> {
+    let invalid = |message: String| FilmError::invalid(path, message);
+    check_part(header, length).map_err(invalid)?;
+    let frame = window(header.shared_attributes.display_window);
+    let mut picture = Picture::new(frame, window(header.data_window()));
+    collect_strings(header, &mut picture);
+    let names: Vec<_> =
+        header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    let kept = names.iter().filter(|name| wanted(name)).count();
+    if kept == 0 {
+        return Err(invalid(no_colours(names.iter().map(String::as_str))));
+    }
+    // Once as planes, and once more in what is made of them.
+    let bytes = (picture.crop.area() as u64).saturating_mul(8 * kept as u64);
+    memory::claim(bytes).map_err(|error| invalid(error.to_string()))?;
+    Ok((picture, names))
+}
+
+fn set_channels(picture: &mut Picture, names: Vec<String>, planes: Vec<Option<Vec<f32>>>) {
     for (name, plane) in names.into_iter().zip(planes) {
         if let Some(samples) = plane {
             picture.set_channel(name, samples);
         }
     }
-    Ok(picture)
 }
 
 /// Decompresses all chunks of a part and puts their lines where they belong.
@@ -258,14 +278,6 @@ fn check_part(header: &Header, length: u64) -> Result<(), String> {
     if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
         // The crate's decoder trusts the counters of a chunk: a damaged one ends the process.
         return Err(format!("{} is not supported; convert it to ZIP or PIZ", header.compression));
-    }
-    if let Some(channel) = header.channels.list.iter().find(|it| it.sampling != Vec2(1, 1)) {
-        let Vec2(x, y) = channel.sampling;
-        return Err(format!(
-            "channel {} has a value for every {x}x{y} pixels only, which is not supported; \
-             convert the file to R, G and B",
-            channel.name
-        ));
     }
     Ok(())
 }

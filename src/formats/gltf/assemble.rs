@@ -142,6 +142,10 @@ fn place_cameras_and_lights(
             }
         }
     }
+    for (camera, placed) in &found {
+        let planes = &cameras[*camera].planes;
+        planes.note(&placed.camera, placed.aspect.unwrap_or(1.0), scene, notices);
+    }
     found.sort_by_key(|&(camera, _)| camera);
     scene.cameras = found.into_iter().map(|(_, camera)| camera).collect();
 }

@@ -4,6 +4,7 @@ use glam::DAffine3;
 
 use super::json::{Fault, Object};
 use super::notices::Notices;
+use super::planes::Planes;
 use crate::camera::{Camera, Projection};
 use crate::scene::{NamedCamera, placement};
 
@@ -14,8 +15,11 @@ pub struct CameraDeclaration {
     pub name: String,
     /// Width over height that the file asks for.
     pub aspect: Option<f32>,
-    /// What it sees. Near and far planes are not looked at: there is no depth buffer to fit.
+    /// What it sees.
     pub projection: Projection,
+    /// Where its sight is to begin and end. Nothing is cut there, as there is no depth buffer to
+    /// fit; see [`Planes::note`].
+    pub planes: Planes,
 }
 
 impl CameraDeclaration {
@@ -43,11 +47,14 @@ fn camera(object: &Object, notices: &mut Notices) -> Result<CameraDeclaration, F
     if perspective.is_some() && orthographic.is_some() {
         notices.add(object.place(), "has two projections; the one that its type names is used");
     }
-    let (projection, aspect) = match (kind, perspective, orthographic) {
-        ("perspective", Some(lens), _) => (self::perspective(&lens)?, aspect(&lens)?),
+    let (projection, aspect, planes) = match (kind, perspective, orthographic) {
+        ("perspective", Some(lens), _) => {
+            (self::perspective(&lens)?, aspect(&lens)?, planes(&lens)?)
+        }
         ("orthographic", _, Some(lens)) => {
+            lens.required_number("zfar")?;
             let [xmag, ymag] = self::magnitudes(&lens, notices)?;
-            (Projection::Orthographic { xmag, ymag }, Some(xmag / ymag))
+            (Projection::Orthographic { xmag, ymag }, Some(xmag / ymag), planes(&lens)?)
         }
         ("perspective" | "orthographic", _, _) => return Err(object.absent(kind)),
         _ => {
@@ -56,7 +63,12 @@ fn camera(object: &Object, notices: &mut Notices) -> Result<CameraDeclaration, F
         }
     };
     let aspect = aspect.filter(|aspect: &f32| aspect.is_normal());
-    Ok(CameraDeclaration { name: object.name()?, aspect, projection })
+    Ok(CameraDeclaration { name: object.name()?, aspect, projection, planes })
+}
+
+fn planes(lens: &Object) -> Result<Planes, Fault> {
+    let near = lens.required_number("znear")?;
+    Ok(Planes { place: lens.place().to_owned(), near, far: lens.number("zfar")? })
 }
 
 fn perspective(lens: &Object) -> Result<Projection, Fault> {
@@ -78,8 +90,6 @@ fn aspect(lens: &Object) -> Result<Option<f32>, Fault> {
 }
 
 fn magnitudes(lens: &Object, notices: &mut Notices) -> Result<[f32; 2], Fault> {
-    lens.required_number("znear")?;
-    lens.required_number("zfar")?;
     let mut size = |key| {
         let size = lens.required_number(key)?;
         if size.abs() < f32::MIN_POSITIVE {
@@ -112,7 +122,9 @@ mod tests {
         );
         let projection = Projection::Perspective { yfov: 0.5 };
         let name = "a".to_owned();
-        assert_eq!(camera, Ok(CameraDeclaration { name, aspect: None, projection }));
+        let place = "/cameras/0/perspective".to_owned();
+        let planes = Planes { place, near: 1.0, far: None };
+        assert_eq!(camera, Ok(CameraDeclaration { name, aspect: None, projection, planes }));
 
         let camera = camera_of(
             r#"{"type": "orthographic",

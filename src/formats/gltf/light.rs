@@ -20,11 +20,18 @@ pub struct LightDeclaration {
 }
 
 impl LightDeclaration {
-    /// The light at a node; its strength is not scaled with it. None if the node's transform has
-    /// no directions.
+    /// The light at a node; its strength is not scaled with it. None if it has a direction and the
+    /// node's transform has none, as with a scale of 0; a point light needs but the position.
     pub fn place(&self, to_world: &DAffine3) -> Option<Punctual> {
         let Self { kind, intensity, range } = *self;
-        let to_world = placement::rigid(to_world)?;
+        let rigid = placement::rigid(to_world);
+        let translation = to_world.translation;
+        let to_world = match kind {
+            PunctualKind::Point if translation.is_finite() => {
+                rigid.unwrap_or(DAffine3::from_translation(translation))
+            }
+            _ => rigid?,
+        };
         let position = to_world.translation.as_vec3();
         let direction = -to_world.matrix3.z_axis.as_vec3();
         Some(Punctual { kind, position, direction, intensity, range })
@@ -50,8 +57,11 @@ fn light(object: &Object, notices: &mut Notices) -> Result<LightDeclaration, Fau
     let color = object.numbers::<3>("color")?.unwrap_or([1.0; 3]);
     let color = Vec3::from_array(color.map(|x| x as f32));
     let intensity = object.number("intensity")?.unwrap_or(1.0);
-    if intensity < 0.0 || color.min_element() < 0.0 {
+    if intensity < 0.0 {
         notices.add(object.place(), "takes light away, which is not supported: it is off");
+    } else if color.min_element() < 0.0 {
+        let message = "its colour is negative in part, which is not supported: taken as 0 there";
+        notices.add(object.at("color"), message);
     }
     let range = object.number("range")?;
     if range.is_some_and(|range| range <= 0.0) {
@@ -104,6 +114,44 @@ mod tests {
         let turned = DAffine3::from_rotation_y(std::f64::consts::FRAC_PI_2);
         let placed = light.place(&turned).expect("has directions");
         assert!(placed.direction.distance(-Vec3::X) < 1e-6);
+    }
+
+    /// Nothing shines less than not at all; what is said is what is done.
+    #[test]
+    fn negative_light_is_taken_as_none_and_said() {
+        let said = |text: &str| {
+            let text = format!(
+                "{{\"extensions\": {{\"KHR_lights_punctual\": {{\"lights\": [{text}]}}}}}}"
+            );
+            let value = json::parse(text.as_bytes()).expect("valid JSON");
+            let root = Object::new(&value, String::new()).expect("an object");
+            let mut notices = Notices::default();
+            let light = read(&root, &mut notices).expect("valid").remove(0);
+            (light.intensity, notices.finish(std::path::Path::new("a")).remove(0).message)
+        };
+        let (intensity, message) = said(r#"{"type": "point", "color": [2, 1, -1]}"#);
+        assert_eq!(intensity, Vec3::new(2.0, 1.0, 0.0));
+        assert!(message.ends_with("taken as 0 there") && !message.contains("off"), "{message}");
+        let (intensity, message) = said(r#"{"type": "point", "intensity": -1}"#);
+        assert_eq!(intensity, Vec3::ZERO);
+        assert!(message.ends_with("it is off"), "{message}");
+    }
+
+    #[test]
+    fn a_point_light_needs_no_direction() {
+        let flat = DAffine3::from_scale_rotation_translation(
+            glam::DVec3::ZERO,
+            glam::DQuat::IDENTITY,
+            glam::DVec3::new(1.0, 2.0, 3.0),
+        );
+        let light = light_of(r#"{"type": "point"}"#).expect("valid");
+        assert_eq!(
+            light.place(&flat).expect("it stands somewhere").position,
+            Vec3::new(1., 2., 3.)
+        );
+        for kind in [r#"{"type": "directional"}"#, r#"{"type": "spot", "spot": {}}"#] {
+            assert_eq!(light_of(kind).expect("valid").place(&flat), None);
+        }
     }
 
     #[test]

@@ -26,6 +26,7 @@ mod meshopt;
 mod nodes;
 mod notices;
 mod palette;
+mod planes;
 mod primitive;
 mod read;
 mod resources;

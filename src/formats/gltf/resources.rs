@@ -5,7 +5,7 @@
 //! exr, tiff) hold linear colours, also where glTF would have sRGB.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -106,7 +106,8 @@ const EXPANSION: u64 = 256;
 
 /// Makes the textures in `slots`, which are indices into `textures`. Each image is decoded once.
 /// What is missing or broken goes to `broken`, or is noted, and colours are magenta; `None` is what
-/// holds no colours, to be left out.
+/// holds no colours, to be left out. Where a WebP image cannot be used, the one that the texture
+/// has for other programs is, and that is noted.
 pub fn load_textures(
     slots: &[(usize, ColorSpace)],
     textures: &[TextureDeclaration],
@@ -117,28 +118,50 @@ pub fn load_textures(
     broken: &mut Vec<Broken>,
     notices: &mut Notices,
 ) -> Vec<Option<Texture>> {
-    let mut decoded = decode_images(slots, textures, images, storage, folder);
-    for (&image, result) in &decoded {
-        if let Err(reason) = result {
-            let place = &images[image].place;
-            report(name_of(&images[image]), place, reason, missing, broken, notices);
-        }
-    }
+    let used = slots.iter().filter_map(|&(texture, _)| textures[texture].image).collect();
+    let mut decoded = decode_images(used, images, storage, folder);
+    // Of each texture that cannot have its first image the second.
+    let fails = |decoded: &BTreeMap<usize, Decoded>, image| decoded[&image].is_err();
+    let second = |&(texture, _): &(usize, ColorSpace)| {
+        let TextureDeclaration { image, fallback, .. } = textures[texture];
+        fallback.filter(|_| image.is_some_and(|image| fails(&decoded, image)))
+    };
+    let seconds: Vec<usize> = slots.iter().filter_map(second).collect();
+    let seconds = seconds.into_iter().filter(|image| !decoded.contains_key(image)).collect();
+    decoded.extend(decode_images(seconds, images, storage, folder));
+
+    let mut reported = BTreeSet::new();
     let mut texture = |&(index, color_space): &(usize, ColorSpace)| {
-        let TextureDeclaration { place, image, compressed, wrap, filter } = &textures[index];
-        match image.and_then(|image| decoded.get_mut(&image)) {
-            Some(Ok(found)) => {
-                let name = image.map(|image| name_of(&images[image])).unwrap_or_default();
+        let TextureDeclaration { place, image, fallback, compressed, wrap, filter } =
+            &textures[index];
+        let Some(image) = *image else {
+            let reason = if *compressed {
+                "is of KTX2 alone (KHR_texture_basisu), which dapple does not read"
+            } else {
+                "has no image that dapple can read"
+            };
+            report(String::new(), place, reason, missing, broken, notices);
+            return (color_space == ColorSpace::Srgb).then(Texture::magenta);
+        };
+        let usable = |image: &usize| decoded.get(image).is_some_and(Result::is_ok);
+        let chosen = fallback.filter(|it| !usable(&image) && usable(it)).unwrap_or(image);
+        let (declared, name) = (&images[chosen], name_of(&images[chosen]));
+        let first = reported.insert((image, chosen));
+        match &decoded[&chosen] {
+            Ok((found, notes)) => {
+                if let (true, Err(reason)) = (first, &decoded[&image]) {
+                    let message =
+                        format!("{:?}: {reason}: {name:?} is used", name_of(&images[image]));
+                    notices.add(&*images[image].place, message);
+                }
+                for note in notes.iter().filter(|_| first) {
+                    notices.add(&*declared.place, format!("{name:?} {note}"));
+                }
                 Some(Texture::new(found.clone(), color_space, *wrap, *filter).named(name))
             }
-            found => {
-                if found.is_none() {
-                    let reason = if *compressed {
-                        "is of KTX2 alone (KHR_texture_basisu), which dapple does not read"
-                    } else {
-                        "has no image that dapple can read"
-                    };
-                    report(String::new(), place, reason, missing, broken, notices);
+            Err(reason) => {
+                if first {
+                    report(name, &declared.place, reason, missing, broken, notices);
                 }
                 (color_space == ColorSpace::Srgb).then(Texture::magenta)
             }
@@ -167,17 +190,16 @@ fn report(
     }
 }
 
-type Decoded = Result<Arc<Image>, String>;
+/// An image and what is odd about it, or why there is none.
+type Decoded = Result<(Arc<Image>, Vec<String>), String>;
 
+/// Decodes those images that are `used`.
 fn decode_images(
-    slots: &[(usize, ColorSpace)],
-    textures: &[TextureDeclaration],
+    mut used: Vec<usize>,
     images: &[ImageDeclaration],
     storage: &Storage,
     folder: &Path,
 ) -> BTreeMap<usize, Decoded> {
-    let mut used: Vec<usize> =
-        slots.iter().filter_map(|&(texture, _)| textures[texture].image).collect();
     used.sort_unstable();
     used.dedup();
     let files: Vec<_> = used
@@ -209,7 +231,8 @@ fn decode_images(
         if let Some(reason) = &too_many {
             return Err(reason.clone());
         }
-        Image::decode(&bytes, name).map(Arc::new).map_err(|error| error.to_string())
+        let decoded = Image::decode_noting(&bytes, name).map_err(|error| error.to_string());
+        decoded.map(|(image, notes)| (Arc::new(image), notes))
     };
     let decoded: Vec<Decoded> = files.into_par_iter().map(decode).collect();
     used.into_iter().zip(decoded).collect()

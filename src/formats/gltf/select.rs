@@ -12,6 +12,7 @@ use super::notices::Notices;
 use super::palette::Palette;
 use super::texture::ImageSource;
 use crate::formats::{LoadError, LoadOptions, find_by_name_or_number};
+use crate::scene::Notice;
 use crate::texture::ColorSpace;
 
 /// What the chosen scene shows.
@@ -111,7 +112,7 @@ fn choose_animation(
     match (options.time, count) {
         (None, 0) | (Some(_), 1) => {}
         (None, _) => {
-            notices.add("/animations", "all is in its rest pose: --time poses animations");
+            notices.add("/animations", Notice::REST_POSE);
         }
         (Some(_), 0) => notices.add("", "there is no animation: --time changes nothing"),
         (Some(_), _) if options.animation.is_none() => {

@@ -81,6 +81,8 @@ pub struct TextureDeclaration {
     pub place: String,
     /// Which image; none where only an extension names one that is not supported.
     pub image: Option<usize>,
+    /// Which image if that is not there: the one for programs without EXT_texture_webp.
+    pub fallback: Option<usize>,
     /// Whether it has one of KHR_texture_basisu.
     pub compressed: bool,
     /// Beyond the edges, along u and v.
@@ -111,13 +113,15 @@ pub fn textures(root: &Object, images: usize) -> Result<Vec<TextureDeclaration>,
     let texture = |object: &Object| {
         let sampler = object.reference("sampler", "sampler", samplers.len())?;
         let (wrap, filter) = sampler.map(|sampler| samplers[sampler]).unwrap_or_default();
-        let mut image = object.reference("source", "image", images)?;
-        if let Some(webp) = object.extension("EXT_texture_webp")? {
-            image = webp.reference("source", "image", images)?.or(image);
-        }
+        let plain = object.reference("source", "image", images)?;
+        let webp = match object.extension("EXT_texture_webp")? {
+            Some(webp) => webp.reference("source", "image", images)?,
+            None => None,
+        };
+        let (image, fallback) = (webp.or(plain), webp.and(plain));
         let compressed = object.extension("KHR_texture_basisu")?.is_some();
         let place = object.place().to_owned();
-        Ok(TextureDeclaration { place, image, compressed, wrap, filter })
+        Ok(TextureDeclaration { place, image, fallback, compressed, wrap, filter })
     };
     root.objects("textures")?.iter().map(texture).collect()
 }

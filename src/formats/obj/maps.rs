@@ -34,6 +34,8 @@ pub(super) struct Maps<'a> {
     by_use: HashMap<(PathBuf, Use, Option<Channel>, bool), TextureId>,
     textures: Vec<Texture>,
     broken: Vec<Broken>,
+    /// What is odd about pictures that can be used.
+    odd: Vec<Notice>,
 }
 
 impl<'a> Maps<'a> {
@@ -46,6 +48,7 @@ impl<'a> Maps<'a> {
             by_use: HashMap::new(),
             textures: Vec::new(),
             broken: Vec::new(),
+            odd: Vec::new(),
         }
     }
 
@@ -123,7 +126,11 @@ impl<'a> Maps<'a> {
             return None;
         }
         match decode(path.as_deref(), &map.name) {
-            Ok(image) => {
+            Ok((image, notes)) => {
+                let place = || format!("{}:{}", file.display(), map.line);
+                let notice =
+                    |note| Notice { place: place(), message: format!("{:?} {note}", map.name) };
+                self.odd.extend(notes.into_iter().map(notice));
                 let image = Arc::new(image);
                 self.images.insert(path?, Arc::clone(&image));
                 Some(image)
@@ -158,14 +165,15 @@ impl<'a> Maps<'a> {
             let message = format!("{name:?}: {reason}: colours are magenta, others left out");
             notices.push(Notice { place, message });
         }
+        notices.extend(self.odd);
         Ok(self.textures)
     }
 }
 
-fn decode(path: Option<&Path>, name: &str) -> Result<Image, String> {
+fn decode(path: Option<&Path>, name: &str) -> Result<(Image, Vec<String>), String> {
     let path = path.ok_or("it leaves the scene's folder: put it there")?;
     let bytes = read_regular(path).map_err(|error| error.to_string())?;
-    Image::decode(&bytes, name).map_err(|error| error.to_string())
+    Image::decode_noting(&bytes, name).map_err(|error| error.to_string())
 }
 
 fn wrap(map: &Map) -> [Wrap; 2] {
@@ -266,7 +274,8 @@ mod tests {
     use super::*;
 
     fn map(text: &str) -> Map {
-        texture_statement::parse(text.as_bytes(), 7, |_| ()).expect("it is well-formed")
+        let map = texture_statement::parse(text.as_bytes(), 7, |_| ());
+        map.expect("it is well-formed").expect("it has a name")
     }
 
     /// A folder with `a.png`: one row of a half transparent red and an opaque grey texel.

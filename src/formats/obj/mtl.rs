@@ -46,6 +46,8 @@ pub(super) struct MtlMaterial {
     pub aniso: Option<f32>,
     /// Its angle, turns.
     pub anisor: Option<f32>,
+    /// Of ambient light, which is not read.
+    pub map_ka: Option<Map>,
     pub map_kd: Option<Map>,
     pub map_ks: Option<Map>,
     pub map_ke: Option<Map>,
@@ -83,6 +85,7 @@ pub(super) fn parse(
         };
         statement(material, &s, remarks)
     })?;
+    remark_ambient(&materials, remarks);
     Ok(materials)
 }
 
@@ -120,8 +123,9 @@ fn statement(
         "map_pcr" => map(&mut material.map_pcr, s, remarks),
         "map_bump" | "bump" => map(&mut material.bump, s, remarks),
         "norm" | "map_norm" => map(&mut material.norm, s, remarks),
+        "map_ka" => map(&mut material.map_ka, s, remarks),
         // Ambient light is what path tracing computes; anti-aliasing of textures what it does.
-        "ka" | "map_ka" | "map_aat" => Ok(()),
+        "ka" | "map_aat" => Ok(()),
         _ => {
             // Zero asks for nothing.
             let nothing = lines::numbers(s.rest, 1).is_ok_and(|(numbers, _)| numbers == [0.0; 8]);
@@ -175,9 +179,26 @@ fn color(slot: &mut Option<Vec3>, s: &Statement, remarks: &mut Remarks) -> Resul
     Ok(())
 }
 
+/// A map; one that names no file is as if it were not there.
 fn map(slot: &mut Option<Map>, s: &Statement, remarks: &mut Remarks) -> Result<(), String> {
-    *slot = Some(texture_statement::parse(s.rest, s.line, |remark| remarks.add(s.line, remark))?);
+    match texture_statement::parse(s.rest, s.line, |remark| remarks.add(s.line, remark))? {
+        None => remarks.add(s.line, format!("{} names no file and is skipped", s.keyword)),
+        named => *slot = named,
+    }
     Ok(())
+}
+
+/// Ambient light is what path tracing computes. A map of it is of use only to programs that do not;
+/// most files name the picture of `map_Kd` once more, which is no loss.
+fn remark_ambient(materials: &[MtlMaterial], remarks: &mut Remarks) {
+    for material in materials {
+        let Some(ambient) = &material.map_ka else { continue };
+        let base = material.map_kd.as_ref();
+        if base.is_none_or(|base| base.name != ambient.name) {
+            let message = format!("map_Ka {:?} is not honoured: it is not read", ambient.name);
+            remarks.add(ambient.line, message);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -232,6 +253,35 @@ mod tests {
         assert_eq!(message("newmtl a\nKd -1\n"), "a.mtl:2: a colour is negative");
         assert_eq!(message("newmtl a\nNs\n"), "a.mtl:2: expected 1 numbers, found 0");
         assert_eq!(message("newmtl a\nNs nan\n"), "a.mtl:2: 'nan' is not finite");
-        assert_eq!(message("newmtl a\nmap_Kd\n"), "a.mtl:2: the name of the texture is missing");
+        assert_eq!(message("newmtl a\nmap_Kd -bm\n"), "a.mtl:2: a texture option lacks its value");
+    }
+
+    #[test]
+    fn a_map_without_a_name_is_absent_and_said() {
+        let maps = [
+            "map_Kd", "map_Ks", "map_Ke", "map_d", "map_Bump", "bump", "norm", "map_Pr", "map_Pm",
+            "map_Ps", "map_Pc", "map_Pcr", "map_Ka",
+        ];
+        for keyword in maps {
+            for rest in ["", "  ", " -clamp on", " \"\""] {
+                let (materials, remarks) =
+                    parsed(&format!("newmtl a\n{keyword}{rest}\nKd 1\n")).expect("it is no error");
+                assert_eq!(remarks, [format!("{keyword} names no file and is skipped")]);
+                let material = &materials[0];
+                assert_eq!(material.kd, Some(Vec3::ONE), "what follows is read");
+                let found = [&material.map_kd, &material.map_ka, &material.map_d, &material.bump];
+                assert!(found.iter().all(|map| map.is_none()) && material.norm.is_none());
+            }
+        }
+        let (materials, _) = parsed("newmtl a\nmap_Kd a.png\nmap_Kd\n").expect("it is no error");
+        assert_eq!(materials[0].map_kd.as_ref().expect("the named one").name, "a.png");
+    }
+
+    #[test]
+    fn a_map_of_ambient_light_is_said_unless_it_is_that_of_the_base_colour() {
+        let (_, remarks) =
+            parsed("newmtl a\nmap_Ka gone.png\nnewmtl b\nmap_Ka b.png\nmap_Kd b.png\n")
+                .expect("it is well-formed");
+        assert_eq!(remarks, ["map_Ka \"gone.png\" is not honoured: it is not read"]);
     }
 }

@@ -45,7 +45,7 @@ const OTHERS: [(&str, usize, bool); 8] = [
 ];
 
 /// Reads what follows the keyword; options may also follow the name. `remark` hears of options that
-/// are not honoured.
+/// are not honoured. None where no name is given, as exporters leave it that lost a picture.
 ///
 /// # Errors
 /// What is malformed.
@@ -53,7 +53,7 @@ pub(super) fn parse(
     rest: &[u8],
     line: usize,
     mut remark: impl FnMut(String),
-) -> Result<Map, String> {
+) -> Result<Option<Map>, String> {
     let text = String::from_utf8_lossy(rest);
     let mut rest = Rest(text.trim());
     let mut map = Map {
@@ -97,10 +97,7 @@ pub(super) fn parse(
             }
         }
     }
-    if map.name.is_empty() {
-        return Err("the name of the texture is missing".to_owned());
-    }
-    Ok(map)
+    Ok((!map.name.is_empty()).then_some(map))
 }
 
 fn is_option(word: &str) -> bool {
@@ -189,7 +186,7 @@ mod tests {
     fn map(text: &str) -> Result<(Map, Vec<String>), String> {
         let mut remarks = Vec::new();
         let map = parse(text.as_bytes(), 1, |remark| remarks.push(remark))?;
-        Ok((map, remarks))
+        Ok((map.ok_or("it names no file")?, remarks))
     }
 
     fn name(text: &str) -> String {
@@ -232,7 +229,7 @@ mod tests {
     fn what_is_missing_is_said() {
         assert_eq!(map("-s"), Err("a texture option lacks its value".to_owned()));
         assert_eq!(map("-bm x a.png"), Err("'x' is not a number".to_owned()));
-        assert_eq!(map("-clamp on"), Err("the name of the texture is missing".to_owned()));
+        assert_eq!(map("-clamp on"), Err("it names no file".to_owned()));
         assert_eq!(map("\"a\" b"), Err("'b' after the texture's name".to_owned()));
         assert_eq!(map("-imfchan q a"), Err("-imfchan q is none of r, g, b, m and l".to_owned()));
     }

@@ -71,6 +71,7 @@ impl Faces {
                 Ok(())
             };
             row().map_err(|problem: Problem| values.error(file, "face", number, &problem))?;
+            values.end_row();
             self.add(&face, &uvs, wedges.is_some());
         }
         Ok(())
@@ -118,6 +119,7 @@ impl Faces {
                 Ok(())
             };
             row().map_err(|problem: Problem| values.error(file, "tristrips", number, &problem))?;
+            values.end_row();
         }
         Ok(())
     }

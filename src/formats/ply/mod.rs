@@ -50,7 +50,10 @@ pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, 
     let body = &bytes[header.length..];
     let mut notices = Notices { file: path.display().to_string(), all: Vec::new() };
     let mesh = match header.encoding {
-        Encoding::Ascii => self::mesh(&header, Ascii::new(body, header.lines), path, &mut notices),
+        Encoding::Ascii => {
+            let rows = header.elements.iter().fold(0, |sum: u64, it| sum.saturating_add(it.count));
+            self::mesh(&header, Ascii::new(body, header.lines, rows), path, &mut notices)
+        }
         Encoding::Little => self::mesh(&header, Binary::new(body, false), path, &mut notices),
         Encoding::Big => self::mesh(&header, Binary::new(body, true), path, &mut notices),
     }?;
@@ -105,9 +108,16 @@ fn mesh(
                     kinds
                         .try_for_each(|kind| values::skip(&mut values, kind))
                         .map_err(|problem| values.error(file, name, row, &problem))?;
+                    values.end_row();
                 }
             }
         }
+    }
+    if let Some((rows, first)) = values.excess() {
+        notices.add(format!(
+            "{rows} rows have more numbers than their properties, the first in line {first}: those \
+             at the end are skipped"
+        ));
     }
     if values.has_more() {
         notices.add("goes on after the last element that its header declares");
@@ -162,9 +172,12 @@ fn material(
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let image = uri::read(folder, name)
-        .and_then(|bytes| Image::decode(&bytes, name).map_err(|error| error.to_string()));
+        .and_then(|bytes| Image::decode_noting(&bytes, name).map_err(|error| error.to_string()));
     let texture = match (image, options.missing_texture) {
-        (Ok(image), _) => {
+        (Ok((image, notes)), _) => {
+            for note in notes {
+                notices.add(format!("{name:?} {note}"));
+            }
             let image = Arc::new(image);
             Texture::new(image, ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Bilinear).named(name)
         }

@@ -48,6 +48,28 @@ fn all_encodings_tell_the_same() {
     }
 }
 
+/// Rows end where their lines do, so that a number too many takes no other face away.
+#[test]
+fn numbers_beyond_a_list_are_skipped_and_said() {
+    let two = SQUARE.replace("face 1", "face 2");
+    let mesh = scene(format!("{two}3 0 1 2 3\n3 0 2 3\n").as_bytes()).expect("well-formed");
+    assert_eq!(mesh.meshes[0].indices, [[0, 1, 2], [0, 2, 3]]);
+    let said = "1 rows have more numbers than their properties, the first in line 14: those at the \
+                end are skipped";
+    assert_eq!(notices(&mesh), [said]);
+    // Of vertices as well.
+    let more = SQUARE.replace("1 1 0\n", "1 1 0 255 255 255\n");
+    let mesh = scene(format!("{more}4 0 1 2 3\n").as_bytes()).expect("well-formed");
+    assert_eq!(mesh.meshes[0].indices, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(mesh.notices.len(), 1);
+    let short = message(format!("{two}4 0 1 2\n3 0 2 3\n").as_bytes());
+    assert_eq!(short, "a.ply:14: face 0: the line ends before it does");
+    // Where lines are no rows, numbers alone count.
+    let mesh = scene(format!("{two}3 0 1 2 3 0\n2\n3\n").as_bytes()).expect("well-formed");
+    assert_eq!(mesh.meshes[0].indices, [[0, 1, 2], [0, 2, 3]]);
+    assert!(mesh.notices.is_empty(), "{:?}", mesh.notices);
+}
+
 #[test]
 fn every_truncation_is_an_error() {
     for bytes in [binary(false), binary(true)] {

@@ -16,6 +16,13 @@ pub(super) trait Values {
     /// Passes over the next `count` of type `kind`.
     fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), Problem>;
 
+    /// Ends a row of an element. Where each row has a line of its own, what is left of the line is
+    /// passed over.
+    fn end_row(&mut self);
+
+    /// How many rows had more numbers than their properties, and the line of the first.
+    fn excess(&self) -> Option<(u64, usize)>;
+
     /// The fewest bytes that a number of type `kind` takes.
     fn least_bytes(&self, kind: Scalar) -> u64;
 
@@ -59,29 +66,47 @@ pub(super) fn possible_rows(values: &impl Values, element: &Element, items: u64)
 }
 
 /// Decimal numbers between white space.
+///
+/// Rows have lines of their own, by the format; readers that count numbers alone have let files
+/// come about that do otherwise. Only where there are as many lines as rows do lines tell where
+/// rows end. So a face with a number too many does not shift all faces after it.
 pub(super) struct Ascii<'a> {
     bytes: &'a [u8],
     line: usize,
+    /// Whether lines tell where rows end.
+    by_lines: bool,
+    /// Whether a row has begun.
+    in_row: bool,
+    /// Rows with more numbers than properties, and the line of the first.
+    excess: Option<(u64, usize)>,
 }
 
 impl<'a> Ascii<'a> {
-    /// What follows the header's `lines`.
-    pub fn new(bytes: &'a [u8], lines: usize) -> Self {
-        Self { bytes, line: lines + 1 }
+    /// What follows the header's `lines`; it declares so many `rows` in all.
+    pub fn new(bytes: &'a [u8], lines: usize, rows: u64) -> Self {
+        let filled =
+            bytes.split(|&byte| byte == b'\n').filter(|line| !line.trim_ascii().is_empty());
+        let by_lines = filled.count() as u64 == rows;
+        Self { bytes, line: lines + 1, by_lines, in_row: false, excess: None }
     }
 
     fn word(&mut self) -> Result<&'a [u8], Problem> {
         let blank = self.bytes.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
         let (before, rest) = self.bytes.split_at(blank);
+        if self.by_lines && self.in_row && !rest.is_empty() && before.contains(&b'\n') {
+            return Err(LINE_ENDS.to_owned());
+        }
         before.iter().filter(|&&byte| byte == b'\n').for_each(|_| self.line += 1);
         let length = rest.iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
         let (word, rest) = rest.split_at(length);
         self.bytes = rest;
+        self.in_row = true;
         if word.is_empty() { Err(ENDS.to_owned()) } else { Ok(word) }
     }
 }
 
 const ENDS: &str = "the file ends before it does";
+const LINE_ENDS: &str = "the line ends before it does";
 
 impl Values for Ascii<'_> {
     fn number(&mut self, kind: Scalar) -> Result<f64, Problem> {
@@ -100,6 +125,23 @@ impl Values for Ascii<'_> {
 
     fn skip(&mut self, _: Scalar, count: u64) -> Result<(), Problem> {
         (0..count).try_for_each(|_| self.word().map(|_| ()))
+    }
+
+    fn end_row(&mut self) {
+        self.in_row = false;
+        if !self.by_lines {
+            return;
+        }
+        let end = self.bytes.iter().position(|&byte| byte == b'\n').unwrap_or(self.bytes.len());
+        let (rest, after) = self.bytes.split_at(end);
+        if !rest.trim_ascii().is_empty() {
+            self.excess.get_or_insert((0, self.line)).0 += 1;
+        }
+        self.bytes = after;
+    }
+
+    fn excess(&self) -> Option<(u64, usize)> {
+        self.excess
     }
 
     fn least_bytes(&self, _: Scalar) -> u64 {
@@ -166,6 +208,13 @@ impl Values for Binary<'_> {
         Ok(())
     }
 
+    #[inline]
+    fn end_row(&mut self) {}
+
+    fn excess(&self) -> Option<(u64, usize)> {
+        None
+    }
+
     fn least_bytes(&self, kind: Scalar) -> u64 {
         kind.size()
     }
@@ -226,15 +275,16 @@ mod tests {
         assert_eq!(read(&mut |kind| big.number(kind).expect("is there")), expected);
 
         let text = b" -1 255\r\n-2 65534\t-3 4294967293 .5 1e300 \n";
-        let mut ascii = Ascii::new(text, 0);
+        let mut ascii = Ascii::new(text, 0, 0);
         assert_eq!(read(&mut |kind| ascii.number(kind).expect("is there")), expected);
         assert!(ascii.number(Scalar::U8).is_err() && !ascii.has_more());
     }
 
     #[test]
     fn what_is_no_number_is_quoted() {
-        let problem =
-            |text: &'static str, kind| Ascii::new(text.as_bytes(), 0).number(kind).expect_err(text);
+        let problem = |text: &'static str, kind| {
+            Ascii::new(text.as_bytes(), 0, 0).number(kind).expect_err(text)
+        };
         assert_eq!(problem("x1", Scalar::F32), "'x1' is no number at all");
         assert_eq!(problem("256", Scalar::U8), "'256' is no number of its type");
         assert_eq!(problem("1.5", Scalar::I32), "'1.5' is no number of its type");
@@ -253,7 +303,7 @@ mod tests {
         assert_eq!(possible_rows(&values, &element(u64::MAX), 3), 10);
         assert_eq!(possible_rows(&values, &element(u64::MAX), 0), 34);
         assert_eq!(possible_rows(&values, &element(7), 3), 7);
-        assert_eq!(possible_rows(&Ascii::new(b"1 3 0 1 2", 0), &element(u64::MAX), 3), 1);
+        assert_eq!(possible_rows(&Ascii::new(b"1 3 0 1 2", 0, 0), &element(u64::MAX), 3), 1);
     }
 
     #[test]
@@ -262,8 +312,8 @@ mod tests {
         bytes.push(0);
         let list = Kind::List(Scalar::U32, Scalar::F64);
         assert_eq!(skip(&mut Binary::new(&bytes, false), list), Err(ENDS.to_owned()));
-        assert_eq!(skip(&mut Ascii::new(b"4000000000 1 2", 0), list), Err(ENDS.to_owned()));
+        assert_eq!(skip(&mut Ascii::new(b"4000000000 1 2", 0, 0), list), Err(ENDS.to_owned()));
         let minus = Kind::List(Scalar::I8, Scalar::U8);
-        assert!(skip(&mut Ascii::new(b"-1", 0), minus).is_err());
+        assert!(skip(&mut Ascii::new(b"-1", 0, 0), minus).is_err());
     }
 }

@@ -118,6 +118,7 @@ pub(super) fn read(
         let row = columns
             .read(values)
             .map_err(|problem| values.error(file, "vertex", number, &problem))?;
+        values.end_row();
         let vector = |first: usize| Vec3::from_array([0, 1, 2].map(|k| row[first + k] as f32));
         let position = vector(0);
         if !position.is_finite() {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::camera::vector;
 use super::reader::Table;
-use crate::formats::{Broken, EnvironmentSource, LoadError, uri};
+use crate::formats::{Broken, EnvironmentSource, LoadError, NotFinite, uri};
 use crate::light::{Environment, Preetham, Punctual, PunctualKind, Sun};
 use crate::light::{Sky, sun_direction};
 use crate::math::Vec3;
@@ -84,8 +84,9 @@ fn strength(table: &Table, kind: PunctualKind) -> Result<f32, LoadError> {
 
 /// What is all around, as it is declared.
 pub enum Surroundings {
-    /// A colour or a file, which may be missing; what multiplies it, and degrees that it turns.
-    Source(Result<EnvironmentSource, Broken>, f32, f32),
+    /// A colour or a file, which may be missing; what multiplies it, degrees that it turns, and
+    /// what to do about pixels that are no numbers.
+    Source(Result<EnvironmentSource, Broken>, f32, f32, NotFinite),
     /// A clear day, and what multiplies it.
     Sky(Sky, f32),
 }
@@ -106,8 +107,10 @@ impl Surroundings {
         };
         let scale = table.number_in("scale", 0.0..=MOST)?.unwrap_or(1.0);
         let rotate = table.number_in("rotate", -f32::MAX..=f32::MAX)?.unwrap_or(0.0);
+        let repair = table.switch("repair")?.unwrap_or(false);
+        let not_finite = if repair { NotFinite::Repair } else { NotFinite::Refuse };
         table.finish()?;
-        Ok(Self::Source(source, scale, rotate))
+        Ok(Self::Source(source, scale, rotate, not_finite))
     }
 
     /// `[sky]`.
@@ -146,7 +149,9 @@ impl Surroundings {
     /// The environment, and what is odd about its file; black where the file is missing.
     pub fn load(&self) -> Result<(Environment, Vec<Notice>), LoadError> {
         match self {
-            Self::Source(Ok(source), scale, rotate) => source.load(*scale, *rotate),
+            Self::Source(Ok(source), scale, rotate, not_finite) => {
+                source.load(*scale, *rotate, *not_finite)
+            }
             Self::Source(Err(_), ..) => Ok((Environment::constant(Vec3::ZERO), Vec::new())),
             Self::Sky(sky, scale) => Ok((sky.environment(*scale), Vec::new())),
         }
