@@ -130,44 +130,45 @@ pub fn load_textures(
     let seconds = seconds.into_iter().filter(|image| !decoded.contains_key(image)).collect();
     decoded.extend(decode_images(seconds, images, storage, folder));
 
-    let mut reported = BTreeSet::new();
-    let mut texture = |&(index, color_space): &(usize, ColorSpace)| {
-        let TextureDeclaration { place, image, fallback, compressed, wrap, filter } =
-            &textures[index];
-        let Some(image) = *image else {
+    // Of each texture the image that it has, if it has any, and the one that it gets.
+    let choose = |&(texture, _): &(usize, ColorSpace)| {
+        let TextureDeclaration { image, fallback, .. } = textures[texture];
+        let usable = |image: &usize| decoded.get(image).is_some_and(Result::is_ok);
+        image.map(|it| (it, fallback.filter(|other| !usable(&it) && usable(other)).unwrap_or(it)))
+    };
+    let chosen: Vec<Option<(usize, usize)>> = slots.iter().map(choose).collect();
+    // In the order of the images.
+    for (image, got) in chosen.iter().flatten().collect::<BTreeSet<_>>() {
+        let (place, name) = (&images[*image].place, name_of(&images[*got]));
+        match (&decoded[image], &decoded[got]) {
+            (Err(reason), Ok(_)) => {
+                let message = format!("{:?}: {reason}: {name:?} is used", name_of(&images[*image]));
+                notices.add(place, message);
+            }
+            (_, Err(reason)) => report(name, place, reason, missing, broken, notices),
+            (Ok(_), Ok(_)) => {}
+        }
+        for note in decoded[got].iter().flat_map(|(_, notes)| notes) {
+            notices.add(&images[*got].place, format!("{:?} {note}", name_of(&images[*got])));
+        }
+    }
+    let mut texture = |(&(index, color_space), chosen): (&(usize, ColorSpace), &_)| {
+        let TextureDeclaration { place, compressed, wrap, filter, .. } = &textures[index];
+        let magenta = || (color_space == ColorSpace::Srgb).then(Texture::magenta);
+        let Some((_, got)) = chosen else {
             let reason = if *compressed {
                 "is of KTX2 alone (KHR_texture_basisu), which dapple does not read"
             } else {
                 "has no image that dapple can read"
             };
             report(String::new(), place, reason, missing, broken, notices);
-            return (color_space == ColorSpace::Srgb).then(Texture::magenta);
+            return magenta();
         };
-        let usable = |image: &usize| decoded.get(image).is_some_and(Result::is_ok);
-        let chosen = fallback.filter(|it| !usable(&image) && usable(it)).unwrap_or(image);
-        let (declared, name) = (&images[chosen], name_of(&images[chosen]));
-        let first = reported.insert((image, chosen));
-        match &decoded[&chosen] {
-            Ok((found, notes)) => {
-                if let (true, Err(reason)) = (first, &decoded[&image]) {
-                    let message =
-                        format!("{:?}: {reason}: {name:?} is used", name_of(&images[image]));
-                    notices.add(&*images[image].place, message);
-                }
-                for note in notes.iter().filter(|_| first) {
-                    notices.add(&*declared.place, format!("{name:?} {note}"));
-                }
-                Some(Texture::new(found.clone(), color_space, *wrap, *filter).named(name))
-            }
-            Err(reason) => {
-                if first {
-                    report(name, &declared.place, reason, missing, broken, notices);
-                }
-                (color_space == ColorSpace::Srgb).then(Texture::magenta)
-            }
-        }
+        let Ok((found, _)) = &decoded[got] else { return magenta() };
+        let texture = Texture::new(found.clone(), color_space, *wrap, *filter);
+        Some(texture.named(name_of(&images[*got])))
     };
-    slots.iter().map(&mut texture).collect()
+    slots.iter().zip(&chosen).map(&mut texture).collect()
 }
 
 fn report(
