@@ -106,8 +106,10 @@ fn signals_save_and_end_or_go_on() {
 fn hang_up_saves_and_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    let words = format!("{LONG} -o a.exr --checkpoint c --every 1h");
+    let words = format!("{LONG} -o a.exr --checkpoint c --every 1h --metrics m.prom");
     let mut child = render(folder, &words).spawn().expect("the binary runs");
+    // It listens to signals before it writes anything.
+    await_file(&folder.join("m.prom"));
     let start = Instant::now();
     while !folder.join("c").exists() {
         assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint came");

@@ -127,10 +127,11 @@ fn motion_looks_the_same_by_all_structures_and_again_from_its_header() {
 
 #[test]
 fn what_the_first_moment_left_open_stays_as_it_was_found_there() {
-    // A light whose node has no size in the second half, and a camera that passes what it would
-    // focus on: no sky takes the light's place, and the lens stays as it is.
+    // A light whose node has no size, and so no direction, in the second half, and a camera that
+    // passes what it would focus on: no sky takes the light's place, and the lens stays as it is.
     let mut file = File::square();
-    let light = json!({"lights": [{"type": "point", "intensity": 10}]});
+    let cone = json!({"outerConeAngle": 1.2, "innerConeAngle": 1.1});
+    let light = json!({"lights": [{"type": "spot", "intensity": 10, "spot": cone}]});
     file.document["extensions"] = json!({"KHR_lights_punctual": light});
     let on = json!({"KHR_lights_punctual": {"light": 0}});
     let node = file.push("nodes", json!({"translation": [0.5, 0.5, 1], "extensions": on}));
