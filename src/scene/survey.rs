@@ -55,7 +55,7 @@ impl Survey {
         let mut images = HashSet::new();
         for image in scene.textures.iter().map(crate::texture::Texture::image) {
             if images.insert(Arc::as_ptr(image)) {
-                survey.texture_bytes += image.heap_bytes() as u64;
+                survey.texture_bytes += image.texel_bytes();
             }
         }
         survey

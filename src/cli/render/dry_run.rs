@@ -33,7 +33,7 @@ pub fn run(job: &Job) -> Result<ExitCode, CliError> {
         let survey = Survey::of(&job.first.world.scene);
         let bytes = [
             ("meshes", survey.mesh_bytes),
-            ("textures", survey.texture_bytes),
+            ("textures", survey.texture_bytes.min(job.textures.limit())),
             ("structure", accel.memory().total() as u64),
             ("picture", film_bytes(&job.settings)),
         ];

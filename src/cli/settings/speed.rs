@@ -1,6 +1,6 @@
 //! Settings: what a render uses of the machine.
 
-use super::parse::{from_str, threads};
+use super::parse::{bytes, from_str, threads};
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 use crate::accel::AccelSpec;
@@ -40,6 +40,20 @@ pub static SPEED: &[Setting] = &[
         advanced: true,
         read: Reader::Text(|word| assign(from_str::<Isa>(word), |args| &mut args.isa)),
         write: |args| args.isa.to_toml(),
+        ..SETTING
+    },
+    Setting {
+        name: "texture-memory",
+        value: "SIZE",
+        otherwise: "half of the memory",
+        example: "512MiB",
+        help: "The memory that textures may take; the rest of them waits in a temporary file",
+        details: "Beyond it, textures are cut into tiles, which are kept compressed in a file in \
+                  the system's temporary folder (TMPDIR) and are read back when a ray asks for \
+                  them. The picture is the same, whatever the size. Units are KiB, MiB, GiB (or \
+                  K, M, G) and kB, MB, GB.",
+        read: Reader::Text(|word| assign(bytes(word), |args| &mut args.texture_memory)),
+        write: |args| args.texture_memory.to_toml(),
         ..SETTING
     },
 ];

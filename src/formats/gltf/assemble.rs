@@ -68,8 +68,8 @@ fn load<'a>(
         &document.textures,
         &document.images,
         &storage,
-        folder,
-        options.missing_texture,
+        path,
+        options,
         &mut broken,
         notices,
     );
