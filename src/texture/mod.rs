@@ -7,12 +7,13 @@
 //! | `image` | an image, whole or in tiles |
 //! | `decode` | images from the bytes of their files |
 //! | `store` | each file decoded once, within the memory that textures may take |
-//! | `tiles`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
+//! | `tiles`, `pack`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
 //! | `range` | floats taken to what a material can do |
 
 mod cache;
 mod decode;
 mod image;
+mod pack;
 mod range;
 mod store;
 mod texels;
