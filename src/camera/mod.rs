@@ -141,6 +141,17 @@ impl Camera {
         CameraRays { camera: *self, half: Vec2::new(half * aspect, half) }
     }
 
+    /// How wide a pixel is at the camera, and by how much more at a distance of one metre, on a film
+    /// of so many rows; without its lens.
+    pub fn pixel_cone(&self, rows: u32) -> [f32; 2] {
+        let rows = rows as f32;
+        match self.projection {
+            Projection::Perspective { yfov } => [0.0, 2.0 * libm::tanf(0.5 * yfov) / rows],
+            Projection::Orthographic { ymag, .. } => [2.0 * ymag / rows, 0.0],
+            Projection::Panorama => [0.0, PI / rows],
+        }
+    }
+
     /// The camera's own aspect, where it has one.
     pub fn aspect(&self) -> Option<f32> {
         match self.projection {
@@ -165,6 +176,11 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
+    /// What it was prepared from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
     /// See [`Camera::ray`].
     #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {

@@ -8,11 +8,13 @@
 //! | `decode` | images from the bytes of their files |
 //! | `store` | each file decoded once, within the memory that textures may take |
 //! | `tiles`, `pack`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
+//! | `levels` | smaller versions of images, for what is seen from afar |
 //! | `range` | floats taken to what a material can do |
 
 mod cache;
 mod decode;
 mod image;
+mod levels;
 mod pack;
 mod range;
 mod store;
@@ -25,6 +27,7 @@ mod transfer;
 pub use cache::{CacheFigures, TileCache};
 pub use decode::ImageError;
 pub use image::Image;
+pub use levels::add_levels;
 pub use range::TextureRange;
 pub use store::{Decoded, ImageId, ImagePart, ImageSource, TextureFigures, TextureStore};
 pub use texels::{Depth, Texels, Value, spread};
