@@ -1,5 +1,6 @@
 //! Cameras: from points of the film to rays.
 
+mod cone;
 pub mod flight;
 mod lanes;
 
@@ -139,17 +140,6 @@ impl Camera {
             Projection::Panorama => 1.0,
         };
         CameraRays { camera: *self, half: Vec2::new(half * aspect, half) }
-    }
-
-    /// How wide a pixel is at the camera, and by how much more at a distance of one metre, on a film
-    /// of so many rows; without its lens.
-    pub fn pixel_cone(&self, rows: u32) -> [f32; 2] {
-        let rows = rows as f32;
-        match self.projection {
-            Projection::Perspective { yfov } => [0.0, 2.0 * libm::tanf(0.5 * yfov) / rows],
-            Projection::Orthographic { ymag, .. } => [2.0 * ymag / rows, 0.0],
-            Projection::Panorama => [0.0, PI / rows],
-        }
     }
 
     /// The camera's own aspect, where it has one.

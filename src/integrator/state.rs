@@ -99,7 +99,8 @@ impl Path {
         }
     }
 
-    /// Lets it begin as wide as a pixel, see [`Camera::pixel_cone`](crate::camera::Camera::pixel_cone).
+    /// Lets it begin as wide as a pixel; see
+    /// [`Camera::pixel_cone`](crate::camera::Camera::pixel_cone).
     pub fn set_cone(&mut self, [width, spread]: [f32; 2]) {
         self.cone = Cone { width, spread };
     }

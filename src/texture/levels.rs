@@ -1,8 +1,8 @@
 //! Smaller versions of a texture's image, for what is seen from afar: each half as wide and high.
 //!
 //! A texel is the mean of those that lie in it (a box filter), of linear values. Colours (sRGB) are
-//! weighed by their alpha, so that what is clear lends no colour to what is not. Other data, such as
-//! normals, has its plain mean: a normal is made a unit vector where it is used.
+//! weighed by their alpha, so that what is clear lends no colour to what is not. Other data has its
+//! plain mean: a normal is made a unit vector where it is used.
 
 use std::collections::HashMap;
 use std::sync::Arc;

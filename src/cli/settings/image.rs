@@ -94,7 +94,8 @@ pub static IMAGE: &[Setting] = &[
         choices: Some(choices::<TextureLod>),
         default: Some("off"),
         example: "on",
-        help: "Looks textures up in smaller versions where they are far away or seen in rough mirrors",
+        help: "Looks textures up in smaller versions where they are far away or seen in rough \
+               mirrors",
         details: "Off, each sample sees a point of the texture, and samples average: exact, but \
                   it takes many samples, and with little --texture-memory many tiles. On, each \
                   sees about what its pixel covers, which is a little blurred. Alpha that cuts \
