@@ -40,7 +40,7 @@ fn copies_stand_relative_to_their_node() {
     let corner = |i: usize| scene.instances[i].transform.point(Vec3::X);
     assert!(corner(0).distance(Vec3::new(2.0, 2.0, 5.0)) < 1e-5, "{}", corner(0));
     assert!(corner(1).distance(Vec3::new(4.0, 6.0, 5.0)) < 1e-5, "{}", corner(1));
-    assert!(scene.instances[1].transform.mirrored && !scene.instances[0].transform.mirrored);
+    assert!(scene.instances[1].transform.mirrored() && !scene.instances[0].transform.mirrored());
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Slices of rays, and their hits.
 
+use super::query::ask;
+use super::{Query, Verdict};
 use crate::geom::Shaft;
 use crate::math::{Ray, TriangleId};
 
@@ -10,12 +12,13 @@ pub struct Batch<'a> {
     grid: Option<(u32, u32)>,
     shaft: Option<&'a Shaft>,
     filter: Option<&'a dyn HitFilter>,
+    verdict: Option<&'a dyn Verdict>,
 }
 
 impl<'a> Batch<'a> {
     /// A slice of rays without hints or filter.
     pub fn new(rays: &'a [Ray]) -> Self {
-        Self { rays, grid: None, shaft: None, filter: None }
+        Self { rays, grid: None, shaft: None, filter: None, verdict: None }
     }
 
     /// Says that the rays are those of a raster of `width` by `height` cells, row by row, with the
@@ -35,6 +38,31 @@ impl<'a> Batch<'a> {
     #[must_use]
     pub fn with_filter(self, filter: Option<&'a dyn HitFilter>) -> Self {
         Self { filter, ..self }
+    }
+
+    /// Other rays in place of these, one for each, under the same hints and filter: each within the
+    /// one that it stands for, or one that hits nothing.
+    #[must_use]
+    pub(super) fn with_rays(self, rays: &'a [Ray]) -> Self {
+        Self { rays, ..self }
+    }
+
+    /// Has another say what is hit than the exact test of the rays themselves.
+    #[must_use]
+    pub(super) fn with_verdict(self, verdict: &'a dyn Verdict) -> Self {
+        Self { verdict: Some(verdict), ..self }
+    }
+
+    /// Who says what is hit, if not the exact test.
+    #[inline(always)]
+    pub(super) fn verdict(&self) -> Option<&'a dyn Verdict> {
+        self.verdict
+    }
+
+    /// What is asked of a ray.
+    #[inline(always)]
+    pub(super) fn ask<Q: Query>(&self, index: usize) -> Q {
+        ask(&self.rays[index], self.verdict)
     }
 
     /// The rays.
@@ -94,6 +122,12 @@ impl ClosestHit {
     #[inline(always)]
     pub fn is_hit(&self) -> bool {
         self.triangle != TriangleId::NONE
+    }
+
+    /// Whether it is nearer, or as near and of a triangle before the other's.
+    #[inline(always)]
+    pub fn is_before(&self, other: &Self) -> bool {
+        self.t < other.t || (self.t == other.t && self.triangle < other.triangle)
     }
 
     /// The same hit to the bit; what tests compare by.

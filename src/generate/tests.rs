@@ -9,7 +9,7 @@ use super::*;
 use crate::accel::{Batch, ClosestHit, build};
 use crate::formats::{LoadOptions, gltf};
 use crate::geom::TriangleSource;
-use crate::math::{Ray, TriangleId, Vec3};
+use crate::math::{PrimId, Ray, Vec3};
 use crate::scene::{Scene, Triangles};
 use crate::simd::Isa;
 
@@ -35,7 +35,7 @@ fn check(generator: Generator, triangles: u64, seed: u64) {
     let flat = Triangles::new(&scene).expect("few enough");
     assert_eq!(flat.len() as u64, triangles, "seed {seed}");
     for id in 0..flat.len() as u32 {
-        let twice = flat.triangle(TriangleId(id)).double_area().length();
+        let twice = flat.triangle(PrimId(id)).double_area().length();
         assert!(
             twice > 0.0 && twice.is_finite(),
             "{generator:?}, {triangles}, {seed}: {id} is {twice}"

@@ -43,6 +43,6 @@ pub use planes::{FilterLanes, FilterPlane, FilterSides, Reach};
 pub use ray_lanes::RayLanes;
 pub use shaft::Shaft;
 pub use slab::{SlabRay, grow_own_box, own_box};
-pub use source::{Corners, Triangle, TriangleList, TriangleSource};
+pub use source::{Corners, Placements, Triangle, TriangleList, TriangleSource};
 pub use tangents::add_tangents;
 pub use usable::are_usable;

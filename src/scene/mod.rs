@@ -18,4 +18,4 @@ pub use material_layers::MaterialLayers;
 pub use scene::{Contents, NamedCamera, Notice, Scene, UsedExtension};
 pub use survey::Survey;
 pub use texture_ref::TextureRef;
-pub use triangles::{TooManyTriangles, Triangles};
+pub use triangles::{TooManyPlacements, Triangles};

@@ -49,7 +49,7 @@ impl Survey {
             if scene.materials[instance.material.index()].is_emissive() {
                 survey.emitting_triangles += triangles;
             }
-            survey.mirrored += u64::from(instance.transform.mirrored);
+            survey.mirrored += u64::from(instance.transform.mirrored());
             survey.flattened += u64::from(is_flattened(instance));
         }
         let mut images = HashSet::new();
@@ -120,7 +120,7 @@ fn flat_triangles(mesh: &Mesh) -> u64 {
 }
 
 fn is_flattened(instance: &Instance) -> bool {
-    instance.transform.to_world.matrix3.as_dmat3().determinant() == 0.0
+    instance.transform.to_world().matrix3.as_dmat3().determinant() == 0.0
 }
 
 #[cfg(test)]

@@ -242,7 +242,7 @@ fn renumber_material(material: &Material, textures: usize, overrides: &Overrides
 }
 
 fn widen(transform: &Transform) -> DAffine3 {
-    DAffine3::from_cols_array(&transform.to_world.to_cols_array().map(f64::from))
+    DAffine3::from_cols_array(&transform.to_world().to_cols_array().map(f64::from))
 }
 
 /// Lights keep their strength whatever the scale, as at the nodes of a glTF file.

@@ -44,7 +44,7 @@ fn a_file_is_placed_as_often_as_one_likes_and_kept_once() {
     // A quarter turn about Y takes +X to -Z.
     assert!(points[1].distance(Vec3::new(0.0, 0.0, 3.0)) < 1e-6, "{points:?}");
     assert_eq!(points[2], Vec3::new(8.0, 8.0, 9.0));
-    assert!(scene.instances[2].transform.mirrored && !scene.instances[1].transform.mirrored);
+    assert!(scene.instances[2].transform.mirrored() && !scene.instances[1].transform.mirrored());
     let (plain, changed) = (&scene.materials[0], &scene.materials[1]);
     assert_eq!((plain.roughness, plain.base_color), (0.5, Vec4::new(1.0, 0.0, 0.0, 1.0)));
     assert_eq!((changed.roughness, changed.base_color), (0.25, Vec4::new(0.0, 1.0, 0.0, 0.5)));

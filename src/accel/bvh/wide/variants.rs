@@ -58,7 +58,7 @@ pub const AUTO: Variant = Variant {
         let options = &options.expect("declared by its row");
         let input = BuildInput { options, source: input.source.clone(), ..*input };
         let mut tree = WideBvh::<8>::build(&input)?;
-        tree.side_by_side = true;
+        tree.side_by_side = !input.source.are_boxes();
         Ok(Box::new(tree))
     },
 };
