@@ -33,12 +33,14 @@
 //! | `sources` | what the structures are built over |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
+//! | `wide` | hierarchies of eight children on both levels, in flight |
 
 mod levels;
 pub mod placement;
 mod sources;
 mod two_level;
 mod verdict;
+mod wide;
 
 pub use sources::Placed;
 pub use two_level::TwoLevel;

@@ -9,6 +9,9 @@ use rayon::prelude::*;
 use super::levels::Levels;
 use super::sources::Placed;
 use super::verdict::Above;
+use super::wide::WideLevels;
+use crate::accel::bvh::wide::build_auto_tree;
+use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::accel::located::Located;
 use crate::accel::{
     Accel, AnyHit, Batch, BuildError, BuildInput, BuildReport, ClosestHit, Counts, MemoryReport,
@@ -22,9 +25,11 @@ pub type Row<'a> = (&'static Variant, &'a Options);
 
 /// Two levels of any two rows of the table.
 pub struct TwoLevel {
-    levels: Levels,
+    levels: Arc<Levels>,
     flat: Option<Located>,
+    /// `None` without placements that are kept apart.
     above: Option<Box<dyn Accel>>,
+    /// Of each mesh; empty if the structure above has them.
     below: Vec<Option<Box<dyn Accel>>>,
     level: Level,
     report: BuildReport,
@@ -39,32 +44,30 @@ impl TwoLevel {
         level: Level,
     ) -> Result<Self, BuildError> {
         let mut phases = Phases::start();
-        let levels = Levels::new(placed, &mut phases);
-        let build = |(variant, options): Row<'_>, source: Arc<dyn TriangleSource>| {
-            (variant.build)(&BuildInput { source, options, level })
-        };
-        let of_mesh = |mesh| levels.mesh(mesh).map(|mesh| build(below, Arc::new(mesh))).transpose();
-        let of_meshes = (0..levels.meshes.len()).into_par_iter().map(of_mesh);
-        let of_meshes: Vec<Option<Box<dyn Accel>>> = of_meshes.collect::<Result<_, _>>()?;
-        phases.end("meshes");
+        let levels = Arc::new(Levels::new(placed, &mut phases));
         let flat = match levels.flat() {
             Some(flat) => {
                 let source: Arc<dyn TriangleSource> = Arc::new(flat);
                 BuildError::check_count(source.len())?;
-                Some(Located { accel: build(below, Arc::clone(&source))?, source })
+                let accel = build_row(below, Arc::clone(&source), level)?;
+                Some(Located { accel, source })
             }
             None => None,
         };
         phases.end("flat meshes");
-        let boxes = levels.boxes();
-        let above = if boxes.is_empty() { None } else { Some(build(above, Arc::new(boxes))?) };
-        phases.end("tree of placements");
+        let (above, below) = if levels.placements.is_empty() {
+            (None, Vec::new())
+        } else {
+            let (above, below) = build_placed(&levels, (below, above), level, &mut phases)?;
+            (Some(above), below)
+        };
         let report = BuildReport::default();
-        let mut two_level = Self { levels, flat, above, below: of_meshes, level, report };
+        let mut two_level = Self { levels, flat, above, below, level, report };
         two_level.report = two_level.sum_up(phases);
         Ok(two_level)
     }
 
+    /// All structures, that above first.
     fn parts(&self) -> impl Iterator<Item = &dyn Accel> {
         let above = self.above.iter().map(|accel| &**accel);
         let flat = self.flat.iter().map(|located| &*located.accel);
@@ -96,6 +99,62 @@ impl TwoLevel {
     }
 }
 
+fn build_row(
+    (variant, options): Row<'_>,
+    source: Arc<dyn TriangleSource>,
+    level: Level,
+) -> Result<Box<dyn Accel>, BuildError> {
+    (variant.build)(&BuildInput { source, options, level })
+}
+
+/// A structure above, and one of each mesh.
+type Structures<T> = (T, Vec<Option<T>>);
+
+/// Builds a structure of placements and those of their meshes, the latter side by side.
+fn build_structures<T: Send>(
+    levels: &Levels,
+    phases: &mut Phases,
+    below: impl Fn(Arc<dyn TriangleSource>) -> Result<T, BuildError> + Sync,
+    above: impl FnOnce(Arc<dyn TriangleSource>) -> Result<T, BuildError>,
+) -> Result<Structures<T>, BuildError> {
+    let of_mesh = |mesh| levels.mesh(mesh).map(|mesh| below(Arc::new(mesh))).transpose();
+    let of_meshes = (0..levels.meshes.len()).into_par_iter().map(of_mesh);
+    let of_meshes = of_meshes.collect::<Result<_, _>>()?;
+    phases.end("meshes");
+    let above = above(Arc::new(levels.boxes()))?;
+    phases.end("tree of placements");
+    Ok((above, of_meshes))
+}
+
+/// Builds what is placed: hierarchies of eight children are walked together.
+fn build_placed(
+    levels: &Arc<Levels>,
+    (below, above): (Row<'_>, Row<'_>),
+    level: Level,
+    phases: &mut Phases,
+) -> Result<Structures<Box<dyn Accel>>, BuildError> {
+    let eight: Option<fn(&BuildInput<'_>) -> _> = match below.0.id {
+        _ if below.0.id != above.0.id => None,
+        "auto" => Some(build_auto_tree),
+        "mbvh8" => Some(WideBvh::<8>::build),
+        _ => None,
+    };
+    let Some(eight) = eight else {
+        let row = |row| move |source| build_row(row, source, level);
+        return build_structures(levels, phases, row(below), row(above));
+    };
+    let options = below.1;
+    let tree = |source| eight(&BuildInput { source, options, level });
+    let (above, below) = build_structures(levels, phases, tree, tree)?;
+    Ok(match WideLevels::new(Arc::clone(levels), above, below) {
+        Ok(both) => (Box::new(both), Vec::new()),
+        Err((above, below)) => {
+            let boxed = |tree| Box::new(tree) as Box<dyn Accel>;
+            (boxed(above), below.into_iter().map(|tree| tree.map(boxed)).collect())
+        }
+    })
+}
+
 impl Accel for TwoLevel {
     fn tracer(&self) -> Box<dyn Tracer + '_> {
         Box::new(self.trace(|accel| accel.tracer()))
@@ -111,11 +170,18 @@ impl Accel for TwoLevel {
 
     fn memory(&self) -> MemoryReport {
         let total = |accel: &dyn Accel| accel.memory().total();
-        let below = self.below.iter().flatten().map(|accel| total(&**accel)).sum();
-        let above = self.above.iter().map(|accel| total(&**accel)).sum::<usize>();
+        let mut report = match (&self.above, self.below.is_empty()) {
+            (Some(both), true) => both.memory(),
+            (above, _) => {
+                let above = above.iter().map(|accel| total(&**accel)).sum();
+                let below = self.below.iter().flatten().map(|accel| total(&**accel)).sum();
+                MemoryReport::new([("placements", above), ("meshes", below)])
+            }
+        };
+        let list = size_of_val(&*self.levels.placements);
         let flat = self.flat.iter().map(|flat| total(flat)).sum();
-        let placements = above + size_of_val(&*self.levels.placements);
-        MemoryReport::new([("placements", placements), ("meshes", below), ("flat meshes", flat)])
+        report.parts.extend([("list of placements", list), ("flat meshes", flat)]);
+        report
     }
 
     fn report(&self) -> &BuildReport {
@@ -139,6 +205,9 @@ impl<'a> LevelsTracer<'a> {
     fn ask(&mut self, batch: &Batch<'_>, ask: impl FnOnce(&mut dyn Tracer, &Batch<'_>)) {
         let Self { two_level, make, above, below, rays, .. } = self;
         let Some(tracer) = above else { return };
+        if two_level.below.is_empty() {
+            return ask(&mut **tracer, &batch.with_rays(rays));
+        }
         let two_level: &'a TwoLevel = two_level;
         let make =
             |mesh: usize| make(two_level.below[mesh].as_deref().expect("its mesh is kept apart"));

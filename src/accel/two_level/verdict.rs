@@ -2,81 +2,118 @@
 
 use std::cell::RefCell;
 
+use fearless_simd::Simd;
+
 use super::levels::{Apart, Levels};
 use super::placement::{Entered, LocalRay, enter, limit};
 use crate::accel::{
     AnyHit, Batch, BlockFilter, ClosestHit, HitFilter, PreparedRay, Tracer, Verdict,
 };
-use crate::geom::{Triangle, intersect_triangle};
+use crate::geom::{Placements, Triangle, intersect_triangle};
 use crate::math::{Affine3A, InstanceId, PrimId, Ray, TriangleId, Vec3};
 use crate::simd::baseline;
 
 /// A ray within a placement: what its triangles are in the world decides.
-pub struct Inside<'a> {
-    /// The ray in the world.
-    pub world: &'a PreparedRay<'a>,
-    /// The greatest `t` that counts.
-    pub t_max: f32,
+#[derive(Clone, Copy)]
+pub struct Inside {
     /// The placement.
     pub placement: InstanceId,
     /// From the mesh's space to the world.
-    pub to_world: Affine3A,
+    to_world: Affine3A,
     /// Whether it turns left into right.
-    pub mirrored: bool,
+    mirrored: bool,
     /// The world's `t` where the ray begins in the mesh's space.
-    pub shift: f64,
+    shift: f64,
     /// How far off vertices may be in the mesh's space.
     pub slack: f32,
 }
 
-impl<'a> Inside<'a> {
-    /// A ray that has entered a placement of `apart`.
+impl Inside {
+    /// A ray that has entered a placement of a mesh that is kept apart, at `shift`.
+    #[inline(always)]
     pub fn new(
-        world: &'a PreparedRay<'a>,
-        t_max: f32,
         (placement, to_world): (InstanceId, Affine3A),
         apart: &Apart,
         shift: f64,
     ) -> Self {
         let mirrored = to_world.matrix3.determinant() < 0.0;
-        let slack = apart.slack;
-        Self { world, t_max, placement, to_world, mirrored, shift, slack }
+        Self { placement, to_world, mirrored, shift, slack: apart.slack }
     }
 
-    /// What the exact test says of a triangle of the mesh.
-    #[inline]
-    pub fn test(
+    /// What the exact test says of a triangle of the mesh and the ray in the world.
+    #[inline(always)]
+    pub fn test<S: Simd>(
         &self,
-        prim: PrimId,
-        corners: &Triangle,
-        nearest: &ClosestHit,
-        any: bool,
-    ) -> Option<ClosestHit> {
-        let [a, b, c] = corners.corners().map(|p: Vec3| self.to_world.transform_point3(p));
-        let triangle =
-            if self.mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } };
-        let PreparedRay { slab, shear, .. } = self.world;
-        let [t, u, v] = intersect_triangle(baseline(), slab, shear, &triangle)?;
-        let triangle = TriangleId { instance: self.placement, index: prim.0 };
-        let hit = ClosestHit { t, u, v, triangle };
-        let counts = if any { t <= nearest.t } else { hit.is_before(nearest) };
-        (counts && self.world.criteria().accepts(&hit)).then_some(hit)
-    }
-}
-
-impl Verdict for Inside<'_> {
-    fn judge(
-        &self,
-        _: usize,
+        simd: S,
+        world: &PreparedRay<'_>,
         (prim, corners): (PrimId, &Triangle),
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
-        self.test(prim, corners, nearest, any)
+        let [a, b, c] = corners.corners().map(
+            #[inline(always)]
+            |p: Vec3| self.to_world.transform_point3(p),
+        );
+        let triangle =
+            if self.mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } };
+        let [t, u, v] = intersect_triangle(simd, &world.slab, &world.shear, &triangle)?;
+        let triangle = TriangleId { instance: self.placement, index: prim.0 };
+        let hit = ClosestHit { t, u, v, triangle };
+        let counts = if any { t <= nearest.t } else { hit.is_before(nearest) };
+        (counts && world.criteria().accepts(&hit)).then_some(hit)
+    }
+
+    /// See [`Verdict::limit`].
+    #[inline(always)]
+    pub fn limit(&self, t: f32) -> f32 {
+        limit(self.shift, t)
+    }
+}
+
+/// Holds a ray against all triangles of a placement: for those that can't be taken into its space.
+pub fn nearest_of_all(
+    placements: &dyn Placements,
+    inside: &Inside,
+    world: &PreparedRay<'_>,
+    nearest: &ClosestHit,
+    any: bool,
+) -> Option<ClosestHit> {
+    let mesh = placements.mesh(inside.placement);
+    let (mut nearest, mut found) = (*nearest, None);
+    for index in 0..placements.mesh_len(mesh) as u32 {
+        let corners = placements.mesh_triangle(mesh, index);
+        let hit = inside.test(baseline(), world, (PrimId(index), &corners), &nearest, any);
+        if let Some(hit) = hit {
+            (nearest, found) = (hit, Some(hit));
+            if any {
+                break;
+            }
+        }
+    }
+    found
+}
+
+/// What a mesh's structure asks of a ray within a placement.
+struct Below<'a> {
+    inside: Inside,
+    world: &'a PreparedRay<'a>,
+    /// The greatest `t` that counts.
+    t_max: f32,
+}
+
+impl Verdict for Below<'_> {
+    fn judge(
+        &self,
+        _: usize,
+        prim: (PrimId, &Triangle),
+        nearest: &ClosestHit,
+        any: bool,
+    ) -> Option<ClosestHit> {
+        self.inside.test(baseline(), self.world, prim, nearest, any)
     }
 
     fn filter(&self) -> BlockFilter {
-        BlockFilter::Near(self.slack)
+        BlockFilter::Near(self.inside.slack)
     }
 
     fn t_max(&self, _: &Ray) -> f32 {
@@ -84,7 +121,7 @@ impl Verdict for Inside<'_> {
     }
 
     fn limit(&self, t: f32) -> f32 {
-        limit(self.shift, t)
+        self.inside.limit(t)
     }
 }
 
@@ -102,26 +139,6 @@ pub struct Above<'a, 't> {
     pub filter: Option<&'a dyn HitFilter>,
 }
 
-impl Above<'_, '_> {
-    /// Holds a ray against all triangles of a placement.
-    #[cold]
-    fn test_all(&self, inside: &Inside<'_>, nearest: &ClosestHit, any: bool) -> Option<ClosestHit> {
-        let placements = self.levels.placed.get();
-        let mesh = placements.mesh(inside.placement);
-        let (mut nearest, mut found) = (*nearest, None);
-        for index in 0..placements.mesh_len(mesh) as u32 {
-            let corners = placements.mesh_triangle(mesh, index);
-            if let Some(hit) = inside.test(PrimId(index), &corners, &nearest, any) {
-                (nearest, found) = (hit, Some(hit));
-                if any {
-                    break;
-                }
-            }
-        }
-        found
-    }
-}
-
 impl Verdict for Above<'_, '_> {
     fn judge(
         &self,
@@ -135,18 +152,19 @@ impl Verdict for Above<'_, '_> {
         let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
         let world = &self.rays[ray];
         let entered = enter(&apart.grown, &to_world, world, nearest.t);
-        let world = PreparedRay::new(world, ray, self.filter);
+        let world = &PreparedRay::new(world, ray, self.filter);
+        let inside = |shift| Inside::new((placement, to_world), apart, shift);
         let (ray, shift) = match entered {
             Entered::Missed => return None,
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
             Entered::Far => {
-                let inside = Inside::new(&world, nearest.t, (placement, to_world), apart, 0.0);
-                return self.test_all(&inside, nearest, any);
+                let placements = self.levels.placed.get();
+                return nearest_of_all(placements, &inside(0.0), world, nearest, any);
             }
         };
-        let inside = Inside::new(&world, nearest.t, (placement, to_world), apart, shift);
+        let below = Below { inside: inside(shift), world, t_max: nearest.t };
         let rays = [ray];
-        let batch = Batch::new(&rays).with_verdict(&inside);
+        let batch = Batch::new(&rays).with_verdict(&below);
         let mut tracers = self.tracers.borrow_mut();
         let tracer = tracers[mesh].get_or_insert_with(|| (self.make)(mesh));
         if any {

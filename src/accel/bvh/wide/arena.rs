@@ -121,6 +121,11 @@ pub fn write_ids<const W: usize>(stripes: &mut [[f32; W]], ids: &[PrimId; W]) {
 }
 
 impl<'a, const W: usize> Stripes<'a, W> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.floats.len()
+    }
+
     /// A node's planes, lower and upper by axis, and its links.
     #[inline(always)]
     pub fn node(&self, link: Link) -> (&'a [[f32; W]; LINKS], &'a [u32; W]) {

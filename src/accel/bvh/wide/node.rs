@@ -39,6 +39,21 @@ where
     make_keys(simd, enter, exit)
 }
 
+/// The same for boxes whose ends are the first two vertices of triangles, as leaves have them.
+#[inline(always)]
+pub fn intersect_boxes<S: Simd, const W: usize>(
+    simd: S,
+    vertices: &[[f32; W]; 9],
+    prepared: &PreparedRay<'_>,
+    t_max: f32,
+) -> ([u32; W], u32)
+where
+    Width: Vectors<W>,
+{
+    let [ax, ay, az, bx, by, bz, ..] = vertices;
+    intersect_children(simd, &[*ax, *bx, *ay, *by, *az, *bz], prepared, t_max)
+}
+
 /// The same by where rays enter and leave the children.
 #[inline(always)]
 pub fn make_keys<S: Simd, const W: usize>(
