@@ -113,7 +113,8 @@ fn scenes_of_some_size_have_all_kinds_of_finish() {
 /// hits, and the least distance.
 fn seen(generator: Generator, triangles: u64, rays: usize) -> Vec<(f64, f32)> {
     let scene = loaded(&made(generator, triangles, 0));
-    let source: Arc<dyn TriangleSource> = Arc::new(Triangles::new(Arc::new(scene)).expect("few enough"));
+    let source: Arc<dyn TriangleSource> =
+        Arc::new(Triangles::new(Arc::new(scene)).expect("few enough"));
     let accel = build(&"bvh2".parse().expect("known"), source, Isa::Auto).expect("builds");
     let mut random = random::Random::new(1);
     let mut side = || random.between(-1.0, 1.0) as f32;

@@ -208,8 +208,8 @@ impl<V> Edges<V> {
     /// The same for triangles whose vertices are off by `off`, a sum of magnitudes.
     ///
     /// A triple product of vectors is at most that of their sums of magnitudes. So an edge function
-    /// `c × d · e` is off by at most `|d| off (|e| + 2 |c| + 2 off)` besides rounding, since edges
-    /// are off by twice as much as vertices; and the others likewise.
+    /// `c × d · e` is off by at most `off (|d| (|e| + 2 off) + 2 |c × d|)` besides rounding, since
+    /// edges are off by twice as much as vertices; and the others likewise, with `|c|`.
     #[inline(always)]
     pub fn find_near<S: Simd>(&self, rays: [[V; 3]; 2], d_norm: V, t_max: V, off: V) -> u64
     where
@@ -243,7 +243,8 @@ impl<V> Edges<V> {
         if let Some(off) = off {
             let (edges, twice) = (e1_norm + e2_norm + off + off, off + off);
             let c_twice = c_norm + c_norm;
-            edge_slack = (d_sum * off).mul_add(edges + c_twice, edge_slack);
+            let moment = norm(r) + cd;
+            edge_slack = off.mul_add(d_sum.mul_add(edges, moment + moment), edge_slack);
             det_slack = (d_sum * twice).mul_add(edges, det_slack);
             t_slack = (off * edges).mul_add(edges + c_twice, t_slack);
         }

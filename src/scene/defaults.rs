@@ -1,6 +1,8 @@
 //! What a picture needs and a scene may lack: a camera and light.
 
-use super::{NamedCamera, Notice, Scene};
+use rayon::prelude::*;
+
+use super::{Instance, NamedCamera, Notice, Scene};
 use crate::camera::Camera;
 use crate::light::Environment;
 use crate::math::{Aabb, Vec3};
@@ -44,15 +46,25 @@ impl Scene {
     }
 }
 
-/// The box of all triangles in the world; empty if there are none.
+/// The box of all triangles in the world; empty if there are none. Where more vertices are placed
+/// than can be looked at in a moment, of each placement the box of its mesh's box.
 pub fn bounds(scene: &Scene) -> Aabb {
-    let boxes = scene.instances.iter().map(|instance| {
-        let mesh = &scene.meshes[instance.mesh.index()];
-        let corners = mesh.indices.iter().flatten();
-        let points = corners.map(|&i| instance.transform.point(mesh.positions[i as usize]));
-        Aabb::of_points(points)
-    });
-    boxes.fold(Aabb::EMPTY, Aabb::union)
+    const MOST: usize = 200_000_000;
+    let used: Vec<Vec<Vec3>> = scene.meshes.par_iter().map(|mesh| mesh.used_positions()).collect();
+    let of = |instance: &Instance| &used[instance.mesh.index()];
+    let placed: usize = scene.instances.iter().map(|instance| of(instance).len()).sum();
+    let corners: Vec<Vec<Vec3>>;
+    let points = if placed <= MOST {
+        &used
+    } else {
+        corners = used.iter().map(|used| Aabb::of_points(used.iter().copied()).corners()).collect();
+        &corners
+    };
+    let placed_box = |instance: &Instance| {
+        let points = points[instance.mesh.index()].iter();
+        Aabb::of_points(points.map(|&point| instance.transform.point(point)))
+    };
+    scene.instances.par_iter().map(placed_box).reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
 /// A camera that sees all of the scene, from the front, a little to the right and above, in a

@@ -8,7 +8,6 @@ use super::lookup::emission;
 use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
 use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::sampling::warp;
-use crate::scene::defaults::bounds;
 use crate::scene::{AlphaMode, Scene, Triangles};
 
 /// All lights under one running number: punctual lights, then the environment if there is one,
@@ -56,9 +55,8 @@ pub(super) enum ChosenLight {
 }
 
 impl Lights {
-    /// The lights of a scene, to be chosen as told.
-    pub fn new(scene: &Scene, triangles: &Triangles, kind: LightSamplerKind) -> Self {
-        let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
+    /// The lights of a scene within `radius` metres, to be chosen as told.
+    pub fn new(scene: &Scene, triangles: &Triangles, radius: f32, kind: LightSamplerKind) -> Self {
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
         let environment = scene.environment.as_ref().map(|_| {

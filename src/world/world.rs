@@ -75,10 +75,11 @@ impl World {
         for material in materials_with_clear_vertices(&scene) {
             materials[material.index()].opaque = false;
         }
-        let lights = Lights::new(&scene, &triangles, kind);
+        let extent = bounds(&scene).extent().max(Vec3::ZERO);
+        let lights = Lights::new(&scene, &triangles, 0.5 * extent.length(), kind);
         let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
-        let slack = bounds(&scene).extent().max_element().max(0.0) * SLACK;
+        let slack = extent.max_element() * SLACK;
         Ok(Self { scene, triangles, lights, materials, slack, form, see_through })
     }
 

@@ -134,7 +134,7 @@ pub enum Entered {
 
 /// Takes a ray into the space of a mesh whose box, grown, is `bounds`; hits beyond `t_max` do not
 /// matter.
-#[inline]
+#[inline(always)]
 pub fn enter(bounds: &[DVec3; 2], to_world: &Affine3A, ray: &Ray, t_max: f32) -> Entered {
     let (matrix, translation) = widen(to_world);
     let inverse = matrix.inverse();

@@ -31,11 +31,7 @@ pub struct Inside {
 impl Inside {
     /// A ray that has entered a placement of a mesh that is kept apart, at `shift`.
     #[inline(always)]
-    pub fn new(
-        (placement, to_world): (InstanceId, Affine3A),
-        apart: &Apart,
-        shift: f64,
-    ) -> Self {
+    pub fn new((placement, to_world): (InstanceId, Affine3A), apart: &Apart, shift: f64) -> Self {
         let mirrored = to_world.matrix3.determinant() < 0.0;
         Self { placement, to_world, mirrored, shift, slack: apart.slack }
     }

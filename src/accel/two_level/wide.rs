@@ -64,20 +64,16 @@ impl WideLevels {
         let built = Built { level: above.level(), report };
         Ok(Self { levels, above, below, first_placement, built })
     }
-
-}
-
-/// Where a ray is below.
-struct Visit<'a> {
-    placement: Inside,
-    /// The ray in the mesh's space.
-    ray: PreparedRay<'a>,
-    stripes: Stripes<'a, W>,
 }
 
 /// A ray under way.
 struct Flight<'a, Q> {
     world: PreparedRay<'a>,
+    /// The same where it is now: among placements, or in the space of a mesh.
+    here: PreparedRay<'a>,
+    stripes: Stripes<'a, W>,
+    /// The placement that it is in.
+    inside: Option<Inside>,
     query: Q,
     /// Taken off the stack for its next turn.
     key: u32,
@@ -85,30 +81,17 @@ struct Flight<'a, Q> {
     top: usize,
     /// Which of the tracer's stacks is its own.
     stack: usize,
-    /// While it is below.
-    visit: Option<Visit<'a>>,
 }
 
-/// What a ray's turn came to.
-enum Turn {
-    /// There is more to do.
-    Goes,
-    /// Its answer is final.
-    Ended,
+/// The tree of placements, as a walk reads it.
+#[derive(Clone, Copy)]
+struct Above<'a> {
+    levels: &'a WideLevels,
+    stripes: Stripes<'a, W>,
+    root: Link,
 }
 
 impl WideLevels {
-    #[inline(always)]
-    fn start<'a, Q: Query>(
-        &self,
-        slice: &SliceContext<'a, impl Simd, Q, impl Counters>,
-        root: Link,
-        (index, stack): (usize, usize),
-    ) -> Flight<'a, Q> {
-        let world = PreparedRay::of_batch(&slice.batch, index);
-        Flight { query: world.ask(), world, key: 1, link: root, top: 1, stack, visit: None }
-    }
-
     /// Traces a slice.
     #[inline(always)]
     fn fly<'a, S: Simd, Q: Query, C: Counters>(
@@ -117,120 +100,114 @@ impl WideLevels {
         stacks: &mut [Stack<W>],
     ) {
         let Some(root) = self.above.root else { return slice.answer_nothing() };
+        let above = Above { levels: self, stripes: self.above.arena.stripes(), root };
         let count = slice.batch.rays().len();
         let mut next = count.min(RAYS);
         let mut flights: Vec<Flight<'_, Q>> =
-            (0..next).map(|index| self.start(slice, root, (index, index))).collect();
+            (0..next).map(|index| above.start(slice, (index, index))).collect();
         while !flights.is_empty() {
             let mut turn = 0;
             while turn < flights.len() {
-                let own = flights[turn].stack;
-                match self.take_turn(slice, &mut flights[turn], &mut stacks[own]) {
-                    Turn::Goes => turn += 1,
-                    Turn::Ended => {
-                        let flight = &flights[turn];
-                        slice.answers[flight.world.index] = flight.query.answer();
-                        if next < count {
-                            flights[turn] = self.start(slice, root, (next, own));
-                            next += 1;
-                            turn += 1;
-                        } else {
-                            flights.swap_remove(turn);
-                        }
-                    }
+                let flight = &mut flights[turn];
+                let own = flight.stack;
+                let (simd, counters) = (slice.simd, &mut *slice.counters);
+                if above.take_turn(simd, counters, flight, &mut stacks[own]).is_continue() {
+                    turn += 1;
+                    continue;
+                }
+                slice.answers[flight.world.index] = flight.query.answer();
+                if next < count {
+                    flights[turn] = above.start(slice, (next, own));
+                    next += 1;
+                    turn += 1;
+                } else {
+                    flights.swap_remove(turn);
                 }
             }
         }
     }
+}
 
-    /// Goes one step, and asks for what the next one needs.
+impl<'a> Above<'a> {
     #[inline(always)]
-    fn take_turn<'a, S: Simd, Q: Query, C: Counters>(
-        &'a self,
-        slice: &mut SliceContext<'a, S, Q, C>,
+    fn start<Q: Query>(
+        &self,
+        slice: &SliceContext<'a, impl Simd, Q, impl Counters>,
+        (index, stack): (usize, usize),
+    ) -> Flight<'a, Q> {
+        let world = PreparedRay::of_batch(&slice.batch, index);
+        let (query, stripes, link) = (world.ask(), self.stripes, self.root);
+        Flight { world, here: world, stripes, inside: None, query, key: 1, link, top: 1, stack }
+    }
+
+    /// Goes one step, and asks for what the next one needs; `Break` when the answer is final.
+    #[inline(always)]
+    fn take_turn<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        counters: &mut C,
         flight: &mut Flight<'a, Q>,
         stack: &mut Stack<W>,
-    ) -> Turn {
+    ) -> ControlFlow<()> {
         let limit = key_limit(flight.query.t_max());
         while flight.key > limit {
             (flight.key, flight.link) = stack.pop(&mut flight.top);
         }
-        if flight.key == 0 {
-            if flight.visit.take().is_none() {
-                return Turn::Ended;
-            }
-            flight.query.set_limit(flight.query.nearest().t);
-        } else {
-            let simd = slice.simd;
-            let (counters, link) = (&mut *slice.counters, flight.link);
-            let ends = if flight.visit.is_some() {
-                step_below(simd, counters, flight, stack)
-            } else if link.is_leaf() && link.place() >= self.first_placement {
-                let placement = InstanceId::from_index(link.place() - self.first_placement);
-                self.enter(flight, placement, stack)
+        if !flight.link.is_leaf() {
+            let Flight { here, query, stripes, link, top, .. } = flight;
+            counters.count(Event::InnerNode);
+            counters.count(Event::BoxTest);
+            let (planes, links) = stripes.node(*link);
+            let (keys, hits) = node::intersect_children(simd, planes, here, query.t_max());
+            stack.push(simd, sorting::<Q>(), keys, hits, links, top);
+        } else if flight.inside.is_some() {
+            if flight.key == 0 {
+                self.leave(flight);
             } else {
-                self.step_above(simd, counters, flight, stack);
-                ControlFlow::Continue(())
-            };
-            if ends.is_break() {
-                return Turn::Ended;
+                test_leaf(simd, counters, flight)?;
             }
+        } else if flight.key == 0 {
+            return ControlFlow::Break(());
+        } else if flight.link.place() < self.levels.first_placement {
+            self.open_leaf(simd, counters, flight, stack);
+        } else {
+            self.enter(flight, stack)?;
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
-        match &flight.visit {
-            Some(visit) => visit.stripes.prefetch(flight.link),
-            None => self.above.arena.stripes().prefetch(flight.link),
-        }
-        Turn::Goes
+        flight.stripes.prefetch(flight.link);
+        ControlFlow::Continue(())
     }
 
-    /// Goes one step among placements: puts those of a leaf, or the children of a node, that the
-    /// ray enters on the stack.
+    /// Puts those placements of a leaf on the stack whose boxes the ray enters.
     #[inline(always)]
-    fn step_above<S: Simd, Q: Query>(
+    fn open_leaf<S: Simd, Q: Query>(
         &self,
         simd: S,
         counters: &mut impl Counters,
         flight: &mut Flight<'_, Q>,
         stack: &mut Stack<W>,
     ) {
-        let (stripes, link) = (self.above.arena.stripes(), flight.link);
-        let (ray, t_max) = (&flight.world, flight.query.t_max());
-        let sorting = if Q::ANY { Sorting::None } else { Sorting::ByDistance };
+        counters.count(Event::Leaf);
         counters.count(Event::BoxTest);
-        if link.is_leaf() {
-            counters.count(Event::Leaf);
-            let block = stripes.block(link);
-            let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
-            // Lanes that are not used repeat a box.
-            let hits = hits & ((1 << block.len()) - 1);
-            let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
-            let links = block.ids.map(|id| self.link_to(id).0);
-            stack.push(simd, sorting, keys, hits, &links, &mut flight.top);
-        } else {
-            counters.count(Event::InnerNode);
-            let (planes, links) = stripes.node(link);
-            let (keys, hits) = node::intersect_children(simd, planes, ray, t_max);
-            stack.push(simd, sorting, keys, hits, links, &mut flight.top);
-        }
-    }
-
-    #[inline(always)]
-    fn link_to(&self, placement: PrimId) -> Link {
-        Link::to_leaf(self.first_placement.wrapping_add(placement.index()))
+        let block = self.stripes.block(flight.link);
+        let (ray, t_max) = (&flight.world, flight.query.t_max());
+        let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
+        // Lanes that are not used repeat a box.
+        let hits = hits & ((1 << block.len()) - 1);
+        let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
+        let first = self.levels.first_placement;
+        let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.index())).0);
+        stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
     }
 
     /// Takes a ray into a placement, if it meets its box.
     #[inline(always)]
-    fn enter<'a, Q: Query>(
-        &'a self,
-        flight: &mut Flight<'a, Q>,
-        placement: InstanceId,
-        stack: &mut Stack<W>,
-    ) -> ControlFlow<()> {
-        let placements = self.levels.placed.get();
+    fn enter<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &mut Stack<W>) -> ControlFlow<()> {
+        let levels = &*self.levels.levels;
+        let placement = InstanceId::from_index(flight.link.place() - self.levels.first_placement);
+        let placements = levels.placed.get();
         let mesh = placements.mesh(placement).index();
-        let (Some(apart), Some(tree)) = (&self.levels.meshes[mesh], &self.below[mesh]) else {
+        let (Some(apart), Some(tree)) = (&levels.meshes[mesh], &self.levels.below[mesh]) else {
             return ControlFlow::Continue(());
         };
         let Some(root) = tree.root else { return ControlFlow::Continue(()) };
@@ -239,64 +216,66 @@ impl WideLevels {
         let (ray, shift) = match enter(&apart.grown, &to_world, &flight.world.ray, nearest.t) {
             Entered::Missed => return ControlFlow::Continue(()),
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
-            Entered::Far => return self.test_all(flight, placement, apart),
+            Entered::Far => return test_all(levels, flight, placement, apart),
         };
-        let inside = Inside::new((placement, to_world), apart, shift);
-        let ray = PreparedRay { ray, slab: SlabRay::new(&ray), ..flight.world };
-        let stripes = tree.arena.stripes();
-        flight.query.set_limit(ray.ray.t_max());
-        flight.visit = Some(Visit { placement: inside, ray, stripes });
-        stack.put(0, root, &mut flight.top);
+        flight.inside = Some(Inside::new((placement, to_world), apart, shift));
+        (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
+        flight.stripes = tree.arena.stripes();
+        flight.query.set_limit(ray.t_max());
+        stack.put(0, BACK, &mut flight.top);
         stack.put(1, root, &mut flight.top);
         ControlFlow::Continue(())
     }
 
-    /// Holds a ray that can't be placed against all triangles of a placement.
-    #[cold]
-    #[inline(never)]
-    fn test_all<Q: Query>(
-        &self,
-        flight: &mut Flight<'_, Q>,
-        placement: InstanceId,
-        apart: &Apart,
-    ) -> ControlFlow<()> {
-        let placements = self.levels.placed.get();
-        let inside = Inside::new((placement, placements.to_world(placement)), apart, 0.0);
-        let nearest = flight.query.nearest();
-        match nearest_of_all(placements, &inside, &flight.world, &nearest, Q::ANY) {
-            Some(hit) => flight.query.take(hit, hit.t),
-            None => ControlFlow::Continue(()),
-        }
+    /// Takes a ray back among placements.
+    #[inline(always)]
+    fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>) {
+        flight.inside = None;
+        (flight.here.ray, flight.here.slab) = (flight.world.ray, flight.world.slab);
+        flight.stripes = self.stripes;
+        flight.query.set_limit(flight.query.nearest().t);
     }
 }
 
-/// Goes one step in a mesh: tests a leaf's triangles, or puts the children that the ray enters on
-/// the stack.
+/// A link that no walk follows, since its key is zero; a leaf, so that it is no node either.
+const BACK: Link = Link(1 << 31);
+
 #[inline(always)]
-fn step_below<S: Simd, Q: Query, C: Counters>(
+fn sorting<Q: Query>() -> Sorting {
+    if Q::ANY { Sorting::None } else { Sorting::ByDistance }
+}
+
+/// Holds a ray that can't be placed against all triangles of a placement.
+#[cold]
+#[inline(never)]
+fn test_all<Q: Query>(
+    levels: &Levels,
+    flight: &mut Flight<'_, Q>,
+    placement: InstanceId,
+    apart: &Apart,
+) -> ControlFlow<()> {
+    let placements = levels.placed.get();
+    let inside = Inside::new((placement, placements.to_world(placement)), apart, 0.0);
+    let nearest = flight.query.nearest();
+    match nearest_of_all(placements, &inside, &flight.world, &nearest, Q::ANY) {
+        Some(hit) => flight.query.take(hit, hit.t),
+        None => ControlFlow::Continue(()),
+    }
+}
+
+/// Tests the triangles of a leaf in a mesh.
+#[inline(always)]
+fn test_leaf<S: Simd, Q: Query, C: Counters>(
     simd: S,
     counters: &mut C,
     flight: &mut Flight<'_, Q>,
-    stack: &mut Stack<W>,
 ) -> ControlFlow<()> {
-    let Flight { world, query, link, top, visit, .. } = flight;
-    let Some(Visit { placement, ray, stripes, .. }) = visit else {
-        return ControlFlow::Continue(());
-    };
-    if !link.is_leaf() {
-        counters.count(Event::InnerNode);
-        counters.count(Event::BoxTest);
-        let (planes, links) = stripes.node(*link);
-        let (keys, hits) = node::intersect_children(simd, planes, ray, query.t_max());
-        let sorting = if Q::ANY { Sorting::None } else { Sorting::ByDistance };
-        stack.push(simd, sorting, keys, hits, links, top);
-        return ControlFlow::Continue(());
-    }
+    let Flight { world, here, query, link, stripes, inside, .. } = flight;
+    let Some(inside) = inside else { return ControlFlow::Continue(()) };
     counters.count(Event::Leaf);
     counters.count(Event::TriangleTest);
     let block = stripes.block(*link);
-    let slack = placement.slack;
-    let mut lanes = block.find_near::<S, f32x8<S>>(simd, &ray.ray, query.t_max(), slack);
+    let mut lanes = block.find_near::<S, f32x8<S>>(simd, &here.ray, query.t_max(), inside.slack);
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize % W;
         lanes &= lanes - 1;
@@ -306,9 +285,9 @@ fn step_below<S: Simd, Q: Query, C: Counters>(
         }
         counters.count(Event::ExactTest);
         let triangle = block.triangle(lane);
-        let hit = placement.test(simd, world, (prim, &triangle), &query.nearest(), Q::ANY);
+        let hit = inside.test(simd, world, (prim, &triangle), &query.nearest(), Q::ANY);
         if let Some(hit) = hit {
-            query.take(hit, placement.limit(hit.t))?;
+            query.take(hit, inside.limit(hit.t))?;
         }
     }
     ControlFlow::Continue(())
@@ -318,7 +297,12 @@ impl Structure for WideLevels {
     type Scratch = Box<[Stack<W>]>;
 
     fn scratch(&self) -> Box<[Stack<W>]> {
-        (0..RAYS).map(|_| Stack::new()).collect()
+        let with_bottom = |_| {
+            let mut stack = Stack::new();
+            stack.put(0, BACK, &mut 0);
+            stack
+        };
+        (0..RAYS).map(with_bottom).collect()
     }
 
     fn built(&self) -> &Built {

@@ -6,6 +6,7 @@ use crate::accel::PreparedRay;
 use crate::simd::order::{BIAS, DISTANCE};
 use crate::simd::{Vectors, Width};
 
+/// A vector of `W` numbers.
 pub type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
 type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 

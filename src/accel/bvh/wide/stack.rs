@@ -109,8 +109,7 @@ impl<const W: usize> Stack<W> {
     #[inline(always)]
     pub fn put(&mut self, key: u32, link: Link, top: &mut usize) {
         let place = *top % Self::SIZE;
-        (self.keys.as_flattened_mut()[place], self.links.as_flattened_mut()[place]) =
-            (key, link.0);
+        (self.keys.as_flattened_mut()[place], self.links.as_flattened_mut()[place]) = (key, link.0);
         *top += 1;
     }
 
