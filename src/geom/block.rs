@@ -134,8 +134,8 @@ impl<const W: usize> BlockRef<'_, W> {
         let splat = |p: Vec3| [V::splat(simd, p.x), V::splat(simd, p.y), V::splat(simd, p.z)];
         let d_norm = V::splat(simd, ray.direction().abs().element_sum());
         let rays = [splat(ray.origin()), splat(ray.direction())];
-        // All three axes together, and what rounding takes off the bounds.
-        let off = V::splat(simd, 3.001 * slack);
+        // With what rounding takes off the bounds.
+        let off = V::splat(simd, 1.001 * slack);
         let passes = self.edges::<S, V>(simd).find_near(rays, d_norm, V::splat(simd, t_max), off);
         (passes & ((1_u64 << W) - 1)) as u32
     }
@@ -205,11 +205,13 @@ impl<V> Edges<V> {
         self.find(rays, d_norm, t_max, None)
     }
 
-    /// The same for triangles whose vertices are off by `off`, a sum of magnitudes.
+    /// The same for triangles whose vertices are off by `off` along each axis.
     ///
-    /// A triple product of vectors is at most that of their sums of magnitudes. So an edge function
-    /// `c × d · e` is off by at most `off (|d| (|e| + 2 off) + 2 |c × d|)` besides rounding, since
-    /// edges are off by twice as much as vertices; and the others likewise, with `|c|`.
+    /// A dot product with what is off by `off` along each axis is off by at most `off` times the
+    /// sum of the other's magnitudes; that sum of a cross product is at most the product of both
+    /// sums. So an edge function `c × d · e` is off by at most `off (|d| (|e| + 6 off) +
+    /// 2 |c × d|)` besides rounding, since edges are off by twice as much as vertices; and the
+    /// others likewise, with `|c|`.
     #[inline(always)]
     pub fn find_near<S: Simd>(&self, rays: [[V; 3]; 2], d_norm: V, t_max: V, off: V) -> u64
     where
@@ -241,7 +243,7 @@ impl<V> Edges<V> {
         let mut det_slack = d_norm.mul_add(ee, tiny);
         let mut t_slack = (c_norm * splat(RELATIVE)).mul_add(ee, tiny);
         if let Some(off) = off {
-            let (edges, twice) = (e1_norm + e2_norm + off + off, off + off);
+            let (edges, twice) = (off.mul_add(splat(6.0), e1_norm + e2_norm), off + off);
             let c_twice = c_norm + c_norm;
             let moment = norm(r) + cd;
             edge_slack = off.mul_add(d_sum.mul_add(edges, moment + moment), edge_slack);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::placement::{Shape, error_inside};
+use super::placement::{Shape, ToMesh, error_inside};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use crate::accel::Phases;
 use crate::geom::TriangleSource;
@@ -26,6 +26,8 @@ pub struct Levels {
     pub placed: Placed,
     /// The placements that are kept apart; what the upper structure numbers.
     pub placements: Arc<[InstanceId]>,
+    /// The ways back, as long as they are few; else each is computed when it is needed.
+    to_mesh: Vec<ToMesh>,
     /// Of each mesh that is kept apart what it takes.
     pub meshes: Vec<Option<Apart>>,
     shapes: Arc<[Option<Shape>]>,
@@ -34,6 +36,9 @@ pub struct Levels {
 
 /// A mesh of fewer triangles is flattened: a placement costs as much.
 const FEW: usize = 16;
+
+/// Ways back take 96 bytes each.
+const MOST_WAYS_BACK: usize = 1 << 18;
 
 impl Levels {
     /// Divides a scene. Meshes that are placed once are flattened, and with them what can't be kept
@@ -79,8 +84,23 @@ impl Levels {
             Some(Apart { slack, grown: shape.grown(slack) })
         };
         let meshes = shapes.iter().zip(&off).map(keep).collect();
+        let to_mesh: Vec<ToMesh> = if placements.len() <= MOST_WAYS_BACK {
+            let all = (0..placements.len()).into_par_iter().map(InstanceId::from_index);
+            all.map(|placement| ToMesh::new(&placements.to_world(placement))).collect()
+        } else {
+            Vec::new()
+        };
         phases.end("placements");
-        Self { placements: apart.into(), meshes, shapes: shapes.into(), flat, placed }
+        Self { placements: apart.into(), to_mesh, meshes, shapes: shapes.into(), flat, placed }
+    }
+
+    /// The way into the space of a placement's mesh.
+    #[inline(always)]
+    pub fn to_mesh(&self, placement: InstanceId) -> ToMesh {
+        match self.to_mesh.get(placement.index()) {
+            Some(known) => *known,
+            None => ToMesh::new(&self.placed.get().to_world(placement)),
+        }
     }
 
     /// A placement by its number in the upper structure, and where it stands.

@@ -72,8 +72,8 @@ impl Shape {
 
     /// By how much a structure of the mesh grows its boxes, where placements need `off` of it.
     pub fn slack(&self, off: f32) -> f32 {
-        let rounding = ROUNDING * (self.reach.max_element() + 4.0 * self.size());
-        (2.0 * f64::from(off) + rounding + TINY) as f32
+        let rounding = 0.5 * ROUNDING * (self.reach.max_element() + 2.0 * self.size());
+        (f64::from(off) * (1.0 + ROUNDING) + rounding + TINY) as f32
     }
 
     /// The box of what a structure holds that is grown by `slack`, and once more by as much.
@@ -107,10 +107,9 @@ pub fn error_inside(shape: &Shape, to_world: &Affine3A) -> Option<f32> {
     }
     let turned = magnitudes(&matrix) * shape.reach;
     let sum = turned + translation.abs();
-    let rounded = (turned * 4.0 + sum * 1.25) * HALF_ULP + TINY;
+    let rounded = (turned * 4.0 + sum * 1.0625) * HALF_ULP + TINY;
     let off = (magnitudes(&inverse) * rounded).max_element();
-    let whole = 2.0 * off + ROUNDING * (shape.reach.max_element() + 4.0 * shape.size());
-    (whole <= MOST_SLACK * shape.size()).then_some(off as f32)
+    (shape.slack(off as f32) <= (MOST_SLACK * shape.size()) as f32).then_some(off as f32)
 }
 
 /// A ray in the space of a mesh.
@@ -132,31 +131,45 @@ pub enum Entered {
     Far,
 }
 
-/// Takes a ray into the space of a mesh whose box, grown, is `bounds`; hits beyond `t_max` do not
-/// matter.
-#[inline(always)]
-pub fn enter(bounds: &[DVec3; 2], to_world: &Affine3A, ray: &Ray, t_max: f32) -> Entered {
-    let (matrix, translation) = widen(to_world);
-    let inverse = matrix.inverse();
-    let origin = inverse * (ray.origin().as_dvec3() - translation);
-    let direction = inverse * ray.direction().as_dvec3();
-    let reciprocal = direction.recip();
-    // Where a ray runs within a plane of the box there is no number: minimum and maximum leave it
-    // out, and so the ray in.
-    let (low, high) = ((bounds[0] - origin) * reciprocal, (bounds[1] - origin) * reciprocal);
-    let near = |axis: usize| low[axis].min(high[axis]);
-    let far = |axis: usize| low[axis].max(high[axis]);
-    let enter = near(0).max(near(1)).max(near(2)).max(0.0);
-    let exit = far(0).min(far(1)).min(far(2));
-    let beyond = f64::from(t_max) * (1.0 + ROUNDING);
-    if !(enter <= exit && enter <= beyond) {
-        return Entered::Missed;
+/// From the world to a mesh's space.
+#[derive(Clone, Copy, Debug)]
+pub struct ToMesh {
+    inverse: DMat3,
+    translation: DVec3,
+}
+
+impl ToMesh {
+    /// The way back of a placement that has one.
+    #[inline(always)]
+    pub fn new(to_world: &Affine3A) -> Self {
+        let (matrix, translation) = widen(to_world);
+        Self { inverse: matrix.inverse(), translation }
     }
-    let from = origin + direction * enter;
-    let size = (bounds[1] - bounds[0]).max_element();
-    let ray = Ray::new(from.as_vec3(), direction.as_vec3(), 0.0, limit(enter, t_max));
-    let is_placed = origin.abs().max_element() <= FARTHEST * size && ray.t_max() >= 0.0;
-    if is_placed { Entered::Inside(LocalRay { ray, shift: enter }) } else { Entered::Far }
+
+    /// Takes a ray into the space of a mesh whose box, grown, is `bounds`; hits beyond `t_max` do
+    /// not matter.
+    #[inline(always)]
+    pub fn enter(&self, bounds: &[DVec3; 2], ray: &Ray, t_max: f32) -> Entered {
+        let origin = self.inverse * (ray.origin().as_dvec3() - self.translation);
+        let direction = self.inverse * ray.direction().as_dvec3();
+        let reciprocal = direction.recip();
+        // Where a ray runs within a plane of the box there is no number: minimum and maximum leave
+        // it out, and so the ray in.
+        let (low, high) = ((bounds[0] - origin) * reciprocal, (bounds[1] - origin) * reciprocal);
+        let near = |axis: usize| low[axis].min(high[axis]);
+        let far = |axis: usize| low[axis].max(high[axis]);
+        let enter = near(0).max(near(1)).max(near(2)).max(0.0);
+        let exit = far(0).min(far(1)).min(far(2));
+        let beyond = f64::from(t_max) * (1.0 + ROUNDING);
+        if !(enter <= exit && enter <= beyond) {
+            return Entered::Missed;
+        }
+        let from = origin + direction * enter;
+        let size = (bounds[1] - bounds[0]).max_element();
+        let ray = Ray::new(from.as_vec3(), direction.as_vec3(), 0.0, limit(enter, t_max));
+        let is_placed = origin.abs().max_element() <= FARTHEST * size && ray.t_max() >= 0.0;
+        if is_placed { Entered::Inside(LocalRay { ray, shift: enter }) } else { Entered::Far }
+    }
 }
 
 /// What no box beyond matters in the mesh's space, once there is a hit at `t`.

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use fearless_simd::Simd;
 
 use super::levels::{Apart, Levels};
-use super::placement::{Entered, LocalRay, enter, limit};
+use super::placement::{Entered, LocalRay, limit};
 use crate::accel::{
     AnyHit, Batch, BlockFilter, ClosestHit, HitFilter, PreparedRay, Tracer, Verdict,
 };
@@ -18,10 +18,6 @@ use crate::simd::baseline;
 pub struct Inside {
     /// The placement.
     pub placement: InstanceId,
-    /// From the mesh's space to the world.
-    to_world: Affine3A,
-    /// Whether it turns left into right.
-    mirrored: bool,
     /// The world's `t` where the ray begins in the mesh's space.
     shift: f64,
     /// How far off vertices may be in the mesh's space.
@@ -31,9 +27,8 @@ pub struct Inside {
 impl Inside {
     /// A ray that has entered a placement of a mesh that is kept apart, at `shift`.
     #[inline(always)]
-    pub fn new((placement, to_world): (InstanceId, Affine3A), apart: &Apart, shift: f64) -> Self {
-        let mirrored = to_world.matrix3.determinant() < 0.0;
-        Self { placement, to_world, mirrored, shift, slack: apart.slack }
+    pub fn new(placement: InstanceId, apart: &Apart, shift: f64) -> Self {
+        Self { placement, shift, slack: apart.slack }
     }
 
     /// What the exact test says of a triangle of the mesh and the ray in the world.
@@ -41,17 +36,17 @@ impl Inside {
     pub fn test<S: Simd>(
         &self,
         simd: S,
-        world: &PreparedRay<'_>,
+        (to_world, world): (&Affine3A, &PreparedRay<'_>),
         (prim, corners): (PrimId, &Triangle),
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
         let [a, b, c] = corners.corners().map(
             #[inline(always)]
-            |p: Vec3| self.to_world.transform_point3(p),
+            |p: Vec3| to_world.transform_point3(p),
         );
-        let triangle =
-            if self.mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } };
+        let mirrored = to_world.matrix3.determinant() < 0.0;
+        let triangle = if mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } };
         let [t, u, v] = intersect_triangle(simd, &world.slab, &world.shear, &triangle)?;
         let triangle = TriangleId { instance: self.placement, index: prim.0 };
         let hit = ClosestHit { t, u, v, triangle };
@@ -75,10 +70,12 @@ pub fn nearest_of_all(
     any: bool,
 ) -> Option<ClosestHit> {
     let mesh = placements.mesh(inside.placement);
+    let to_world = placements.to_world(inside.placement);
     let (mut nearest, mut found) = (*nearest, None);
     for index in 0..placements.mesh_len(mesh) as u32 {
         let corners = placements.mesh_triangle(mesh, index);
-        let hit = inside.test(baseline(), world, (PrimId(index), &corners), &nearest, any);
+        let hit =
+            inside.test(baseline(), (&to_world, world), (PrimId(index), &corners), &nearest, any);
         if let Some(hit) = hit {
             (nearest, found) = (hit, Some(hit));
             if any {
@@ -92,6 +89,7 @@ pub fn nearest_of_all(
 /// What a mesh's structure asks of a ray within a placement.
 struct Below<'a> {
     inside: Inside,
+    to_world: Affine3A,
     world: &'a PreparedRay<'a>,
     /// The greatest `t` that counts.
     t_max: f32,
@@ -105,7 +103,7 @@ impl Verdict for Below<'_> {
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
-        self.inside.test(baseline(), self.world, prim, nearest, any)
+        self.inside.test(baseline(), (&self.to_world, self.world), prim, nearest, any)
     }
 
     fn filter(&self) -> BlockFilter {
@@ -147,9 +145,9 @@ impl Verdict for Above<'_, '_> {
         let mesh = self.levels.placed.get().mesh(placement).index();
         let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
         let world = &self.rays[ray];
-        let entered = enter(&apart.grown, &to_world, world, nearest.t);
+        let entered = self.levels.to_mesh(placement).enter(&apart.grown, world, nearest.t);
         let world = &PreparedRay::new(world, ray, self.filter);
-        let inside = |shift| Inside::new((placement, to_world), apart, shift);
+        let inside = |shift| Inside::new(placement, apart, shift);
         let (ray, shift) = match entered {
             Entered::Missed => return None,
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
@@ -158,7 +156,7 @@ impl Verdict for Above<'_, '_> {
                 return nearest_of_all(placements, &inside(0.0), world, nearest, any);
             }
         };
-        let below = Below { inside: inside(shift), world, t_max: nearest.t };
+        let below = Below { inside: inside(shift), to_world, world, t_max: nearest.t };
         let rays = [ray];
         let batch = Batch::new(&rays).with_verdict(&below);
         let mut tracers = self.tracers.borrow_mut();

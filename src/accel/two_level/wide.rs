@@ -11,7 +11,7 @@ use std::sync::Arc;
 use fearless_simd::{Simd, f32x8};
 
 use super::levels::{Apart, Levels};
-use super::placement::{Entered, LocalRay, enter};
+use super::placement::{Entered, LocalRay};
 use super::verdict::{Inside, nearest_of_all};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
@@ -164,17 +164,20 @@ impl<'a> Above<'a> {
             if flight.key == 0 {
                 self.leave(flight);
             } else {
-                test_leaf(simd, counters, flight)?;
+                self.test_leaf(simd, counters, flight)?;
             }
         } else if flight.key == 0 {
             return ControlFlow::Break(());
         } else if flight.link.place() < self.levels.first_placement {
             self.open_leaf(simd, counters, flight, stack);
         } else {
+            counters.count(Event::Restart);
             self.enter(flight, stack)?;
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
-        flight.stripes.prefetch(flight.link);
+        // Placements lie beyond all stripes: there is nothing to wait for.
+        let place = flight.link.place().min(flight.stripes.len());
+        flight.stripes.prefetch(Link::to_node(place));
         ControlFlow::Continue(())
     }
 
@@ -211,14 +214,14 @@ impl<'a> Above<'a> {
             return ControlFlow::Continue(());
         };
         let Some(root) = tree.root else { return ControlFlow::Continue(()) };
-        let to_world = placements.to_world(placement);
-        let nearest = flight.query.nearest();
-        let (ray, shift) = match enter(&apart.grown, &to_world, &flight.world.ray, nearest.t) {
+        let to_mesh = levels.to_mesh(placement);
+        let t_max = flight.query.nearest().t;
+        let (ray, shift) = match to_mesh.enter(&apart.grown, &flight.world.ray, t_max) {
             Entered::Missed => return ControlFlow::Continue(()),
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
             Entered::Far => return test_all(levels, flight, placement, apart),
         };
-        flight.inside = Some(Inside::new((placement, to_world), apart, shift));
+        flight.inside = Some(Inside::new(placement, apart, shift));
         (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
         flight.stripes = tree.arena.stripes();
         flight.query.set_limit(ray.t_max());
@@ -234,6 +237,43 @@ impl<'a> Above<'a> {
         (flight.here.ray, flight.here.slab) = (flight.world.ray, flight.world.slab);
         flight.stripes = self.stripes;
         flight.query.set_limit(flight.query.nearest().t);
+    }
+
+    /// Tests the triangles of a leaf in a mesh.
+    #[inline(always)]
+    fn test_leaf<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        counters: &mut C,
+        flight: &mut Flight<'_, Q>,
+    ) -> ControlFlow<()> {
+        let Flight { world, here, query, link, stripes, inside, .. } = flight;
+        let Some(inside) = inside else { return ControlFlow::Continue(()) };
+        counters.count(Event::Leaf);
+        counters.count(Event::TriangleTest);
+        let block = stripes.block(*link);
+        let mut lanes =
+            block.find_near::<S, f32x8<S>>(simd, &here.ray, query.t_max(), inside.slack);
+        if lanes == 0 {
+            return ControlFlow::Continue(());
+        }
+        let to_world = self.levels.levels.placed.get().to_world(inside.placement);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % W;
+            lanes &= lanes - 1;
+            let prim = block.ids[lane];
+            if prim == PrimId::NONE {
+                continue;
+            }
+            counters.count(Event::ExactTest);
+            let triangle = block.triangle(lane);
+            let hit =
+                inside.test(simd, (&to_world, world), (prim, &triangle), &query.nearest(), Q::ANY);
+            if let Some(hit) = hit {
+                query.take(hit, inside.limit(hit.t))?;
+            }
+        }
+        ControlFlow::Continue(())
     }
 }
 
@@ -255,42 +295,12 @@ fn test_all<Q: Query>(
     apart: &Apart,
 ) -> ControlFlow<()> {
     let placements = levels.placed.get();
-    let inside = Inside::new((placement, placements.to_world(placement)), apart, 0.0);
+    let inside = Inside::new(placement, apart, 0.0);
     let nearest = flight.query.nearest();
     match nearest_of_all(placements, &inside, &flight.world, &nearest, Q::ANY) {
         Some(hit) => flight.query.take(hit, hit.t),
         None => ControlFlow::Continue(()),
     }
-}
-
-/// Tests the triangles of a leaf in a mesh.
-#[inline(always)]
-fn test_leaf<S: Simd, Q: Query, C: Counters>(
-    simd: S,
-    counters: &mut C,
-    flight: &mut Flight<'_, Q>,
-) -> ControlFlow<()> {
-    let Flight { world, here, query, link, stripes, inside, .. } = flight;
-    let Some(inside) = inside else { return ControlFlow::Continue(()) };
-    counters.count(Event::Leaf);
-    counters.count(Event::TriangleTest);
-    let block = stripes.block(*link);
-    let mut lanes = block.find_near::<S, f32x8<S>>(simd, &here.ray, query.t_max(), inside.slack);
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize % W;
-        lanes &= lanes - 1;
-        let prim = block.ids[lane];
-        if prim == PrimId::NONE {
-            continue;
-        }
-        counters.count(Event::ExactTest);
-        let triangle = block.triangle(lane);
-        let hit = inside.test(simd, world, (prim, &triangle), &query.nearest(), Q::ANY);
-        if let Some(hit) = hit {
-            query.take(hit, inside.limit(hit.t))?;
-        }
-    }
-    ControlFlow::Continue(())
 }
 
 impl Structure for WideLevels {
