@@ -183,8 +183,8 @@ mod tests {
     #[test]
     fn points_stand_turned_and_scaled() {
         let header = "ply\nformat ascii 1.0\nelement vertex 2\n";
-        let properties = |names: &str| -> String {
-            names.split(' ').map(|name| format!("property float {name}\n")).collect()
+        let properties = |names: &str| {
+            names.split(' ').fold(String::new(), |all, name| all + "property float " + name + "\n")
         };
         let file = |names: &str, rows: &str| {
             let text = format!("{header}{}end_header\n{rows}", properties(names));

@@ -88,10 +88,8 @@ impl<'a> Builder<'a> {
             return Ok(());
         }
         let parts = self.parts(mesh, &pose, notices)?;
-        let bytes =
-            (parts.len() as u64 * size_of::<Instance>() as u64).saturating_mul(copies.count);
-        self.storage.reserve_placements(copies.place, bytes)?;
-        self.make_room(copies.count.saturating_mul(parts.len() as u64), copies.place)?;
+        let count = copies.count.saturating_mul(parts.len() as u64);
+        self.make_room(count, copies.place)?;
         for number in 0..copies.count as usize {
             let to_world = at.to_world * copies.placement(number)?;
             self.put(&parts, &Placed { node: at.node, to_world })?;
@@ -119,10 +117,7 @@ impl<'a> Builder<'a> {
         notices: &mut Notices,
     ) -> Result<(), Fault> {
         let parts = self.parts(mesh, pose, notices)?;
-        let place = || format!("/nodes/{}", at.node);
-        let bytes = parts.len() as u64 * size_of::<Instance>() as u64;
-        self.storage.reserve_placements(&place(), bytes)?;
-        self.make_room(parts.len() as u64, &place())?;
+        self.make_room(parts.len() as u64, &format!("/nodes/{}", at.node))?;
         self.put(&parts, at)
     }
 
@@ -152,6 +147,7 @@ impl<'a> Builder<'a> {
     }
 
     fn make_room(&mut self, more: u64, place: &str) -> Result<(), Fault> {
+        self.storage.reserve_placements(place, more)?;
         placement::make_room(&mut self.scene.instances, more)
             .map_err(|error| Fault::new(place, error.to_string()))
     }

@@ -15,9 +15,12 @@ const FREE_BYTES: u64 = 1 << 30;
 /// and accessors can overlap, but a small file must not ask for gigabytes.
 const EXPANSION: u64 = 32;
 
-/// Memory that placements may take beyond [`FREE_BYTES`], as a multiple of the buffers' length: a
-/// mesh of many parts is placed by each of a node's copies.
-const PLACEMENT_EXPANSION: u64 = 256;
+/// Placed meshes that there may always be.
+const FREE_PLACEMENTS: u64 = 1 << 22;
+
+/// Placed meshes that there may be beyond, for each byte of the buffers: a mesh of many parts is
+/// placed by each of a node's copies, which takes some bytes there.
+const PLACEMENTS_PER_BYTE: u64 = 8;
 
 /// The most elements of an accessor that has no buffer view: nothing pays for its zeros.
 const MAX_ZEROS: u64 = 1 << 22;
@@ -32,7 +35,7 @@ pub struct Storage<'a> {
     unpacked: BTreeMap<usize, Vec<u8>>,
     /// Bytes that may still be decoded.
     budget: Cell<u64>,
-    /// Bytes that placements may still take.
+    /// Meshes that may still be placed.
     placement_budget: Cell<u64>,
 }
 
@@ -44,9 +47,10 @@ impl<'a> Storage<'a> {
         accessors: Vec<Accessor>,
     ) -> Self {
         let total: u64 = buffers.iter().flatten().map(|bytes| bytes.len() as u64).sum();
-        let times =
-            |expansion| Cell::new(FREE_BYTES.saturating_add(total.saturating_mul(expansion)));
-        let (budget, placement_budget) = (times(EXPANSION), times(PLACEMENT_EXPANSION));
+        let allow =
+            |free: u64, each: u64| Cell::new(free.saturating_add(total.saturating_mul(each)));
+        let budget = allow(FREE_BYTES, EXPANSION);
+        let placement_budget = allow(FREE_PLACEMENTS, PLACEMENTS_PER_BYTE);
         Self { buffers, views, accessors, unpacked: BTreeMap::new(), budget, placement_budget }
     }
 
@@ -92,12 +96,14 @@ impl<'a> Storage<'a> {
 
     /// Sets memory for decoded numbers aside.
     pub fn reserve(&self, place: &str, bytes: u64) -> Result<(), Fault> {
-        spend(&self.budget, bytes, place, "the geometry takes")
+        let message = "the geometry takes far more memory than the buffers' length can justify";
+        spend(&self.budget, bytes).ok_or_else(|| Fault::new(place, message))
     }
 
-    /// Sets memory for placements aside.
-    pub fn reserve_placements(&self, place: &str, bytes: u64) -> Result<(), Fault> {
-        spend(&self.placement_budget, bytes, place, "placed meshes take")
+    /// Accounts for so many placed meshes.
+    pub fn reserve_placements(&self, place: &str, count: u64) -> Result<(), Fault> {
+        let message = "there are far more placed meshes than the buffers' length can justify";
+        spend(&self.placement_budget, count).ok_or_else(|| Fault::new(place, message))
     }
 
     /// Vectors of `N` numbers, or scalars where `N` is 1.
@@ -214,14 +220,10 @@ impl<'a> Storage<'a> {
     }
 }
 
-/// Takes bytes from a budget.
-fn spend(budget: &Cell<u64>, bytes: u64, place: &str, what: &str) -> Result<(), Fault> {
-    let left = budget.get().checked_sub(bytes).ok_or_else(|| {
-        let message = format!("{what} far more memory than the buffers' length can justify");
-        Fault::new(place, message)
-    })?;
-    budget.set(left);
-    Ok(())
+/// Takes so much from a budget, if there is as much.
+fn spend(budget: &Cell<u64>, amount: u64) -> Option<()> {
+    budget.set(budget.get().checked_sub(amount)?);
+    Some(())
 }
 
 type Decode<T> = fn(&[u8]) -> T;

@@ -48,12 +48,11 @@ impl Library {
     /// That it is being read already, or that there are too many within one another.
     pub fn open(&mut self, path: &Path) -> Result<(), String> {
         let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let shown = |scenes: &[(PathBuf, PathBuf)]| -> String {
-            scenes.iter().map(|(path, _)| format!("{} > ", path.display())).collect()
-        };
         if let Some(first) = self.open.iter().position(|(_, other)| *other == real) {
-            let path = path.display();
-            return Err(format!("a scene places itself: {}{path}", shown(&self.open[first..])));
+            let circle = self.open[first..].iter().map(|(path, _)| path.as_path());
+            let names: Vec<_> =
+                circle.chain([path]).map(|path| path.display().to_string()).collect();
+            return Err(format!("a scene places itself: {}", names.join(" > ")));
         }
         if self.open.len() >= MAX_DEPTH {
             return Err(format!("more than {MAX_DEPTH} scenes are placed within one another"));

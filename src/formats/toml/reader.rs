@@ -189,13 +189,11 @@ impl<'d> Table<'d> {
                 return Ok(Ok(point));
             }
             let (name, start) = (format!("{key} {number}"), value.span().start);
-            match as_table(value.get_ref()) {
-                Some(entries) => Ok(Err(Self::new(self.source, entries, name, start))),
-                None => {
-                    let message = format!("{name}: must be […] of 3 finite numbers, or a table");
-                    Err(self.source.fault(start, message))
-                }
-            }
+            let entries = as_table(value.get_ref()).ok_or_else(|| {
+                let message = format!("{name}: must be […] of 3 finite numbers, or a table");
+                self.source.fault(start, message)
+            })?;
+            Ok(Err(Self::new(self.source, entries, name, start)))
         };
         array.iter().enumerate().map(one).collect()
     }

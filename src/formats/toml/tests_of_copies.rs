@@ -23,7 +23,9 @@ fn loaded(files: &[(&str, &str)]) -> Result<Scene, String> {
     };
     write("a.obj", TRIANGLE);
     write("a.mtl", "newmtl red\nKd 1 0 0\n");
-    files.iter().for_each(|(name, text)| write(name, text));
+    for (name, text) in files {
+        write(name, text);
+    }
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     let scene = crate::formats::load(folder.path().join("s.toml"), &strict);
     scene.map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
