@@ -25,12 +25,11 @@ pub(super) fn size(text: &str) -> Result<u64, String> {
     let (number, unit) = (&text[..end], text[end..].trim().to_ascii_lowercase());
     let unit = UNITS.iter().find(|(name, _)| *name == unit).ok_or_else(form)?.1;
     // Whole numbers are exact, however large.
-    let bytes = match number.parse::<u64>() {
-        Ok(whole) => whole.checked_mul(unit),
-        Err(_) => {
-            let bytes = number.parse::<f64>().map_err(|_| form())? * unit as f64;
-            (bytes < u64::MAX as f64).then_some(bytes as u64)
-        }
+    let bytes = if let Ok(whole) = number.parse::<u64>() {
+        whole.checked_mul(unit)
+    } else {
+        let bytes = number.parse::<f64>().map_err(|_| form())? * unit as f64;
+        (bytes < u64::MAX as f64).then_some(bytes as u64)
     };
     bytes.filter(|&bytes| bytes > 0).ok_or_else(form)
 }

@@ -141,7 +141,7 @@ pub fn fern(triangles: u64, material: usize, seed: u64) -> Piece {
         let at = (middle * (2.0 * share * (1.0 - share)) + end * (share * share)) * long;
         let along = (middle * (1.0 - share) + (end - middle) * share).normalize_or(out);
         let side = along.cross(DVec3::Y).normalize_or(DVec3::X);
-        let side = if number % 2 == 0 { side } else { -side };
+        let side = if number.is_multiple_of(2) { side } else { -side };
         let size = long * 0.3 * libm::pow(1.0 - share, 0.75) * (6.0 * share).min(1.0) + 0.01;
         let pointing = (side + along * 0.35 - DVec3::Y * 0.15).normalize() * size;
         let wide = (0.7 * long / pairs as f64).clamp(0.008, 0.3 * size + 0.004);

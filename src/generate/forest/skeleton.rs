@@ -135,7 +135,8 @@ impl Skeleton {
             let around = spin + child as f64 * GOLDEN_ANGLE + random.between(-0.3, 0.3);
             let out = if level.fan {
                 let side = along.cross(DVec3::Y).normalize_or(DVec3::X);
-                (if child % 2 == 0 { side } else { -side }) + DVec3::Y * random.between(-0.2, 0.1)
+                (if child.is_multiple_of(2) { side } else { -side })
+                    + DVec3::Y * random.between(-0.2, 0.1)
             } else {
                 DQuat::from_axis_angle(along, around) * along.any_orthonormal_vector()
             };

@@ -134,7 +134,6 @@ const SPRUCE: &[Level] = &[
         ratio: 0.34,
         thin: 0.4,
         fan: true,
-        ..PLAIN
     },
     Level { steps: 2.0, wander: 0.05, rise: -0.25, ..PLAIN },
 ];
