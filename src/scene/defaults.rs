@@ -84,7 +84,7 @@ pub fn automatic_camera(scene: &Scene, aspect: f32, file: &str) -> (Camera, Noti
 /// What to say of a scene without a triangle; none if it has one.
 pub fn describe_empty_scene(scene: &Scene, file: &str) -> Option<Notice> {
     let has_triangles =
-        |instance: &super::Instance| !scene.meshes[instance.mesh.index()].indices.is_empty();
+        |instance: &Instance| !scene.meshes[instance.mesh.index()].indices.is_empty();
     if scene.instances.iter().any(has_triangles) {
         return None;
     }
@@ -125,7 +125,7 @@ pub fn neutral_sky() -> Environment {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::{Instance, Material, Transform};
+    use super::super::{Material, Transform};
     use super::*;
     use crate::geom::Mesh;
     use crate::math::{Affine3A, MaterialId, MeshId};
@@ -173,6 +173,21 @@ mod tests {
         let centre = bounds(&scene).centre();
         let yfov = AUTOMATIC_YFOV.to_radians();
         assert_eq!(Camera::look_at(Vec3::from_slice(&place), centre, Vec3::Y, yfov), camera);
+    }
+
+    #[test]
+    fn boxes_of_boxes_hold_all_triangles() {
+        let mut scene = scene(2.0, Vec3::new(1.0, -3.0, 0.5));
+        let turned =
+            Affine3A::from_rotation_z(0.7) * Affine3A::from_scale(Vec3::new(-1.0, 2.0, 3.0));
+        let transform = Transform::new(turned);
+        scene.instances.push(Instance { transform, ..scene.instances[0].clone() });
+        scene.meshes.push(Arc::new(Mesh::default()));
+        let mesh = MeshId::from_index(1);
+        scene.instances.push(Instance { mesh, ..scene.instances[0].clone() });
+        let (exact, outer) = (bounds(&scene), bounds_of_boxes(&scene));
+        assert!(outer.min.cmple(exact.min).all() && outer.max.cmpge(exact.max).all());
+        assert!(outer.extent().max_element() < 2.0 * exact.extent().max_element());
     }
 
     #[test]

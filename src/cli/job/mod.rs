@@ -18,12 +18,13 @@ use crate::accel::{self, Accel, BuildError};
 use crate::camera::Camera;
 use crate::cli::error::CliError;
 use crate::cli::input;
+use crate::cli::memory;
 use crate::cli::settings::RenderArgs;
 use crate::film::Window;
 use crate::integrator::Transport;
-use crate::render::{Aov, NoiseTarget, Settings};
-use crate::scene::Notice;
+use crate::render::{Aov, NoiseTarget, Settings, film_bytes};
 use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
+use crate::scene::{Notice, SceneMemory};
 use crate::world::World;
 pub use shutter::Shutter;
 
@@ -83,6 +84,9 @@ impl Job {
         let (camera, aspect) = view::choose(&scene, &args, &mut notices)?;
         let settings = choose_settings(&args, aspect)?;
         args.resolution = Some(settings.resolution);
+        let memory = SceneMemory::of(&scene);
+        let parts = memory::parts(&memory, film_bytes(&settings));
+        memory::require_parts(&file, &parts, args.memory)?;
         let world = scene::build_world(scene, &args)?;
         let first = Moment { world, camera, notices, elapsed: start.elapsed() };
         Ok(Self { args, settings, shutter, first, automatic_sky, moments_digest: OnceLock::new() })

@@ -102,6 +102,8 @@ pub struct RenderArgs {
     pub threads: usize,
     pub accel: AccelSpec,
     pub isa: Isa,
+    /// Bytes.
+    pub memory: Option<u64>,
 
     pub dry_run: bool,
     pub print_config: bool,

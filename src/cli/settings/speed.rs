@@ -1,6 +1,7 @@
 //! Settings: what a render uses of the machine.
 
 use super::parse::{from_str, threads};
+use super::parse_size::size;
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 use crate::accel::AccelSpec;
@@ -40,6 +41,18 @@ pub static SPEED: &[Setting] = &[
         advanced: true,
         read: Reader::Text(|word| assign(from_str::<Isa>(word), |args| &mut args.isa)),
         write: |args| args.isa.to_toml(),
+        ..SETTING
+    },
+    Setting {
+        name: "memory",
+        value: "SIZE",
+        otherwise: "all that there is",
+        example: "2GB",
+        help: "Refuses a scene that by estimate takes more, before its structure is built",
+        details: "The estimate is what `dapple info` tells: meshes, placements, textures, and the \
+                  structure over meshes and placements; and the picture. The exit code is 5.",
+        read: Reader::Text(|word| assign(size(word), |args| &mut args.memory)),
+        write: |args| args.memory.to_toml(),
         ..SETTING
     },
 ];

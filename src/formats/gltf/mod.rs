@@ -30,6 +30,7 @@ mod planes;
 mod primitive;
 mod read;
 mod resources;
+mod rows;
 mod select;
 mod skin;
 mod specular_glossiness;

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use super::accessor::{Accessor, Component, Shape, View};
 use super::json::Fault;
+use super::rows::{Rows, Stored};
 
 /// Memory that decoded arrays may always take.
 const FREE_BYTES: u64 = 1 << 30;
@@ -13,6 +14,13 @@ const FREE_BYTES: u64 = 1 << 30;
 /// Memory that they may take beyond, as a multiple of the buffers' length: bytes can become floats,
 /// and accessors can overlap, but a small file must not ask for gigabytes.
 const EXPANSION: u64 = 32;
+
+/// Placed meshes that there may always be.
+const FREE_PLACEMENTS: u64 = 1 << 22;
+
+/// Placed meshes that there may be beyond, for each byte of the buffers: a mesh of many parts is
+/// placed by each of a node's copies, which takes some bytes there.
+const PLACEMENTS_PER_BYTE: u64 = 8;
 
 /// The most elements of an accessor that has no buffer view: nothing pays for its zeros.
 const MAX_ZEROS: u64 = 1 << 22;
@@ -27,6 +35,8 @@ pub struct Storage<'a> {
     unpacked: BTreeMap<usize, Vec<u8>>,
     /// Bytes that may still be decoded.
     budget: Cell<u64>,
+    /// Meshes that may still be placed.
+    placement_budget: Cell<u64>,
 }
 
 impl<'a> Storage<'a> {
@@ -37,8 +47,11 @@ impl<'a> Storage<'a> {
         accessors: Vec<Accessor>,
     ) -> Self {
         let total: u64 = buffers.iter().flatten().map(|bytes| bytes.len() as u64).sum();
-        let budget = Cell::new(FREE_BYTES + total.saturating_mul(EXPANSION));
-        Self { buffers, views, accessors, unpacked: BTreeMap::new(), budget }
+        let allow =
+            |free: u64, each: u64| Cell::new(free.saturating_add(total.saturating_mul(each)));
+        let budget = allow(FREE_BYTES, EXPANSION);
+        let placement_budget = allow(FREE_PLACEMENTS, PLACEMENTS_PER_BYTE);
+        Self { buffers, views, accessors, unpacked: BTreeMap::new(), budget, placement_budget }
     }
 
     /// An accessor that the document has.
@@ -83,16 +96,14 @@ impl<'a> Storage<'a> {
 
     /// Sets memory for decoded numbers aside.
     pub fn reserve(&self, place: &str, bytes: u64) -> Result<(), Fault> {
-        match self.budget.get().checked_sub(bytes) {
-            Some(left) => {
-                self.budget.set(left);
-                Ok(())
-            }
-            None => Err(Fault::new(
-                place,
-                "the geometry takes far more memory than the buffers' length can justify",
-            )),
-        }
+        let message = "the geometry takes far more memory than the buffers' length can justify";
+        spend(&self.budget, bytes).ok_or_else(|| Fault::new(place, message))
+    }
+
+    /// Accounts for so many placed meshes.
+    pub fn reserve_placements(&self, place: &str, count: u64) -> Result<(), Fault> {
+        let message = "there are far more placed meshes than the buffers' length can justify";
+        spend(&self.placement_budget, count).ok_or_else(|| Fault::new(place, message))
     }
 
     /// Vectors of `N` numbers, or scalars where `N` is 1.
@@ -109,6 +120,21 @@ impl<'a> Storage<'a> {
             }
             vector
         })
+    }
+
+    /// The same, each decoded when it is asked for.
+    pub fn rows<const N: usize>(&self, index: usize) -> Result<Rows<'_, N>, Fault> {
+        let accessor = &self.accessors[index];
+        let (Some((view, offset)), None) = (accessor.base, &accessor.sparse) else {
+            return self.vectors::<N>(index).map(Rows::Decoded);
+        };
+        Self::expect(accessor, N, "numbers")?;
+        Ok(Rows::Stored(Stored {
+            bytes: &self.view(view)?[offset as usize..],
+            stride: accessor.stride as usize,
+            size: accessor.component.size() as usize,
+            decode: decoder(accessor.component, accessor.normalized),
+        }))
     }
 
     /// Matrices of four columns, of floats.
@@ -192,6 +218,12 @@ impl<'a> Storage<'a> {
         }
         Ok(elements)
     }
+}
+
+/// Takes so much from a budget, if there is as much.
+fn spend(budget: &Cell<u64>, amount: u64) -> Option<()> {
+    budget.set(budget.get().checked_sub(amount)?);
+    Some(())
 }
 
 type Decode<T> = fn(&[u8]) -> T;

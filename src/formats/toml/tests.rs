@@ -181,11 +181,7 @@ fn what_is_wrong_is_told_with_its_line() {
             "[[place]]\nfile = 'a.obj'\nscale = 2\nmatrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]",
             "s.toml:1: [[place]]: has both a matrix and translate, rotate or scale",
         ),
-        (
-            "[[place]]\nfile = 's.toml'",
-            "s.toml:2: file: is a TOML scene, which cannot be placed: \
-             place the files that it places",
-        ),
+        ("[[place]]\nfile = 's.toml'", "s.toml:2: file: a scene places itself: s.toml > s.toml"),
         (
             "[[place]]\nfile = 'a.obj'\n[place.material.rad]\nroughness = 1",
             "s.toml:3: no material \"rad\"; did you mean 0 (\"red\")? (a.obj)",
