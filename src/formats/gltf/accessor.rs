@@ -126,6 +126,15 @@ pub struct Sparse {
     pub values: (usize, u64),
 }
 
+/// A part of a mesh that is packed by Draco.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Part {
+    /// The buffer view that holds the mesh.
+    pub view: usize,
+    /// The number of an attribute; none: the corners of the triangles.
+    pub attribute: Option<u32>,
+}
+
 /// An array of numbers, vectors or matrices.
 #[derive(Clone, Debug)]
 pub struct Accessor {
@@ -145,9 +154,39 @@ pub struct Accessor {
     pub stride: u64,
     /// What is replaced.
     pub sparse: Option<Sparse>,
+    /// Where its elements come from instead.
+    pub part: Option<Part>,
 }
 
 impl Accessor {
+    /// An array that is a part of a packed mesh, of which nothing is known but its type.
+    pub fn of_part(part: Part, place: String, component: Component, shape: Shape) -> Self {
+        Self {
+            place,
+            base: None,
+            component,
+            shape,
+            normalized: false,
+            count: 0,
+            stride: shape.packed_stride(component),
+            sparse: None,
+            part: Some(part),
+        }
+    }
+
+    /// A part of a packed mesh that is declared as this accessor is.
+    pub fn as_part(&self, part: Part, place: String) -> Self {
+        let Self { component, shape, normalized, count, .. } = *self;
+        Self { normalized, count, ..Self::of_part(part, place, component, shape) }
+    }
+
+    /// Lets its elements be those that fill a buffer view.
+    pub fn fill(&mut self, view: usize, component: Component, shape: Shape, count: u64) {
+        self.base = Some((view, 0));
+        (self.component, self.shape, self.count) = (component, shape, count);
+        self.stride = shape.packed_stride(component);
+    }
+
     /// Whether its elements are vectors of so many numbers.
     pub fn is_vector(&self, numbers: u64) -> bool {
         self.shape == Shape::Vector(numbers)
@@ -249,6 +288,7 @@ fn accessor(object: &Object, views: &[View], notices: &mut Notices) -> Result<Ac
         count,
         stride,
         sparse,
+        part: None,
     })
 }
 

@@ -61,6 +61,7 @@ fn load<'a>(
     if broken.is_empty() {
         storage
             .unpack(&selection.views)
+            .and_then(|()| storage.unpack_meshes(&selection.views, notices))
             .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
     }
     let textures = resources::load_textures(

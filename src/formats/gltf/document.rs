@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::accessor::{self, Accessor, View};
 use super::animation::{self, Animation};
 use super::camera::{self, CameraDeclaration};
+use super::compressed;
 use super::extensions;
 use super::json::{Fault, Object};
 use super::light::{self, LightDeclaration};
@@ -101,7 +102,7 @@ impl Document {
         let buffers = resources::buffers(&root)?;
         let lengths: Vec<u64> = buffers.iter().map(|buffer| buffer.length).collect();
         let views = accessor::views(&root, &lengths, notices)?;
-        let accessors = accessor::accessors(&root, &views, notices)?;
+        let mut accessors = accessor::accessors(&root, &views, notices)?;
         let images = texture::images(&root, views.len())?;
         let textures = texture::textures(&root, images.len())?;
         let mut slots = Slots::new(textures.len());
@@ -109,16 +110,18 @@ impl Document {
         let variants = variants::names(&root)?;
         let shown = choose_variant(&variants, variant)?;
         let choice = Variants { count: variants.len(), materials: materials.len(), shown };
-        let meshes = mesh::read(&root, accessors.len(), choice, notices)?;
+        let declared = accessors.len();
+        let mut meshes = mesh::read(&root, declared, choice, notices)?;
+        compressed::link(&root, &mut meshes, &mut accessors, views.len())?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
         let nodes_count = root.array("nodes")?.len();
-        let skins = skin::read(&root, nodes_count, accessors.len())?;
-        let animations = animation::read(&root, nodes_count, accessors.len(), notices)?;
+        let skins = skin::read(&root, nodes_count, declared)?;
+        let animations = animation::read(&root, nodes_count, declared, notices)?;
         let counts = Counts {
             nodes: nodes_count,
             meshes: meshes.len(),
-            accessors: accessors.len(),
+            accessors: declared,
             cameras: cameras.len(),
             lights: lights.len(),
             skins: skins.len(),

@@ -127,5 +127,6 @@ fn choose_animation(
 /// The buffer views that an accessor reads.
 fn views_of(accessor: &Accessor) -> impl Iterator<Item = usize> {
     let sparse = accessor.sparse.iter().flat_map(|sparse| [sparse.indices.0, sparse.values.0]);
-    accessor.base.map(|(view, _)| view).into_iter().chain(sparse)
+    let part = accessor.part.map(|part| part.view);
+    accessor.base.map(|(view, _)| view).into_iter().chain(sparse).chain(part)
 }
