@@ -23,7 +23,8 @@ fn scene(name: &str) -> Scene {
     load(&corpus(name)).expect(name)
 }
 
-/// A step of positions of 14 bits in a range of 2, and what weights of 12 bits move by half a metre.
+/// A step of positions of 14 bits in a range of 2, and what weights of 12 bits move by half a
+/// metre.
 const POSITION_STEP: f32 = 2.0 / 16383.0 + 0.5 / 4095.0;
 
 /// The plain triangle, turned, whose corners lie where those of a packed one do.
@@ -76,7 +77,7 @@ fn packed_meshes_are_their_plain_twins() {
     }
 }
 
-/// The skin lifts half of the grid, and the morph, which no triangle is packed with, one side of it.
+/// The skin lifts half of the grid, and the morph, which is not packed, one side of it.
 #[test]
 fn skins_and_morphs_stay_beside() {
     let height = |name: &str, at: Vec3| {

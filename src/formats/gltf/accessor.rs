@@ -3,6 +3,7 @@
 //! All that can be judged without the bytes is judged here: afterwards no range within a buffer
 //! view can be past its end, and no arithmetic on them can overflow.
 
+pub use super::element::{Component, Shape};
 use super::json::{Fault, Object};
 use super::meshopt::Packed;
 use super::notices::Notices;
@@ -26,92 +27,6 @@ impl View {
     /// The buffer that must be there.
     pub fn source(&self) -> usize {
         self.packed.map_or(self.buffer, |packed| packed.buffer)
-    }
-}
-
-/// How one number is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Component {
-    /// Signed byte.
-    I8,
-    /// Byte.
-    U8,
-    /// Signed, two bytes.
-    I16,
-    /// Two bytes.
-    U16,
-    /// Four bytes.
-    U32,
-    /// IEEE 754 binary32.
-    F32,
-}
-
-impl Component {
-    fn of(code: u64) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
-    }
-
-    /// Bytes per number.
-    pub fn size(self) -> u64 {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-}
-
-/// How many numbers make an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
-    /// One.
-    Scalar,
-    /// Two to four.
-    Vector(u64),
-    /// A square matrix of two to four columns, each aligned to four bytes.
-    Matrix(u64),
-}
-
-impl Shape {
-    fn of(name: &str) -> Option<Self> {
-        Some(match name {
-            "SCALAR" => Self::Scalar,
-            "VEC2" => Self::Vector(2),
-            "VEC3" => Self::Vector(3),
-            "VEC4" => Self::Vector(4),
-            "MAT2" => Self::Matrix(2),
-            "MAT3" => Self::Matrix(3),
-            "MAT4" => Self::Matrix(4),
-            _ => return None,
-        })
-    }
-
-    /// Bytes per element, without those after it.
-    fn size(self, component: Component) -> u64 {
-        match self {
-            Self::Scalar => component.size(),
-            Self::Vector(count) => count * component.size(),
-            Self::Matrix(columns) => {
-                let column = columns * component.size();
-                (columns - 1) * column.next_multiple_of(4) + column
-            }
-        }
-    }
-
-    /// Bytes from one element to the next where they are packed tightly.
-    fn packed_stride(self, component: Component) -> u64 {
-        match self {
-            Self::Scalar | Self::Vector(_) => self.size(component),
-            Self::Matrix(_) => self.size(component).next_multiple_of(4),
-        }
     }
 }
 
@@ -180,6 +95,13 @@ impl Accessor {
         Self { normalized, count, ..Self::of_part(part, place, component, shape) }
     }
 
+    /// The buffer views that it reads.
+    pub fn views(&self) -> impl Iterator<Item = usize> {
+        let sparse = self.sparse.iter().flat_map(|sparse| [sparse.indices.0, sparse.values.0]);
+        let (base, part) = (self.base.map(|(view, _)| view), self.part.map(|part| part.view));
+        base.into_iter().chain(sparse).chain(part)
+    }
+
     /// Lets its elements be those that fill a buffer view.
     pub fn fill(&mut self, view: usize, component: Component, shape: Shape, count: u64) {
         self.base = Some((view, 0));
@@ -190,6 +112,15 @@ impl Accessor {
     /// Whether its elements are vectors of so many numbers.
     pub fn is_vector(&self, numbers: u64) -> bool {
         self.shape == Shape::Vector(numbers)
+    }
+
+    /// How many numbers make an element; of a matrix none.
+    pub fn numbers(&self) -> u64 {
+        match self.shape {
+            Shape::Scalar => 1,
+            Shape::Vector(count) => count,
+            Shape::Matrix(_) => 0,
+        }
     }
 
     /// Bytes per element, without those between elements.

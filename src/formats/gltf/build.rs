@@ -79,14 +79,14 @@ impl<'a> Builder<'a> {
                 let message = "copies of what a skin moves stand where it does: there is one alone";
                 notices.add(format!("/nodes/{}", at.node), message);
             }
-            let at = Placed { node: at.node, to_world: DAffine3::IDENTITY };
+            let at = Placed { to_world: DAffine3::IDENTITY, ..*at };
             return self.place(mesh, &at, &pose, notices);
         }
         let Some(copies) = &node.copies else { return self.place(mesh, at, &pose, notices) };
         let most = MAX_INSTANCES - self.scene.instances.len();
         for placement in copies.placements(self.storage, most)? {
             let to_world = at.to_world * placement;
-            self.place(mesh, &Placed { node: at.node, to_world }, &pose, notices)?;
+            self.place(mesh, &Placed { to_world, ..*at }, &pose, notices)?;
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::accessor::{Accessor, Component, Part, Shape};
 use super::json::{Fault, Object};
-use super::mesh::{Geometry, MeshDeclaration, Mode};
+use super::mesh::{MeshDeclaration, Mode, Primitive};
 
 /// The name of the extension.
 const NAME: &str = "KHR_draco_mesh_compression";
@@ -35,7 +35,7 @@ pub fn link(
             if found.geometry.mode == Mode::Fan {
                 return Err(packed.fault("a fan of triangles cannot be packed"));
             }
-            linker.primitive(&mut found.geometry, view, &packed, &ids)?;
+            linker.primitive(found, view, &packed, &ids)?;
         }
     }
     Ok(())
@@ -50,11 +50,12 @@ struct Linker<'a> {
 impl Linker<'_> {
     fn primitive(
         &mut self,
-        geometry: &mut Geometry,
+        primitive: &mut Primitive,
         view: usize,
         packed: &Object,
         ids: &Object,
     ) -> Result<(), Fault> {
+        let geometry = &mut primitive.geometry;
         let mut attribute = |slot: &mut usize, name: &str| -> Result<(), Fault> {
             let Some(id) = ids.whole(name)? else { return Ok(()) };
             let id =
@@ -72,7 +73,7 @@ impl Linker<'_> {
                 attribute(slot, name)?;
             }
         }
-        for (set, slot) in geometry.uvs.iter_mut().enumerate() {
+        for (set, slot) in primitive.uv_sets.iter_mut().enumerate() {
             if let Some(slot) = slot {
                 attribute(slot, &format!("TEXCOORD_{set}"))?;
             }
@@ -86,6 +87,7 @@ impl Linker<'_> {
         let corners = Part { view, attribute: None };
         let place = packed.place().to_owned();
         geometry.indices = Some(self.part(corners, geometry.indices, place));
+        primitive.keep_sets([Some(0), Some(1)]);
         Ok(())
     }
 

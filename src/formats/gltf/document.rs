@@ -7,6 +7,7 @@ use super::animation::{self, Animation};
 use super::camera::{self, CameraDeclaration};
 use super::compressed;
 use super::extensions;
+use super::image_light::{self, ImageLight};
 use super::json::{Fault, Object};
 use super::light::{self, LightDeclaration};
 use super::material;
@@ -27,6 +28,8 @@ pub struct SceneDeclaration {
     pub name: String,
     /// Nodes without parents.
     pub roots: Vec<usize>,
+    /// What shines from all around.
+    pub image_light: Option<usize>,
 }
 
 /// Everything that the document declares.
@@ -60,6 +63,8 @@ pub struct Document {
     pub cameras: Vec<CameraDeclaration>,
     /// Lights.
     pub lights: Vec<LightDeclaration>,
+    /// Lights from all around.
+    pub image_lights: Vec<ImageLight>,
     /// Scenes.
     pub scenes: Vec<SceneDeclaration>,
     /// The scene to show if none is asked for.
@@ -128,7 +133,8 @@ impl Document {
         };
         let nodes = nodes::read(&root, counts, notices)?;
         let parents = nodes::parents(&nodes)?;
-        let scenes = scenes(&root, &parents)?;
+        let image_lights = image_light::read(&root, images.len())?;
+        let scenes = scenes(&root, &parents, image_lights.len())?;
         let default_scene = root.reference("scene", "scene", scenes.len())?;
         let roots = (0..nodes.len()).filter(|&node| parents[node].is_none()).collect();
         Ok(Self {
@@ -146,6 +152,7 @@ impl Document {
             animations,
             cameras,
             lights,
+            image_lights,
             scenes,
             default_scene,
             variants,
@@ -165,13 +172,23 @@ impl Document {
     /// The roots of the scene called `wanted` or else of that number; if none is asked for those
     /// of the default scene, else of the first, else all there are. None: there is no such scene.
     pub fn scene_roots(&self, wanted: Option<&str>) -> Option<&[usize]> {
-        let Some(wanted) = wanted else {
-            let scene = self.scenes.get(self.default_scene.unwrap_or(0));
-            return Some(scene.map_or(&self.roots, |scene| &scene.roots));
-        };
-        let number =
-            find_by_name_or_number(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
-        Some(&self.scenes[number].roots)
+        match (self.scene(wanted), wanted) {
+            (Some(scene), _) => Some(&scene.roots),
+            (None, None) => Some(&self.roots),
+            (None, Some(_)) => None,
+        }
+    }
+
+    /// What shines from all around in that scene.
+    pub fn image_light(&self, wanted: Option<&str>) -> Option<&ImageLight> {
+        Some(&self.image_lights[self.scene(wanted)?.image_light?])
+    }
+
+    fn scene(&self, wanted: Option<&str>) -> Option<&SceneDeclaration> {
+        let names = self.scenes.iter().map(|scene| scene.name.as_str());
+        let default = || Some(self.default_scene.unwrap_or(0));
+        let number = wanted.map_or_else(default, |wanted| find_by_name_or_number(names, wanted))?;
+        self.scenes.get(number)
     }
 }
 
@@ -208,7 +225,11 @@ fn check_version(root: &Object) -> Result<(), Fault> {
     }
 }
 
-fn scenes(root: &Object, parents: &[Option<usize>]) -> Result<Vec<SceneDeclaration>, Fault> {
+fn scenes(
+    root: &Object,
+    parents: &[Option<usize>],
+    lights: usize,
+) -> Result<Vec<SceneDeclaration>, Fault> {
     let mut listed_by = vec![usize::MAX; parents.len()];
     let mut scene = |(number, object): (usize, &Object)| {
         let roots = object.references("nodes", "node", parents.len())?;
@@ -222,7 +243,8 @@ fn scenes(root: &Object, parents: &[Option<usize>]) -> Result<Vec<SceneDeclarati
                 return Err(Fault::new(place(), format!("node {node} is listed twice")));
             }
         }
-        Ok(SceneDeclaration { name: object.name()?, roots })
+        let image_light = image_light::of_scene(object, lights)?;
+        Ok(SceneDeclaration { name: object.name()?, roots, image_light })
     };
     root.objects("scenes")?.iter().enumerate().map(&mut scene).collect()
 }

@@ -107,6 +107,11 @@ impl Unpacked {
         Ok(Array { bytes, component, shape, normalized: false, count })
     }
 
+    /// The numbers of its attributes.
+    pub fn attributes(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.mesh.num_attributes()).map(|at| self.mesh.attribute(at).unique_id())
+    }
+
     /// The attribute of a number, for each vertex.
     ///
     /// # Errors
