@@ -54,7 +54,8 @@ fn what_is_wrong_is_said() {
     assert!(changed(44, 3).contains("unknown way (3)"));
     assert!(changed(44, 1).contains("packed in a way that they cannot be"));
     assert!(changed(40, 5).contains("5 levels, more than its size allows"));
-    assert!(changed(20, 1 << 20).contains("bytes and needs"));
+    assert!(changed(20, 64).contains("bytes and needs"));
+    assert!(changed(20, 1 << 20).contains("are too many"));
     assert!(changed(80, u32::MAX).contains("past the end of the file"));
 }
 

@@ -20,6 +20,9 @@ const WORK_PER_TRIANGLE: u64 = 200;
 /// decoder holds for it while it works.
 const WORK_PER_VERTEX: u64 = 128;
 
+/// The newest version of the packing: major, minor.
+const NEWEST: &[u8] = &[2, 2];
+
 /// How much a packed mesh may hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Declared {
@@ -65,6 +68,9 @@ impl Unpacked {
     /// What is wrong with the bytes, that there is far more than was declared, or that memory is
     /// short.
     pub fn decode(bytes: &[u8], declared: Declared) -> Result<Self, String> {
+        if bytes.get(5..7).is_some_and(|version| version > NEWEST) {
+            return Err("is of a version of Draco that is not known".to_owned());
+        }
         let most = |count: u64| count.saturating_mul(2).saturating_add(64);
         let (triangles, vertices) = (most(declared.triangles), most(declared.vertices));
         let values = vertices.saturating_mul(declared.vertex_bytes.saturating_add(64));

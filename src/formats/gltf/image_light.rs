@@ -20,7 +20,8 @@ use crate::texture::{ColorSpace, Filter, Image, Texture, Wrap};
 
 const NAME: &str = "EXT_lights_image_based";
 
-/// The most columns of the map of latitude and longitude that is made of a cube.
+/// The fewest and the most columns of the map of latitude and longitude that is made of a cube.
+const FEWEST_COLUMNS: usize = 256;
 const MOST_COLUMNS: usize = 8192;
 
 /// A light of the document.
@@ -102,7 +103,7 @@ impl ImageLight {
 
     /// A map of latitude and longitude of what a cube shows, turned.
     fn surround(&self, cube: &Cube) -> Result<Environment, String> {
-        let columns = (4 * cube.size).min(MOST_COLUMNS);
+        let columns = (4 * cube.size).clamp(FEWEST_COLUMNS, MOST_COLUMNS);
         let rows = columns / 2 + 1;
         let bytes = (columns * rows * 3 * size_of::<[f32; 4]>()) as u64;
         memory::claim(bytes).map_err(|error| error.to_string())?;

@@ -71,19 +71,20 @@ impl Palette {
 
     /// The sets of coordinates that a primitive is to keep; none: it is not drawn.
     pub fn kept(&self, primitive: &Primitive) -> Option<[Option<u8>; 2]> {
-        let id = match primitive.material {
-            Some(material) => self.ids[material],
-            None => self.default,
-        };
-        id.map(|id| self.kept[id.index()])
+        self.known(primitive).map(|id| self.kept[id.index()])
     }
 
     /// The material of a primitive.
     pub fn id(&self, primitive: &Primitive) -> MaterialId {
-        let id = match primitive.material {
+        let known = self.known(primitive);
+        known.expect("all primitives that are drawn have been asked for their materials")
+    }
+
+    /// The same, if it was asked for.
+    fn known(&self, primitive: &Primitive) -> Option<MaterialId> {
+        match primitive.material {
             Some(material) => self.ids[material],
             None => self.default,
-        };
-        id.expect("all primitives that are drawn have been asked for their materials")
+        }
     }
 }
