@@ -4,10 +4,12 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `beside` | outputs are written beside their target and renamed |
+//! | `guard` | decoders of others that may panic |
 //! | `memory` | how much memory there is, and whether what a file claims is left |
 //! | `regular` | inputs are regular files, of a size that is known; which paths are one file |
 
 mod beside;
+pub mod guard;
 pub mod memory;
 mod regular;
 

@@ -47,24 +47,29 @@ impl Scene {
 }
 
 /// The box of all triangles in the world; empty if there are none. Where more vertices are placed
-/// than can be looked at in a moment, of each placement the box of its mesh's box.
+/// than can be looked at in a moment, it is the box of the meshes' boxes, which may be larger.
 pub fn bounds(scene: &Scene) -> Aabb {
     const MOST: usize = 200_000_000;
     let used: Vec<Vec<Vec3>> = scene.meshes.par_iter().map(|mesh| mesh.used_positions()).collect();
-    let of = |instance: &Instance| &used[instance.mesh.index()];
-    let placed: usize = scene.instances.iter().map(|instance| of(instance).len()).sum();
-    let corners: Vec<Vec<Vec3>>;
-    let points = if placed <= MOST {
-        &used
-    } else {
-        corners = used.iter().map(|used| Aabb::of_points(used.iter().copied()).corners()).collect();
-        &corners
-    };
-    let placed_box = |instance: &Instance| {
+    let count = |instance: &Instance| used[instance.mesh.index()].len();
+    let placed = scene.instances.iter().map(count).fold(0, usize::saturating_add);
+    if placed <= MOST { bounds_of_points(scene, &used) } else { bounds_of_boxes(scene) }
+}
+
+/// The box of all boxes of placed meshes.
+fn bounds_of_boxes(scene: &Scene) -> Aabb {
+    let corners: Vec<Vec<Vec3>> =
+        scene.meshes.par_iter().map(|mesh| mesh.bounds().corners()).collect();
+    bounds_of_points(scene, &corners)
+}
+
+/// The box of the points of each mesh, placed.
+fn bounds_of_points(scene: &Scene, points: &[Vec<Vec3>]) -> Aabb {
+    let placed = |instance: &Instance| {
         let points = points[instance.mesh.index()].iter();
         Aabb::of_points(points.map(|&point| instance.transform.point(point)))
     };
-    scene.instances.par_iter().map(placed_box).reduce(|| Aabb::EMPTY, Aabb::union)
+    scene.instances.par_iter().map(placed).reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
 /// A camera that sees all of the scene, from the front, a little to the right and above, in a

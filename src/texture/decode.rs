@@ -7,6 +7,7 @@ use bytemuck::Pod;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::image::{Image, Texels};
+use super::ktx2;
 use crate::files::memory::{self, TooMuch};
 use crate::film::radiance::{self, RadianceError, is_radiance};
 use crate::film::{FilmError, exr};
@@ -20,11 +21,16 @@ pub enum ImageError {
     /// The same of an OpenEXR file.
     #[error("{0}")]
     Exr(String),
+    /// The same of a KTX 2.0 file.
+    #[error("{0}")]
+    Ktx2(String),
     /// The same of a Radiance picture.
     #[error("{0}")]
     Radiance(#[from] RadianceError),
     /// The first bytes are those of no format that dapple reads, nor does the name tell.
-    #[error("not an image that dapple reads (png, jpeg, webp, tga, bmp, gif, tiff, hdr, exr)")]
+    #[error(
+        "not an image that dapple reads (png, jpeg, webp, tga, bmp, gif, tiff, ktx2, hdr, exr)"
+    )]
     UnknownFormat,
     /// A float image with infinities or NaNs in it.
     #[error("texel {x}, {y} is infinite or not a number")]
@@ -70,6 +76,9 @@ impl Image {
         if is_exr(bytes) {
             return decode_exr(bytes, name);
         }
+        if ktx2::is_ktx2(bytes) {
+            return ktx2::decode(bytes, MAX_SIZE).map_err(ImageError::Ktx2);
+        }
         let image =
             if is_radiance(bytes) { decode_radiance(bytes) } else { decode_other(bytes, name) };
         Ok((image?, Vec::new()))
@@ -83,6 +92,9 @@ impl Image {
         let floats = |(width, height): (u64, u64)| width * height * size_of::<[f32; 4]>() as u64;
         if is_exr(bytes) {
             return Ok(floats(exr_size(bytes)?));
+        }
+        if ktx2::is_ktx2(bytes) {
+            return ktx2::decoded_bytes(bytes, MAX_SIZE).map_err(ImageError::Ktx2);
         }
         if is_radiance(bytes) {
             let mut source = bytes;

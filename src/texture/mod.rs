@@ -2,9 +2,11 @@
 
 mod decode;
 mod image;
+mod ktx2;
 mod range;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod texture;
+mod zstandard;
 
 pub use decode::ImageError;
 pub use image::{Image, Texels};

@@ -79,7 +79,7 @@ impl<'a> Builder<'a> {
                 let message = "copies of what a skin moves stand where it does: there is one alone";
                 notices.add(format!("/nodes/{}", at.node), message);
             }
-            let at = Placed { node: at.node, to_world: DAffine3::IDENTITY };
+            let at = Placed { to_world: DAffine3::IDENTITY, ..*at };
             return self.place(mesh, &at, &pose, notices);
         }
         let Some(copies) = &node.copies else { return self.place(mesh, at, &pose, notices) };
@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
         self.make_room(count, copies.place)?;
         for number in 0..copies.count as usize {
             let to_world = at.to_world * copies.placement(number)?;
-            self.put(&parts, &Placed { node: at.node, to_world })?;
+            self.put(&parts, &Placed { to_world, ..*at })?;
         }
         Ok(())
     }

@@ -5,7 +5,9 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use super::accessor::{Accessor, Component, Shape, View};
+use super::draco::{Declared, Unpacked};
 use super::json::Fault;
+use super::notices::Notices;
 use super::rows::{Rows, Stored};
 
 /// Memory that decoded arrays may always take.
@@ -21,6 +23,9 @@ const FREE_PLACEMENTS: u64 = 1 << 22;
 /// Placed meshes that there may be beyond, for each byte of the buffers: a mesh of many parts is
 /// placed by each of a node's copies, which takes some bytes there.
 const PLACEMENTS_PER_BYTE: u64 = 8;
+
+/// The same for each byte of a mesh packed by Draco: large ones take one or two for a triangle.
+const MESH_EXPANSION: u64 = 256;
 
 /// The most elements of an accessor that has no buffer view: nothing pays for its zeros.
 const MAX_ZEROS: u64 = 1 << 22;
@@ -73,6 +78,81 @@ impl<'a> Storage<'a> {
             self.unpacked.insert(index, bytes);
         }
         Ok(())
+    }
+
+    /// Unpacks those of some views that hold meshes packed by Draco: their parts become views.
+    ///
+    /// # Errors
+    /// What is wrong with the packed bytes, or that there is far too much to unpack.
+    pub fn unpack_meshes(&mut self, views: &[usize], notices: &mut Notices) -> Result<(), Fault> {
+        let mut parts: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (index, accessor) in self.accessors.iter().enumerate() {
+            if let Some(part) = accessor.part.filter(|part| views.binary_search(&part.view).is_ok())
+            {
+                parts.entry(part.view).or_default().push(index);
+            }
+        }
+        for (view, parts) in parts {
+            self.unpack_mesh(view, &parts, notices)?;
+        }
+        Ok(())
+    }
+
+    /// Unpacks the mesh in a view for the accessors that are its parts.
+    fn unpack_mesh(
+        &mut self,
+        view: usize,
+        parts: &[usize],
+        notices: &mut Notices,
+    ) -> Result<(), Fault> {
+        let place = self.accessors[parts[0]].place.clone();
+        let declared = self.declare(parts);
+        let bytes = self.view(view)?;
+        let justified = (bytes.len() as u64).saturating_mul(MESH_EXPANSION);
+        self.budget.set(self.budget.get().saturating_add(justified));
+        self.reserve(&place, declared.bytes())?;
+        let mesh =
+            Unpacked::decode(bytes, declared).map_err(|message| Fault::new(place, message))?;
+        for &index in parts {
+            let accessor = &mut self.accessors[index];
+            let array = match accessor.part.and_then(|part| part.attribute) {
+                Some(id) => mesh.attribute(id),
+                None => mesh.corners(),
+            };
+            let array = array.map_err(|message| Fault::new(accessor.place.clone(), message))?;
+            if array.count == 0 {
+                return Err(Fault::new(accessor.place.clone(), "holds no triangles"));
+            }
+            if accessor.count != 0 && accessor.count != array.count {
+                let message = "holds another number of elements than its accessor declares";
+                notices.add(accessor.place.clone(), message);
+            }
+            let is_integer = |component| !matches!(component, Component::F32 | Component::U32);
+            let (from, to) = (is_integer(accessor.component), is_integer(array.component));
+            accessor.normalized = to && if from { accessor.normalized } else { array.normalized };
+            accessor.fill(self.views.len(), array.component, array.shape, array.count);
+            let length = array.bytes.len() as u64;
+            self.unpacked.insert(self.views.len(), array.bytes);
+            self.views.push(View { buffer: 0, offset: 0, length, stride: None, packed: None });
+        }
+        Ok(())
+    }
+
+    /// What the accessors that are parts of a packed mesh declare of it.
+    fn declare(&self, parts: &[usize]) -> Declared {
+        let mut declared = Declared::default();
+        for accessor in parts.iter().map(|&index| &self.accessors[index]) {
+            if accessor.part.is_some_and(|part| part.attribute.is_some()) {
+                declared.vertices = declared.vertices.max(accessor.count);
+                declared.vertex_bytes += accessor.element_size();
+            } else {
+                declared.triangles = declared.triangles.max(accessor.count / 3);
+            }
+        }
+        if declared.triangles == 0 {
+            declared.triangles = declared.vertices.saturating_mul(2);
+        }
+        declared
     }
 
     /// The bytes of a buffer view; of a packed one only once it is unpacked.
@@ -279,6 +359,7 @@ mod tests {
             count,
             stride: shape_size(component, shape),
             sparse: None,
+            part: None,
         }
     }
 
