@@ -8,7 +8,7 @@ use dapple::camera::Camera;
 use dapple::light::{Environment, Punctual, PunctualKind};
 use dapple::math::{Affine3A, MaterialId, MeshId, TextureId, Vec2, Vec3, Vec4};
 use dapple::scene::{AlphaMode, Instance, Material, Scene, TextureRef, Transform};
-use dapple::texture::{ColorSpace, Filter, Image, Texels, Texture, Wrap};
+use dapple::texture::{ColorSpace, Filter, Image, Texture, Wrap};
 use stage::{assert_mean, flat_camera, lambert, mean, rectangle, run, scene, settings, sphere};
 
 fn in_white_world(part: (dapple::geom::Mesh, Material)) -> Scene {
@@ -91,8 +91,7 @@ fn relief(texel: [f32; 3], light_from: Vec3) -> f32 {
     let mut mesh = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y); // front along +Z, u right, v down
     mesh.uvs[0] = vec![Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO];
     let bytes = texel.map(|value| ((value * 0.5 + 0.5) * 255.0).round() as u8);
-    let texels = Texels::Rgba8(vec![[bytes[0], bytes[1], bytes[2], 255]]);
-    let image = Image::new(1, 1, texels);
+    let image = Image::of(1, 1, vec![bytes]);
     let texture = Texture::new(
         Arc::new(image),
         ColorSpace::Linear,

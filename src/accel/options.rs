@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::SpecError;
+use crate::names::parse_bytes;
 
 /// An option that a structure has.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +27,7 @@ pub enum Values {
     Integer(u64, u64),
     /// A number, both ends included.
     Number(f64, f64),
-    /// A size in bytes, at least; `kB`, `MB`, `GB` and `KiB`, `MiB`, `GiB` are understood.
+    /// A size in bytes, at least; units are those of [`parse_bytes`].
     Bytes(u64),
 }
 
@@ -58,23 +59,6 @@ impl Values {
             Self::Bytes(low) => parse_bytes(text).filter(|&n| n >= low).map(Value::Bytes),
         }
     }
-}
-
-fn parse_bytes(text: &str) -> Option<u64> {
-    const UNITS: [(&str, u64); 7] = [
-        ("KiB", 1 << 10),
-        ("MiB", 1 << 20),
-        ("GiB", 1 << 30),
-        ("kB", 1000),
-        ("MB", 1_000_000),
-        ("GB", 1_000_000_000),
-        ("B", 1),
-    ];
-    let (digits, unit) = UNITS
-        .iter()
-        .find_map(|&(suffix, unit)| text.strip_suffix(suffix).map(|digits| (digits, unit)))
-        .unwrap_or((text, 1));
-    digits.trim().parse::<u64>().ok()?.checked_mul(unit)
 }
 
 impl fmt::Display for Values {

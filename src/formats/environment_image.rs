@@ -11,7 +11,7 @@ use crate::files::{self, memory};
 use crate::film::radiance::{self, RadianceError, is_radiance};
 use crate::film::{FilmError, exr};
 use crate::scene::Notice;
-use crate::texture::{Image, ImageError, Texels, srgb_to_linear};
+use crate::texture::{Image, ImageError, Texels, Value, spread, srgb_to_linear};
 
 /// The most pixels of an image of floats: 16384 by 8192.
 const MAX_PIXELS: u64 = 1 << 27;
@@ -219,19 +219,26 @@ fn low_range(
     if !image.is_opaque() {
         notice("its alpha is not honoured".to_owned());
     }
-    let pixels = match image.texels() {
-        Texels::Rgba8(all) => {
+    let channels = usize::from(image.channels());
+    let pixels = match &*image.texels() {
+        Texels::U8(all) => {
             let decode: Vec<f32> =
                 (0..=255_u8).map(|v| srgb_to_linear(f32::from(v) / 255.0)).collect();
-            all.iter().map(|[r, g, b, _]| [r, g, b].map(|v| decode[usize::from(*v)])).collect()
+            colors(all, channels, |v| decode[usize::from(v)])
         }
-        Texels::Rgba16(all) => all
-            .iter()
-            .map(|[r, g, b, _]| [r, g, b].map(|v| srgb_to_linear(f32::from(*v) / 65535.0)))
-            .collect(),
-        Texels::Rgba32F(all) => all.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+        Texels::U16(all) => colors(all, channels, |v| srgb_to_linear(f32::from(v) / 65535.0)),
+        Texels::F32(all) => colors(all, channels, |v| v),
     };
     Ok(EnvironmentImage { width: width as usize, height: height as usize, pixels })
+}
+
+/// The linear colours of texels of so many channels.
+fn colors<T: Value>(values: &[T], channels: usize, linear: impl Fn(T) -> f32) -> Vec<[f32; 3]> {
+    let color = |texel: &[T]| {
+        let [r, g, b, _] = spread(texel);
+        [r, g, b].map(&linear)
+    };
+    values.chunks_exact(channels).map(color).collect()
 }
 
 #[cfg(test)]

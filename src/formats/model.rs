@@ -9,7 +9,7 @@ use crate::scene::Scene;
 /// The format is told by the ending, else by the first bytes. Notices are never an error here.
 pub(super) fn load_model(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let mut scene = load_format(path, options)?;
-    texture_range::restrict(&mut scene, path)?;
+    texture_range::restrict(&mut scene, path, &options.textures)?;
     Ok(scene)
 }
 

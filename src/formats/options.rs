@@ -1,8 +1,10 @@
 //! How to load a scene.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::LoadError;
+use crate::texture::TextureStore;
 
 /// What to do about a texture that is missing or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +33,9 @@ pub struct LoadOptions {
     pub animation: Option<String>,
     /// The time at which animations are posed, seconds; none: all is in its rest pose.
     pub time: Option<f32>,
+    /// What decodes and keeps the images of textures; by default a new one without a limit. Scenes
+    /// that are loaded with the same one share their images.
+    pub textures: Arc<TextureStore>,
 }
 
 impl LoadOptions {

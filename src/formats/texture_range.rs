@@ -6,29 +6,33 @@ use super::LoadError;
 use crate::files::memory;
 use crate::math::TextureId;
 use crate::scene::{Material, Notice, Scene};
-use crate::texture::{Texels, TextureRange};
+use crate::texture::{Depth, TextureRange, TextureStore};
 
 /// Takes textures of floats to the range of what they are used for, and says of which ones that
 /// changed any value.
 ///
 /// # Errors
 /// [`LoadError::Invalid`] where there is no room for one that is used in two ways.
-pub(super) fn restrict(scene: &mut Scene, file: &Path) -> Result<(), LoadError> {
+pub(super) fn restrict(
+    scene: &mut Scene,
+    file: &Path,
+    store: &TextureStore,
+) -> Result<(), LoadError> {
     for index in 0..scene.textures.len() {
         let texture = scene.textures[index].clone();
-        if !matches!(texture.image().texels(), Texels::Rgba32F(_)) {
+        if texture.image().depth() != Depth::F32 {
             continue;
         }
         let id = TextureId::from_index(index);
         let ranges = ranges_in_use(scene, id);
         for &range in ranges.iter().filter(|range| !range.holds(&texture)) {
-            let bytes = texture.image().heap_bytes() as u64;
+            let bytes = texture.image().texel_bytes();
             memory::claim(bytes).map_err(|reason| {
                 LoadError::invalid(file, "", format!("{:?}: {reason}", texture.name()))
             })?;
             let message = format!("{:?} holds {}", texture.name(), range.describe_excess());
             scene.notices.push(Notice { place: file.display().to_string(), message });
-            let restricted = range.clamp_texture(&texture);
+            let restricted = range.clamp_texture(&texture, store);
             if ranges.len() == 1 {
                 scene.textures[index] = restricted;
             } else {
@@ -72,7 +76,7 @@ mod tests {
 
     /// A scene of those materials, each of which may use the one texture there is.
     fn scene(materials: Vec<Material>) -> Scene {
-        let image = Arc::new(Image::new(2, 1, Texels::Rgba32F(TEXELS.to_vec())));
+        let image = Arc::new(Image::of(2, 1, TEXELS.to_vec()));
         let texture = Texture::new(image, ColorSpace::Srgb, [Wrap::Clamp; 2], Filter::Nearest);
         let textures = vec![texture.named("a.exr")];
         Scene { materials, textures, ..Scene::default() }
@@ -80,8 +84,7 @@ mod tests {
 
     fn texels(scene: &Scene, slot: Option<TextureRef>) -> Vec<[f32; 4]> {
         let texture = &scene.textures[slot.expect("a texture").texture.index()];
-        let Texels::Rgba32F(texels) = texture.image().texels() else { panic!("floats") };
-        texels.clone()
+        texture.image().rgba().expect("floats")
     }
 
     #[test]
@@ -92,7 +95,7 @@ mod tests {
 
         let painted = Material { base_color_texture: slot, ..Material::default() };
         let mut one = scene(vec![painted.clone()]);
-        restrict(&mut one, file).expect("there is room");
+        restrict(&mut one, file, &TextureStore::default()).expect("there is room");
         assert_eq!((one.textures.len(), one.notices.len()), (1, 1));
         assert_eq!(texels(&one, one.materials[0].base_color_texture), unit);
         let message = &one.notices[0].message;
@@ -101,7 +104,7 @@ mod tests {
         let glowing = Material { emissive_texture: slot, normal_texture: slot, ..painted };
         let unlit = Material { base_color_texture: slot, unlit: true, ..Material::default() };
         let mut all = scene(vec![glowing, unlit]);
-        restrict(&mut all, file).expect("there is room");
+        restrict(&mut all, file, &TextureStore::new(64)).expect("there is room");
         assert_eq!((all.textures.len(), all.notices.len()), (3, 2));
         let [glowing, unlit] = &all.materials[..] else { panic!("two") };
         assert_eq!(texels(&all, glowing.base_color_texture), unit);
@@ -113,7 +116,7 @@ mod tests {
     #[test]
     fn what_is_within_stays_and_nothing_is_said() {
         let mut scene = scene(vec![Material::default()]);
-        restrict(&mut scene, Path::new("a.obj")).expect("there is room");
+        restrict(&mut scene, Path::new("a.obj"), &TextureStore::default()).expect("there is room");
         assert!(scene.notices.is_empty(), "it is not used");
         assert_eq!(texels(&scene, Some(TextureRef::new(TextureId::from_index(0)))), TEXELS);
     }

@@ -1,12 +1,14 @@
 //! Vectors, boxes, rays, frames and the newtypes of indices.
 
 mod aabb;
+mod digest;
 mod frame;
 mod index;
 mod order;
 mod ray;
 
 pub use aabb::Aabb;
+pub use digest::Digest;
 pub use frame::Frame;
 pub use glam::{
     Affine3A, DAffine3, DMat3, DQuat, DVec2, DVec3, Mat3, Mat4, Quat, Vec2, Vec3, Vec4,

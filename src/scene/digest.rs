@@ -5,49 +5,12 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use super::Scene;
-use crate::texture::{Image, Texels};
-
-/// A running hash over bytes, eight at a time; good enough to tell scenes apart, not to guard
-/// against someone who wants two to look alike.
-struct Digest(u64);
-
-impl Digest {
-    fn word(&mut self, word: u64) {
-        self.0 = (self.0 ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        self.0 ^= self.0 >> 29;
-    }
-
-    fn bytes(&mut self, bytes: &[u8]) {
-        self.word(bytes.len() as u64);
-        for chunk in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..chunk.len()].copy_from_slice(chunk);
-            self.word(u64::from_le_bytes(word));
-        }
-    }
-}
-
-impl Digest {
-    fn image(&mut self, image: &Image) {
-        match image.texels() {
-            Texels::Rgba8(texels) => self.bytes(bytemuck::cast_slice(texels)),
-            Texels::Rgba16(texels) => self.bytes(bytemuck::cast_slice(texels)),
-            Texels::Rgba32F(texels) => self.bytes(bytemuck::cast_slice(texels)),
-        }
-    }
-}
-
-impl Write for Digest {
-    fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        self.bytes(text.as_bytes());
-        Ok(())
-    }
-}
+use crate::math::Digest;
 
 impl Scene {
     /// A hash of shapes, places, materials, lights, cameras, texels and the environment's pixels.
     pub fn digest(&self) -> u64 {
-        let mut digest = Digest(0);
+        let mut digest = Digest::default();
         for mesh in &self.meshes {
             digest.bytes(bytemuck::cast_slice(&mesh.positions));
             digest.bytes(bytemuck::cast_slice(&mesh.normals));
@@ -69,7 +32,7 @@ impl Scene {
             let image = texture.image();
             let next = images.len();
             let number = *images.entry(Arc::as_ptr(image)).or_insert_with(|| {
-                digest.image(image);
+                digest.word(image.digest());
                 next
             });
             // It tells its image's size only. Writing to a digest cannot fail.
@@ -84,7 +47,7 @@ impl Scene {
             }
         }
         let _ = write!(digest, "{:?} {:?} {:?}", self.materials, self.lights, self.cameras);
-        digest.0
+        digest.value()
     }
 }
 
@@ -94,7 +57,7 @@ mod tests {
     use super::*;
     use crate::light::Environment;
     use crate::math::Vec3;
-    use crate::texture::{ColorSpace, Filter, Texture, Wrap};
+    use crate::texture::{ColorSpace, Filter, Image, Texture, Wrap};
 
     #[test]
     fn a_change_of_any_material_changes_the_digest() {
@@ -108,8 +71,7 @@ mod tests {
     #[test]
     fn a_change_of_any_texel_or_pixel_changes_the_digest() {
         let digest = |texel: u8, pixel: f32, repeat: Wrap| {
-            let texels = Texels::Rgba8(vec![[0, 0, 0, 255], [0, texel, 0, 255]]);
-            let image = Arc::new(Image::new(2, 1, texels));
+            let image = Arc::new(Image::of(2, 1, vec![[0, 0, 0], [0, texel, 0]]));
             let texture =
                 |filter| Texture::new(image.clone(), ColorSpace::Srgb, [repeat; 2], filter);
             let pixels = vec![[1.0; 3], [pixel, 2.0 - pixel, 1.0]];

@@ -43,7 +43,7 @@ impl SceneMemory {
             placements,
             mesh_bytes: meshes().map(|mesh| mesh.heap_bytes() as u64).sum(),
             placement_bytes: size_of_val(&*scene.instances) as u64,
-            texture_bytes: images.map(|image| image.heap_bytes() as u64).sum(),
+            texture_bytes: images.map(|image| image.texel_bytes()).sum(),
             structure: Footprint::estimate(unique_triangles, placements),
         }
     }

@@ -3,11 +3,11 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use bytemuck::Pod;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::image::{Image, Texels};
+use super::image::Image;
 use super::ktx2;
+use super::texels::{Texels, Value};
 use crate::files::memory::{self, TooMuch};
 use crate::film::radiance::{self, RadianceError, is_radiance};
 use crate::film::{FilmError, exr};
@@ -84,23 +84,25 @@ impl Image {
         Ok((image?, Vec::new()))
     }
 
-    /// The memory that the texels of a file would take, by its header alone.
+    /// The memory that the texels of a file would take, by its header alone; for OpenEXR files the
+    /// most that it can be.
     ///
     /// # Errors
     /// As for [`Image::decode`], as far as the header tells.
     pub fn decoded_bytes(bytes: &[u8], name: &str) -> Result<u64, ImageError> {
-        let floats = |(width, height): (u64, u64)| width * height * size_of::<[f32; 4]>() as u64;
         if is_exr(bytes) {
-            return Ok(floats(exr_size(bytes)?));
+            let (width, height) = exr_size(bytes)?;
+            return Ok(width * height * size_of::<[f32; 4]>() as u64);
         }
         if ktx2::is_ktx2(bytes) {
             return ktx2::decoded_bytes(bytes, MAX_SIZE).map_err(ImageError::Ktx2);
         }
         if is_radiance(bytes) {
             let mut source = bytes;
-            return Ok(floats(radiance_size(&radiance::Header::read(&mut source)?)?));
+            let (width, height) = radiance_size(&radiance::Header::read(&mut source)?)?;
+            return Ok(width * height * size_of::<[f32; 3]>() as u64);
         }
-        Ok(kept_bytes(&decoder(bytes, name)?.0))
+        Ok(decoder(bytes, name)?.0.total_bytes())
     }
 }
 
@@ -112,19 +114,20 @@ fn decode_other(bytes: &[u8], name: &str) -> Result<Image, ImageError> {
         return Err(ImageError::Empty);
     }
     memory::claim(peak_bytes(&decoder, format))?;
+    let channels = decoder.color_type().channel_count();
     let texels = match decoder.color_type() {
-        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
-            Texels::Rgba8(read(decoder, u8::MAX)?)
-        }
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => read::<u8>(decoder)?,
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
-            Texels::Rgba16(read(decoder, u16::MAX)?)
+            read::<u16>(decoder)?
         }
         ColorType::Rgb32F | ColorType::Rgba32F => {
-            Texels::Rgba32F(finite(read(decoder, 1.0)?, width)?)
+            let texels = read::<f32>(decoder)?;
+            check_finite(&texels, channels, width)?;
+            texels
         }
         _ => return Err(ImageError::UnknownFormat),
     };
-    Ok(Image::new(width, height, texels))
+    Ok(Image::new(width, height, channels, texels))
 }
 
 fn is_exr(bytes: &[u8]) -> bool {
@@ -151,8 +154,29 @@ fn decode_exr(bytes: &[u8], name: &str) -> Result<(Image, Vec<String>), ImageErr
     for [r, g, b, a] in texels.iter_mut().filter(|texel| texel[3] > 0.0 && texel[3] < 1.0) {
         (*r, *g, *b) = (*r / *a, *g / *a, *b / *a);
     }
-    let texels = finite(texels, width as u32)?;
-    Ok((Image::new(width as u32, height as u32, Texels::Rgba32F(texels)), notes))
+    let (width, height) = (width as u32, height as u32);
+    let channels = needed_channels(&texels);
+    let texels = match channels {
+        1 => Texels::F32(texels.iter().map(|texel| texel[0]).collect()),
+        2 => Texels::F32(texels.iter().flat_map(|texel| [texel[0], texel[3]]).collect()),
+        3 => Texels::F32(texels.iter().flat_map(|texel| [texel[0], texel[1], texel[2]]).collect()),
+        _ => Texels::F32(texels.into_flattened()),
+    };
+    check_finite(&texels, channels, width)?;
+    Ok((Image::new(width, height, channels, texels), notes))
+}
+
+/// The fewest channels that hold the same: OpenEXR files are read with all four.
+fn needed_channels(texels: &[[f32; 4]]) -> u8 {
+    let same = |a: f32, b: f32| a.to_bits() == b.to_bits();
+    let grey = texels.iter().all(|&[r, g, b, _]| same(r, g) && same(g, b));
+    let opaque = texels.iter().all(|texel| texel[3] == 1.0);
+    match (grey, opaque) {
+        (true, true) => 1,
+        (true, false) => 2,
+        (false, true) => 3,
+        (false, false) => 4,
+    }
 }
 
 /// Width and height, within the limits.
@@ -171,13 +195,12 @@ fn decode_radiance(bytes: &[u8]) -> Result<Image, ImageError> {
     let mut source = bytes;
     let header = radiance::Header::read(&mut source)?;
     let (width, height) = radiance_size(&header)?;
-    // As they come, upright, and with alpha.
-    let texel = (2 * size_of::<[f32; 3]>() + size_of::<[f32; 4]>()) as u64;
-    memory::claim(width * height * texel)?;
+    // As they come, and upright.
+    memory::claim(width * height * 2 * size_of::<[f32; 3]>() as u64)?;
     let pixels = radiance::read_pixels(&mut source, &header, bytes.len() as u64)?;
-    let texels = pixels.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
-    let texels = finite(texels, width as u32)?;
-    Ok(Image::new(width as u32, height as u32, Texels::Rgba32F(texels)))
+    let image = Image::of(width as u32, height as u32, pixels);
+    check_finite(&image.texels(), image.channels(), image.width())?;
+    Ok(image)
 }
 
 /// A decoder within the limits, and what it decodes.
@@ -199,14 +222,6 @@ fn decoder<'a>(
     Ok((decoder, format))
 }
 
-/// Bytes of the texels once they are read.
-fn kept_bytes(decoder: &impl ImageDecoder) -> u64 {
-    let (width, height) = decoder.dimensions();
-    let color = decoder.color_type();
-    let value = u64::from(color.bytes_per_pixel() / color.channel_count());
-    u64::from(width) * u64::from(height) * 4 * value
-}
-
 /// Bytes on the way there: some decoders hold all of the image in a form of their own.
 fn peak_bytes(decoder: &impl ImageDecoder, format: ImageFormat) -> u64 {
     let (width, height) = decoder.dimensions();
@@ -214,43 +229,25 @@ fn peak_bytes(decoder: &impl ImageDecoder, format: ImageFormat) -> u64 {
         ImageFormat::Png | ImageFormat::Bmp => 0,
         _ => decoder.total_bytes().max(u64::from(width) * u64::from(height) * 8),
     };
-    kept_bytes(decoder) + own
+    decoder.total_bytes() + own
 }
 
-/// All texels, of four values each; alpha is `opaque` where the file has none.
-fn read<T: Pod>(decoder: impl ImageDecoder, opaque: T) -> Result<Vec<[T; 4]>, ImageError> {
-    let (width, height) = decoder.dimensions();
-    let channels = usize::from(decoder.color_type().channel_count());
-    let mut texels = vec![[T::zeroed(); 4]; width as usize * height as usize];
-    let read = texels.len() * channels;
-    let values = texels.as_flattened_mut();
-    decoder.read_image(bytemuck::cast_slice_mut(&mut values[..read]))?;
-    spread_channels(values, channels, opaque);
-    Ok(texels)
+/// All values.
+fn read<T: Value>(decoder: impl ImageDecoder) -> Result<Texels, ImageError> {
+    let mut values = vec![T::zeroed(); decoder.total_bytes() as usize / size_of::<T>()];
+    decoder.read_image(bytemuck::cast_slice_mut(&mut values))?;
+    Ok(T::wrap(values))
 }
 
-/// Spreads values of so many channels, which stand close together at the front, to four each.
-fn spread_channels<T: Copy>(values: &mut [T], channels: usize, opaque: T) {
-    if channels == 4 {
-        return;
-    }
-    // From the last on, so that none is written over before it is read.
-    for i in (0..values.len() / 4).rev() {
-        let from = &values[i * channels..];
-        let texel = match channels {
-            1 => [from[0], from[0], from[0], opaque],
-            2 => [from[0], from[0], from[0], from[1]],
-            _ => [from[0], from[1], from[2], opaque],
-        };
-        values[4 * i..4 * i + 4].copy_from_slice(&texel);
-    }
-}
-
-fn finite(texels: Vec<[f32; 4]>, width: u32) -> Result<Vec<[f32; 4]>, ImageError> {
-    let odd = |texel: &[f32; 4]| texel.iter().any(|value| !value.is_finite());
-    match texels.iter().position(odd) {
-        Some(at) => Err(ImageError::NotFinite { x: at as u32 % width, y: at as u32 / width }),
-        None => Ok(texels),
+/// Refuses floats that are no numbers; `width` texels of so many channels are a row.
+fn check_finite(texels: &Texels, channels: u8, width: u32) -> Result<(), ImageError> {
+    let Texels::F32(values) = texels else { return Ok(()) };
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(at) => {
+            let at = (at / usize::from(channels)) as u32;
+            Err(ImageError::NotFinite { x: at % width, y: at / width })
+        }
+        None => Ok(()),
     }
 }
 
@@ -272,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn all_numbers_of_channels_become_four() {
+    fn channels_and_bits_are_those_of_the_file() {
         let buffer = |channels: usize| (0..2 * channels as u16).map(|v| v * 1000 + 7).collect();
         let deep: [DynamicImage; 4] = [
             DynamicImage::ImageLuma16(ImageBuffer::from_raw(2, 1, buffer(1)).expect("two")),
@@ -281,19 +278,29 @@ mod tests {
             DynamicImage::ImageRgba16(ImageBuffer::from_raw(2, 1, buffer(4)).expect("two")),
         ];
         for image in deep {
-            let expected = image.to_rgba16().pixels().map(|pixel| pixel.0).collect();
+            let channels = image.color().channel_count();
             let bytes = png(image.clone());
             let decoded = Image::decode(&bytes, "").expect("decodes");
-            assert!(decoded == Image::new(2, 1, Texels::Rgba16(expected)), "{:?}", image.color());
-            assert_eq!(Image::decoded_bytes(&bytes, "").expect("tells"), 16);
+            let expected = Texels::U16(image.as_bytes().chunks_exact(2).map(native).collect());
+            assert!(decoded == Image::new(2, 1, channels, expected), "{:?}", image.color());
+            assert_eq!(Image::decoded_bytes(&bytes, "").expect("tells"), 4 * u64::from(channels));
+            let rgba: Vec<[u16; 4]> = image.to_rgba16().pixels().map(|pixel| pixel.0).collect();
+            assert_eq!(decoded.rgba::<u16>(), Some(rgba));
 
             let shallow = DynamicImage::from(image.to_luma8());
             for image in [shallow, image.to_luma_alpha8().into(), image.to_rgb8().into()] {
-                let expected = image.to_rgba8().pixels().map(|pixel| pixel.0).collect();
+                let channels = image.color().channel_count();
+                let expected = Texels::U8(image.as_bytes().to_vec());
+                let rgba: Vec<[u8; 4]> = image.to_rgba8().pixels().map(|pixel| pixel.0).collect();
                 let decoded = Image::decode(&png(image), "").expect("decodes");
-                assert!(decoded == Image::new(2, 1, Texels::Rgba8(expected)));
+                assert!(decoded == Image::new(2, 1, channels, expected));
+                assert_eq!(decoded.rgba::<u8>(), Some(rgba));
             }
         }
+    }
+
+    fn native(bytes: &[u8]) -> u16 {
+        u16::from_ne_bytes([bytes[0], bytes[1]])
     }
 
     #[test]
@@ -316,7 +323,7 @@ mod tests {
         (tga[2], tga[12], tga[14], tga[16]) = (2, 1, 1, 24); // colours, 1 by 1 of 24 bits
         tga.extend([1, 2, 3]);
         let decoded = Image::decode(&tga, "a.tga").expect("decodes");
-        assert!(decoded == Image::new(1, 1, Texels::Rgba8(vec![[3, 2, 1, 255]])));
+        assert!(decoded == Image::of(1, 1, vec![[3_u8, 2, 1]]));
         assert!(matches!(Image::decode(&tga, "a"), Err(ImageError::UnknownFormat)));
     }
 
@@ -326,15 +333,15 @@ mod tests {
         let image = image::Rgb32FImage::from_raw(2, 1, texels).expect("two texels");
         let bytes = encoded(&image.into(), ImageFormat::Hdr);
         let decoded = Image::decode(&bytes, "a.hdr").expect("decodes");
-        let expected = vec![[4.0, 0.5, 0.0, 1.0], [0.25, 0.25, 0.25, 1.0]];
-        assert!(decoded == Image::new(2, 1, Texels::Rgba32F(expected)));
-        assert_eq!(Image::decoded_bytes(&bytes, "a.hdr").expect("tells"), 32);
+        let expected = vec![[4.0_f32, 0.5, 0.0], [0.25, 0.25, 0.25]];
+        assert!(decoded == Image::of(2, 1, expected));
+        assert_eq!(Image::decoded_bytes(&bytes, "a.hdr").expect("tells"), 24);
 
         // Of another program, under an exposure.
         let mut other = b"#?RGBE\nEXPOSURE=4\n\n-Y 2 +X 1\n".to_vec();
         other.extend([128, 128, 128, 129, 128, 128, 128, 129]);
         let decoded = Image::decode(&other, "a").expect("the first bytes tell");
-        assert!(decoded == Image::new(1, 2, Texels::Rgba32F(vec![[0.25, 0.25, 0.25, 1.0]; 2])));
+        assert!(decoded == Image::of(1, 2, vec![[0.25_f32; 3]; 2]));
         let error = Image::decode(&other[..other.len() - 1], "a").expect_err("is cut");
         assert_eq!(error.to_string(), "the file ends in row 2 of 2");
         let huge = b"#?RGBE\n\n-Y 16384 +X 16384\n";
@@ -349,8 +356,8 @@ mod tests {
         picture.set_channel("Y", vec![1.0]);
         let bytes = exr::encode(&picture).expect("encodes");
         let (image, notes) = Image::decode_noting(&bytes, "a.exr").expect("decodes");
-        let expected = vec![[0.0; 4], [0.0; 4], [0.0; 4], [1.0; 4]];
-        assert!(image == Image::new(2, 2, Texels::Rgba32F(expected)));
+        let expected = vec![[0.0_f32; 2], [0.0; 2], [0.0; 2], [1.0; 2]];
+        assert!(image == Image::of(2, 2, expected), "grey with alpha");
         assert_eq!(notes.len(), 1);
         assert_eq!(Image::decoded_bytes(&bytes, "a.exr").expect("tells"), 64);
     }
@@ -374,14 +381,13 @@ mod tests {
             ("depth.Z", [f32::INFINITY; 2]),
         ]);
         let decoded = Image::decode(&coloured, "a.exr").expect("decodes");
-        let expected = vec![[8.0, 1.0, 0.0, 1.0], [1.0, 0.5, 0.25, 0.5]];
-        assert!(decoded == Image::new(2, 1, Texels::Rgba32F(expected)));
+        let expected = vec![[8.0_f32, 1.0, 0.0, 1.0], [1.0, 0.5, 0.25, 0.5]];
+        assert!(decoded == Image::of(2, 1, expected));
         assert_eq!(Image::decoded_bytes(&coloured, "a.exr").expect("tells"), 32);
 
         let grey = exr_of(&[("Y", [3.0, 0.5])]);
         let decoded = Image::decode(&grey, "a.png").expect("the first bytes tell");
-        let expected = vec![[3.0, 3.0, 3.0, 1.0], [0.5, 0.5, 0.5, 1.0]];
-        assert!(decoded == Image::new(2, 1, Texels::Rgba32F(expected)));
+        assert!(decoded == Image::of(2, 1, vec![[3.0_f32], [0.5]]));
 
         let broken = exr_of(&[("Y", [3.0, f32::NAN])]);
         let error = Image::decode(&broken, "a.exr").expect_err("is NaN");

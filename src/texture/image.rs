@@ -1,40 +1,69 @@
-//! Images in memory.
+//! Images: their texels in memory, or in tiles that a cache keeps.
 
+use std::borrow::Cow;
 use std::fmt;
+use std::sync::{Arc, OnceLock};
 
-/// The colours of an image, row by row from the top, alpha not premultiplied.
-#[derive(Clone, PartialEq)]
-pub enum Texels {
-    /// What nearly all files hold.
-    Rgba8(Vec<[u8; 4]>),
-    /// 16-bit PNG and TIFF.
-    Rgba16(Vec<[u16; 4]>),
-    /// Linear colours: Radiance HDR, OpenEXR, float TIFF.
-    Rgba32F(Vec<[f32; 4]>),
-}
+use super::cache::TileCache;
+use super::texels::{Depth, Texels, Value, spread};
+use super::tiles::{SIDE, Tiles};
+use crate::math::Digest;
 
 /// An image of at least one texel.
-#[derive(Clone, PartialEq)]
 pub struct Image {
     width: u32,
     height: u32,
-    texels: Texels,
+    channels: u8,
     opaque: bool,
+    store: Store,
+    digest: OnceLock<u64>,
+}
+
+/// Where texels are.
+pub enum Store {
+    /// In memory, row by row from the top.
+    Whole(Texels),
+    /// In tiles.
+    Tiles(Tiles),
 }
 
 impl Image {
-    /// An image of `width` times `height` texels.
+    /// An image of `width` times `height` texels of so many channels.
     ///
     /// # Panics
-    /// If there are none or their number is another.
-    pub fn new(width: u32, height: u32, texels: Texels) -> Self {
-        let (count, opaque) = match &texels {
-            Texels::Rgba8(all) => (all.len(), all.iter().all(|texel| texel[3] == u8::MAX)),
-            Texels::Rgba16(all) => (all.len(), all.iter().all(|texel| texel[3] == u16::MAX)),
-            Texels::Rgba32F(all) => (all.len(), all.iter().all(|texel| texel[3] >= 1.0)),
+    /// If there are none, their number is another, or there are more than four channels.
+    pub fn new(width: u32, height: u32, channels: u8, texels: Texels) -> Self {
+        let count = u64::from(width) * u64::from(height) * u64::from(channels);
+        assert!(count > 0 && count == texels.len() as u64 && channels <= 4);
+        let opaque = match &texels {
+            Texels::U8(values) => is_opaque(values, channels),
+            Texels::U16(values) => is_opaque(values, channels),
+            Texels::F32(values) => is_opaque(values, channels),
         };
-        assert!(count > 0 && count as u64 == u64::from(width) * u64::from(height));
-        Self { width, height, texels, opaque }
+        let (store, digest) = (Store::Whole(texels), OnceLock::new());
+        Self { width, height, channels, opaque, store, digest }
+    }
+
+    /// The same of texels that know their channels.
+    ///
+    /// # Panics
+    /// As for [`Image::new`].
+    pub fn of<T: Value, const N: usize>(width: u32, height: u32, texels: Vec<[T; N]>) -> Self {
+        Self::new(width, height, N as u8, T::wrap(texels.into_flattened()))
+    }
+
+    /// The same image in tiles that `cache` keeps; one that is no larger than a tile stays whole.
+    #[must_use]
+    pub fn into_tiles(self, cache: &Arc<TileCache>) -> Self {
+        let (size, channels) = ([self.width, self.height], self.channels);
+        let Store::Whole(texels) = &self.store else { return self };
+        if u64::from(self.width) * u64::from(self.height) <= u64::from(SIDE * SIDE) {
+            return self;
+        }
+        // While all of it is at hand.
+        self.digest();
+        let tiles = Tiles::cut(texels, size, channels, Arc::clone(cache));
+        Self { store: Store::Tiles(tiles), ..self }
     }
 
     /// Texels in a row.
@@ -49,10 +78,44 @@ impl Image {
         self.height
     }
 
-    /// The texels, row by row from the top.
+    /// How many channels it has, 1 to 4.
     #[inline]
-    pub fn texels(&self) -> &Texels {
-        &self.texels
+    pub fn channels(&self) -> u8 {
+        self.channels
+    }
+
+    /// Of what kind its values are.
+    pub fn depth(&self) -> Depth {
+        match &self.store {
+            Store::Whole(texels) => texels.depth(),
+            Store::Tiles(tiles) => tiles.depth(),
+        }
+    }
+
+    /// Where its texels are.
+    #[inline]
+    pub(super) fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// Whether it is kept in tiles.
+    pub fn is_tiled(&self) -> bool {
+        matches!(self.store, Store::Tiles(_))
+    }
+
+    /// The texels, row by row from the top; of an image in tiles a copy of all.
+    pub fn texels(&self) -> Cow<'_, Texels> {
+        match &self.store {
+            Store::Whole(texels) => Cow::Borrowed(texels),
+            Store::Tiles(tiles) => Cow::Owned(tiles.to_texels()),
+        }
+    }
+
+    /// Red, green, blue and alpha of all texels, if their values are of this type.
+    pub fn rgba<T: Value>(&self) -> Option<Vec<[T; 4]>> {
+        let texels = self.texels();
+        let values = T::unwrap(&texels)?;
+        Some(values.chunks_exact(usize::from(self.channels)).map(spread).collect())
     }
 
     /// Whether alpha is one everywhere.
@@ -60,23 +123,38 @@ impl Image {
         self.opaque
     }
 
-    /// Bytes on the heap.
-    pub fn heap_bytes(&self) -> usize {
-        match &self.texels {
-            Texels::Rgba8(all) => size_of_val(&**all),
-            Texels::Rgba16(all) => size_of_val(&**all),
-            Texels::Rgba32F(all) => size_of_val(&**all),
-        }
+    /// Bytes of all texels, whether they are in memory or not.
+    pub fn texel_bytes(&self) -> u64 {
+        let count = u64::from(self.width) * u64::from(self.height) * u64::from(self.channels);
+        count * u64::from(self.depth().bits() / 8)
     }
+
+    /// A number that tells texels apart, the same in memory and in tiles.
+    pub fn digest(&self) -> u64 {
+        *self.digest.get_or_init(|| {
+            let mut digest = Digest::default();
+            digest.bytes(self.texels().as_bytes());
+            digest.value()
+        })
+    }
+}
+
+impl PartialEq for Image {
+    fn eq(&self, other: &Self) -> bool {
+        let size = |image: &Self| [image.width, image.height, image.channels.into()];
+        size(self) == size(other) && self.texels() == other.texels()
+    }
+}
+
+/// Whether values of so many channels have no alpha, or one everywhere.
+fn is_opaque<T: Value>(values: &[T], channels: u8) -> bool {
+    let step = usize::from(channels);
+    channels % 2 == 1 || values.iter().skip(step - 1).step_by(step).all(|&alpha| alpha >= T::ONE)
 }
 
 impl fmt::Debug for Image {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let kind = match &self.texels {
-            Texels::Rgba8(_) => "8 bit",
-            Texels::Rgba16(_) => "16 bit",
-            Texels::Rgba32F(_) => "float",
-        };
-        write!(f, "Image({} x {}, {kind})", self.width, self.height)
+        let Self { width, height, channels, .. } = self;
+        write!(f, "Image({width} x {height}, {channels} x {} bit)", self.depth().bits())
     }
 }

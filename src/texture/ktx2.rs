@@ -6,7 +6,7 @@
 
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
-use super::image::{Image, Texels};
+use super::image::Image;
 use super::zstandard;
 use crate::files::{guard, memory};
 
@@ -109,7 +109,7 @@ pub fn decode(bytes: &[u8], max_size: u32) -> Result<(Image, Vec<String>), Strin
              is used"
         ));
     }
-    Ok((Image::new(level.width, level.height, Texels::Rgba8(texels)), notes))
+    Ok((Image::of(level.width, level.height, texels), notes))
 }
 
 /// The memory that the texels of that level take.

@@ -1,14 +1,33 @@
-//! Textures: pictures, how they are decoded from files and how they are looked up.
+//! Textures: pictures, how they are decoded from files, kept and looked up.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `texture` | an image, its colour space, wraps and filter: the look-up |
+//! | `texels`, `transfer` | values of one to four channels and three depths; what they stand for |
+//! | `image` | an image, whole or in tiles |
+//! | `decode` | images from the bytes of their files |
+//! | `store` | each file decoded once, within the memory that textures may take |
+//! | `tiles`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
+//! | `range` | floats taken to what a material can do |
 
+mod cache;
 mod decode;
 mod image;
 mod ktx2;
 mod range;
+mod store;
+mod texels;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod texture;
+mod tiles;
+mod transfer;
 mod zstandard;
 
+pub use cache::{CacheFigures, TileCache};
 pub use decode::ImageError;
-pub use image::{Image, Texels};
+pub use image::Image;
 pub use range::TextureRange;
-pub use texture::{ColorSpace, Filter, Texture, Wrap, srgb_to_linear};
+pub use store::{Decoded, ImageId, ImagePart, ImageSource, TextureFigures, TextureStore};
+pub use texels::{Depth, Texels, Value, spread};
+pub use texture::{Filter, Texture, Wrap};
+pub use transfer::{ColorSpace, srgb_to_linear};

@@ -1,19 +1,11 @@
 //! Textures: an image, how to read colours out of it, and what lies beyond its edges.
 
 use std::fmt;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-use super::image::{Image, Texels};
+use super::image::{Image, Store};
+use super::transfer::{ColorSpace, Tables};
 use crate::math::{Vec2, Vec4};
-
-/// What the numbers in an image mean. Alpha is linear in both.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ColorSpace {
-    /// Colours by the transfer function of IEC 61966-2-1.
-    Srgb,
-    /// Proportional to light, or no light at all: normals, roughness.
-    Linear,
-}
 
 /// What lies beyond an image's edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,10 +38,7 @@ pub struct Texture {
     color_space: ColorSpace,
     wrap: [Wrap; 2],
     filter: Filter,
-    /// Of a stored red, green or blue, the linear value; as long as the texels have values.
-    decode: &'static [f32],
-    /// The same for alpha.
-    decode_alpha: &'static [f32],
+    tables: Tables,
 }
 
 impl fmt::Debug for Texture {
@@ -70,16 +59,9 @@ impl Texture {
         wrap: [Wrap; 2],
         filter: Filter,
     ) -> Self {
-        let (decode, decode_alpha): (&'static [f32], &'static [f32]) =
-            match (image.texels(), color_space) {
-                (Texels::Rgba8(_), ColorSpace::Srgb) => (&*SRGB_8, &*LINEAR_8),
-                (Texels::Rgba8(_), ColorSpace::Linear) => (&*LINEAR_8, &*LINEAR_8),
-                (Texels::Rgba16(_), ColorSpace::Srgb) => (&*SRGB_16, &*LINEAR_16),
-                (Texels::Rgba16(_), ColorSpace::Linear) => (&*LINEAR_16, &*LINEAR_16),
-                (Texels::Rgba32F(_), _) => (&[], &[]),
-            };
+        let tables = Tables::new(image.depth(), color_space);
         let name = String::new();
-        Self { name, image, color_space, wrap, filter, decode, decode_alpha }
+        Self { name, image, color_space, wrap, filter, tables }
     }
 
     /// The same called `name`.
@@ -99,7 +81,7 @@ impl Texture {
 
     /// One colour everywhere that nobody takes for intended.
     pub fn magenta() -> Self {
-        let image = Image::new(1, 1, Texels::Rgba8(vec![[255, 0, 255, 255]]));
+        let image = Image::of(1, 1, vec![[255_u8, 0, 255]]);
         Self::new(Arc::new(image), ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Nearest)
     }
 
@@ -131,8 +113,9 @@ impl Texture {
             Filter::Bilinear => {
                 let (x, fx) = around(self.wrap[0], uv.x, width);
                 let (y, fy) = around(self.wrap[1], uv.y, height);
-                let above = mix(self.texel(x[0], y[0]), self.texel(x[1], y[0]), fx);
-                let below = mix(self.texel(x[0], y[1]), self.texel(x[1], y[1]), fx);
+                let at = [(x[0], y[0]), (x[1], y[0]), (x[0], y[1]), (x[1], y[1])];
+                let [a, b, c, d] = self.gather(at);
+                let (above, below) = (mix(a, b, fx), mix(c, d, fx));
                 mix(above, below, fy)
             }
         }
@@ -141,21 +124,20 @@ impl Texture {
     /// The linear value of one texel; `x` and `y` lie within the image.
     #[inline]
     pub fn texel(&self, x: u32, y: u32) -> Vec4 {
-        let at = y as usize * self.image.width() as usize + x as usize;
-        let decode = |r: usize, g: usize, b: usize, a: usize| {
-            let color = self.decode;
-            Vec4::new(color[r], color[g], color[b], self.decode_alpha[a])
-        };
-        match self.image.texels() {
-            Texels::Rgba8(texels) => {
-                let [r, g, b, a] = texels[at].map(usize::from);
-                decode(r, g, b, a)
+        let [texel] = self.gather([(x, y)]);
+        texel
+    }
+
+    /// The linear values of texels at columns and rows within the image.
+    #[inline]
+    fn gather<const K: usize>(&self, at: [(u32, u32); K]) -> [Vec4; K] {
+        match self.image.store() {
+            Store::Whole(texels) => {
+                let width = self.image.width() as usize;
+                let at = at.map(|(x, y)| y as usize * width + x as usize);
+                self.tables.gather(texels, self.image.channels(), at)
             }
-            Texels::Rgba16(texels) => {
-                let [r, g, b, a] = texels[at].map(usize::from);
-                decode(r, g, b, a)
-            }
-            Texels::Rgba32F(texels) => Vec4::from_array(texels[at]),
+            Store::Tiles(tiles) => tiles.gather(self.tables, at),
         }
     }
 }
@@ -217,28 +199,14 @@ fn mix(a: Vec4, b: Vec4, t: f32) -> Vec4 {
     a + (b - a) * t
 }
 
-/// The transfer function of sRGB (IEC 61966-2-1), encoded 0..=1 to linear.
-pub fn srgb_to_linear(encoded: f32) -> f32 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { libm::powf((encoded + 0.055) / 1.055, 2.4) }
-}
-
-static LINEAR_8: LazyLock<Vec<f32>> = LazyLock::new(|| table(u8::MAX.into(), |x| x));
-static SRGB_8: LazyLock<Vec<f32>> = LazyLock::new(|| table(u8::MAX.into(), srgb_to_linear));
-static LINEAR_16: LazyLock<Vec<f32>> = LazyLock::new(|| table(u16::MAX, |x| x));
-static SRGB_16: LazyLock<Vec<f32>> = LazyLock::new(|| table(u16::MAX, srgb_to_linear));
-
-fn table(last: u16, decode: fn(f32) -> f32) -> Vec<f32> {
-    (0..=last).map(|i| decode(f32::from(i) / f32::from(last))).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// A texture of one row, red rising by `step`.
     fn ramp(width: u8, step: u8, wrap: Wrap, filter: Filter) -> Texture {
-        let texels = (0..width).map(|i| [i * step, 0, 0, 255]).collect();
-        let image = Image::new(width.into(), 1, Texels::Rgba8(texels));
+        let texels = (0..width).map(|i| [i * step, 0, 0]).collect();
+        let image = Image::of(width.into(), 1, texels);
         Texture::new(Arc::new(image), ColorSpace::Linear, [wrap; 2], filter)
     }
 
@@ -286,7 +254,7 @@ mod tests {
 
     #[test]
     fn srgb_is_decoded_and_alpha_is_not() {
-        let image = Arc::new(Image::new(1, 1, Texels::Rgba8(vec![[188, 0, 255, 128]])));
+        let image = Arc::new(Image::of(1, 1, vec![[188_u8, 0, 255, 128]]));
         let texture = Texture::new(image, ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Bilinear);
         let value = texture.sample(Vec2::ZERO);
         assert!((value.x - 0.502_886_5).abs() < 1e-6); // ((188/255 + 0.055) / 1.055)^2.4
@@ -296,7 +264,7 @@ mod tests {
 
     #[test]
     fn sixteen_bits_keep_what_eight_would_lose() {
-        let image = Arc::new(Image::new(1, 1, Texels::Rgba16(vec![[1, 257, 0, 65535]])));
+        let image = Arc::new(Image::of(1, 1, vec![[1_u16, 257, 0, 65535]]));
         let texture = Texture::new(image, ColorSpace::Linear, [Wrap::Repeat; 2], Filter::Nearest);
         let expected = Vec4::new(1.0 / 65535.0, 257.0 / 65535.0, 0.0, 1.0);
         assert_eq!(texture.sample(Vec2::ZERO), expected);

@@ -2,9 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::report::{
-    Report, bits, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light,
-};
+use super::report::{Report, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light};
 use crate::camera::Projection;
 
 impl Report<'_> {
@@ -117,9 +115,10 @@ impl Report<'_> {
                 "name": texture.name(),
                 "width": width,
                 "height": height,
-                "bits": bits(texture.image().texels()),
+                "channels": texture.image().channels(),
+                "bits": texture.image().depth().bits(),
                 "color_space": name_of_space(texture.color_space()),
-                "bytes": texture.image().heap_bytes(),
+                "bytes": texture.image().texel_bytes(),
             })
         };
         self.scene.textures.iter().map(texture).collect()

@@ -4,7 +4,7 @@ use crate::camera::Projection;
 use crate::light::{Punctual, PunctualKind};
 use crate::math::{Aabb, Vec3};
 use crate::scene::{AlphaMode, Material, MaterialLayers, Scene, SceneMemory, Survey};
-use crate::texture::{ColorSpace, Texels};
+use crate::texture::ColorSpace;
 
 /// All that there is to report.
 pub struct Report<'a> {
@@ -41,14 +41,6 @@ pub fn name_of_space(space: ColorSpace) -> &'static str {
     match space {
         ColorSpace::Srgb => "sRGB",
         ColorSpace::Linear => "linear",
-    }
-}
-
-pub fn bits(texels: &Texels) -> u32 {
-    match texels {
-        Texels::Rgba8(_) => 8,
-        Texels::Rgba16(_) => 16,
-        Texels::Rgba32F(_) => 32,
     }
 }
 

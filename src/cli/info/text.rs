@@ -2,9 +2,7 @@
 
 use std::fmt::Write;
 
-use super::report::{
-    Report, bits, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light,
-};
+use super::report::{Report, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light};
 use crate::camera::Projection;
 use crate::cli::text::{format_bytes, format_figure};
 
@@ -103,9 +101,9 @@ impl Report<'_> {
         let textures = self.scene.textures.iter().enumerate().map(|(number, texture)| {
             let ([width, height], image) = (texture.size(), texture.image());
             let space = name_of_space(texture.color_space());
-            let bits = bits(image.texels());
+            let (channels, bits) = (image.channels(), image.depth().bits());
             format!(
-                "{}: {width}x{height}, {bits} bit, {space}",
+                "{}: {width}x{height}, {channels} x {bits} bit, {space}",
                 format_label(number, texture.name())
             )
         });

@@ -11,7 +11,7 @@ mod shutter;
 mod view;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use crate::accel::{self, Accel, BuildError};
@@ -25,6 +25,7 @@ use crate::integrator::Transport;
 use crate::render::{Aov, NoiseTarget, Settings, film_bytes};
 use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
 use crate::scene::{Notice, SceneMemory};
+use crate::texture::TextureStore;
 use crate::world::World;
 pub use shutter::Shutter;
 
@@ -43,6 +44,8 @@ pub struct Job {
     pub settings: Settings,
     /// When its samples are taken.
     pub shutter: Shutter,
+    /// What keeps the images of textures, at all moments.
+    pub textures: Arc<TextureStore>,
     /// The scene at the first moment.
     pub first: Moment,
     /// Whether the environment light was chosen for the user.
@@ -72,7 +75,9 @@ impl Job {
         let start = Instant::now();
         args.spp = count_samples(&args);
         let shutter = Shutter::new(&args);
-        let (mut scene, mut notices) = scene::load(&args, shutter.time(0))?;
+        let memory = args.texture_memory.unwrap_or_else(|| crate::files::memory::limit() / 2);
+        let textures = Arc::new(TextureStore::new(memory));
+        let (mut scene, mut notices) = scene::load(&args, shutter.time(0), &textures)?;
         let file = args.scene_file.display().to_string();
         let sky = automatic_sky(&scene, &file);
         let automatic_sky = sky.is_some();
@@ -89,7 +94,8 @@ impl Job {
         memory::require_parts(&file, &parts, args.memory)?;
         let world = scene::build_world(scene, &args)?;
         let first = Moment { world, camera, notices, elapsed: start.elapsed() };
-        Ok(Self { args, settings, shutter, first, automatic_sky, moments_digest: OnceLock::new() })
+        let moments_digest = OnceLock::new();
+        Ok(Self { args, settings, shutter, textures, first, automatic_sky, moments_digest })
     }
 
     /// The scene at a later moment; none for the first, which is there. What the first left to be
@@ -104,7 +110,7 @@ impl Job {
         let start = Instant::now();
         let (args, first) = (&self.args, &self.first);
         let time = self.shutter.time(moment);
-        let (mut scene, mut notices) = scene::load(args, time)?;
+        let (mut scene, mut notices) = scene::load(args, time, &self.textures)?;
         if self.automatic_sky {
             scene.environment = Some(neutral_sky());
         }

@@ -7,14 +7,19 @@ use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::MissingTextureArg;
 use crate::formats::{self, LoadError, LoadOptions, MissingTexture, NotFinite};
 use crate::scene::{Notice, Scene};
+use crate::texture::TextureStore;
 use crate::world::World;
 
 /// Loads the scene, posed at a time, with the environment light that was asked for; and what there
-/// is to say of both.
+/// is to say of both. `textures` keeps its images.
 ///
 /// # Errors
 /// What is wrong with either; with `--strict` also if there is anything to say.
-pub fn load(args: &RenderArgs, time: Option<f32>) -> Result<(Scene, Vec<Notice>), CliError> {
+pub fn load(
+    args: &RenderArgs,
+    time: Option<f32>,
+    textures: &Arc<TextureStore>,
+) -> Result<(Scene, Vec<Notice>), CliError> {
     let options = LoadOptions {
         // It is seen to below, for the scene and its environment light together.
         strict: false,
@@ -26,6 +31,7 @@ pub fn load(args: &RenderArgs, time: Option<f32>) -> Result<(Scene, Vec<Notice>)
         variant: args.variant.clone(),
         animation: args.animation.clone(),
         time,
+        textures: Arc::clone(textures),
     };
     let mut scene = formats::load(&args.scene_file, &options)?;
     let mut notices = std::mem::take(&mut scene.notices);

@@ -13,6 +13,9 @@ use crate::cli::status::Phase;
 use crate::cli::watch::Watch;
 use crate::render::{Film, Rendered, film_bytes, with_ticks};
 
+/// The exit code where the temporary file of textures cannot be read.
+const UNREADABLE: u8 = 4;
+
 /// A film with all samples that could be taken, and what it took.
 pub struct Exposed {
     pub film: Film,
@@ -114,6 +117,11 @@ impl Exposure<'_> {
                 Err(error) => took.stopped = Some(error),
                 Ok(()) => {}
             }
+            // What was rendered since is wrong: nothing of it is to be saved.
+            if let Some(reason) = job.textures.failure() {
+                let message = format!("textures: the temporary file cannot be read: {reason}");
+                return Err(CliError::Output(message));
+            }
             if took.stopped.is_some() || self.control.signals.is_cancelled() {
                 break;
             }
@@ -159,6 +167,9 @@ impl Exposure<'_> {
         let watch = self.control.watch;
         watch.set_rays(film.rays().total());
         watch.update(film.progress(), &|| film.preview());
+        if job.textures.failure().is_some() {
+            self.control.signals.stop(UNREADABLE);
+        }
         let is_over =
             |limit: Option<Duration>, spent: Duration| limit.is_some_and(|it| spent >= it);
         if is_over(job.args.stop_after, self.control.start.elapsed()) {

@@ -89,6 +89,9 @@ impl Publisher<'_> {
     fn tell(&self, outcome: Outcome, control: &Control<'_>) -> Result<u8, CliError> {
         let job = self.job;
         control.watch.tell(&report::summarize(job, &outcome));
+        if job.args.verbose > 0 {
+            say(&report::describe_textures(&job.textures.figures()));
+        }
         if job.args.json {
             text::print(&format!("{}\n", report::summarize_as_json(job, &outcome)))?;
         }

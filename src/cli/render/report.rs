@@ -1,6 +1,6 @@
 //! What a render says of the scene, of lost samples and of what it took.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::checkpoint;
 use super::moments::{Outcome, Took};
@@ -10,6 +10,7 @@ use crate::cli::shell;
 use crate::files::memory;
 use crate::geom::TriangleSource;
 use crate::render::{LostSample, Rendered, Stage};
+use crate::texture::TextureFigures;
 
 /// Says what the scene asks for that is not honoured, and what was decided for the user.
 pub fn print_scene(job: &Job) {
@@ -131,7 +132,48 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
     )
 }
 
+/// What textures take, and what the cache of those that do not fit in memory has done.
+pub fn describe_textures(figures: &TextureFigures) -> String {
+    let mega = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
+    let TextureFigures { images, tiled, resident, cache } = figures;
+    let whole = format!("textures: {images} images, {} in memory", mega(*resident));
+    if *tiled == 0 {
+        return whole;
+    }
+    let in_memory = match cache.stored_in_memory {
+        0 => String::new(),
+        bytes => format!(" ({} of it in memory: there is no room for the file)", mega(bytes)),
+    };
+    format!(
+        "{whole}; {tiled} in tiles, {} in a temporary file{in_memory}; tiles: {} decoded, {} found, \
+         {} evicted, {} at most of {}",
+        mega(cache.stored),
+        cache.decoded,
+        cache.found,
+        cache.evicted,
+        mega(cache.peak),
+        mega(cache.limit),
+    )
+}
+
 /// The same as a JSON object.
+fn textures_as_json(figures: &TextureFigures) -> Value {
+    let TextureFigures { images, tiled, resident, cache } = figures;
+    let tiles = (*tiled > 0).then(|| {
+        json!({
+            "limit_bytes": cache.limit,
+            "peak_bytes": cache.peak,
+            "stored_bytes": cache.stored,
+            "stored_in_memory_bytes": cache.stored_in_memory,
+            "decoded": cache.decoded,
+            "found": cache.found,
+            "evicted": cache.evicted,
+        })
+    });
+    json!({ "images": images, "tiled": tiled, "resident_bytes": resident, "tiles": tiles })
+}
+
+/// The last line as a JSON object.
 pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
     let Outcome { rendered, took: Took { loaded, built, denoised, moments, .. } } = outcome;
     json!({
@@ -153,6 +195,7 @@ pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
         "mrays_s": rendered.rays.total() as f64 / rendered.elapsed.as_secs_f64().max(1e-9) / 1e6,
         "lost_samples": rendered.lost_count,
         "peak_bytes": memory::peak(),
+        "textures": textures_as_json(&job.textures.figures()),
         "interrupted": rendered.cancelled,
         "max_spp": rendered.samples.1,
         "noise": rendered.reached.map(|reached| reached.largest),

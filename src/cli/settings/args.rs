@@ -104,6 +104,8 @@ pub struct RenderArgs {
     pub isa: Isa,
     /// Bytes.
     pub memory: Option<u64>,
+    /// Bytes that textures may take.
+    pub texture_memory: Option<u64>,
 
     pub dry_run: bool,
     pub print_config: bool,

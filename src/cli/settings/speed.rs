@@ -55,4 +55,18 @@ pub static SPEED: &[Setting] = &[
         write: |args| args.memory.to_toml(),
         ..SETTING
     },
+    Setting {
+        name: "texture-memory",
+        value: "SIZE",
+        otherwise: "half of the memory",
+        example: "512MiB",
+        help: "The memory that textures may take; the rest of them waits in a temporary file",
+        details: "Beyond it, textures are cut into tiles, which are kept compressed in a file in \
+                  the system's temporary folder (TMPDIR) and are read back when a ray asks for \
+                  them. The picture is the same, whatever the size. Units are KiB, MiB, GiB (or \
+                  K, M, G) and kB, MB, GB.",
+        read: Reader::Text(|word| assign(size(word), |args| &mut args.texture_memory)),
+        write: |args| args.texture_memory.to_toml(),
+        ..SETTING
+    },
 ];

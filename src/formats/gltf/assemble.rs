@@ -74,16 +74,16 @@ fn load<'a>(
         &document.textures,
         &document.images,
         &storage,
-        folder,
-        options.missing_texture,
+        path,
+        options,
         &mut broken,
         notices,
     );
-    let (images, missing) = (&document.images, options.missing_texture);
+    let images = &document.images;
     let environment = selection
         .light
         .as_ref()
-        .and_then(|light| light.load(images, &storage, folder, missing, &mut broken, notices));
+        .and_then(|light| light.load(images, &storage, path, options, &mut broken, notices));
     if !broken.is_empty() {
         return Err(LoadError::References { file: path.display().to_string(), broken });
     }

@@ -13,7 +13,7 @@ use super::read::Storage;
 use super::resources;
 use super::texture::ImageDeclaration;
 use crate::files::memory;
-use crate::formats::{Broken, MissingTexture};
+use crate::formats::{Broken, LoadOptions};
 use crate::light::Environment;
 use crate::math::Vec3;
 use crate::texture::{ColorSpace, Filter, Image, Texture, Wrap};
@@ -77,12 +77,14 @@ impl ImageLight {
         &self,
         images: &[ImageDeclaration],
         storage: &Storage,
-        folder: &Path,
-        missing: MissingTexture,
+        path: &Path,
+        options: &LoadOptions,
         broken: &mut Vec<Broken>,
         notices: &mut Notices,
     ) -> Option<Environment> {
-        let decoded = resources::decode_images(self.faces.to_vec(), images, storage, folder);
+        let missing = options.missing_texture;
+        let faces = self.faces.to_vec();
+        let decoded = resources::decode_images(faces, images, storage, path, &options.textures);
         let mut faces: Vec<Arc<Image>> = Vec::new();
         for image in self.faces {
             match &decoded[&image] {

@@ -7,17 +7,13 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::Arc;
-
-use rayon::prelude::*;
 
 use super::json::{Fault, Object};
 use super::notices::Notices;
 use super::read::Storage;
 use super::texture::{ImageDeclaration, ImageSource, TextureDeclaration};
-use crate::files::memory;
-use crate::formats::{Broken, MissingTexture, uri};
-use crate::texture::{ColorSpace, Image, Texture};
+use crate::formats::{Broken, LoadOptions, MissingTexture, uri};
+use crate::texture::{ColorSpace, Decoded, ImageId, ImagePart, Texture, TextureStore};
 
 /// A buffer as the document declares it.
 #[derive(Clone, Debug)]
@@ -100,10 +96,6 @@ pub fn name_of(image: &ImageDeclaration) -> String {
     if file.is_empty() { image.name.clone() } else { file }
 }
 
-/// Memory that decoded images may always take, and beyond it for each byte of their files.
-const FREE_BYTES: u64 = 4 << 30;
-const EXPANSION: u64 = 256;
-
 /// Makes the textures in `slots`, which are indices into `textures`. Each image is decoded once.
 /// What is missing or broken goes to `broken`, or is noted, and colours are magenta; `None` is what
 /// holds no colours, to be left out. Where a WebP or KTX2 image cannot be used, the one that the
@@ -113,13 +105,15 @@ pub fn load_textures(
     textures: &[TextureDeclaration],
     images: &[ImageDeclaration],
     storage: &Storage,
-    folder: &Path,
-    missing: MissingTexture,
+    path: &Path,
+    options: &LoadOptions,
     broken: &mut Vec<Broken>,
     notices: &mut Notices,
 ) -> Vec<Option<Texture>> {
+    let missing = options.missing_texture;
+    let decode_images = |used| decode_images(used, images, storage, path, &options.textures);
     let used = slots.iter().filter_map(|&(texture, _)| textures[texture].image).collect();
-    let mut decoded = decode_images(used, images, storage, folder);
+    let mut decoded = decode_images(used);
     // Of each texture that cannot have its first image the second.
     let fails = |decoded: &BTreeMap<usize, Decoded>, image| decoded[&image].is_err();
     let second = |&(texture, _): &(usize, ColorSpace)| {
@@ -128,7 +122,7 @@ pub fn load_textures(
     };
     let seconds: Vec<usize> = slots.iter().filter_map(second).collect();
     let seconds = seconds.into_iter().filter(|image| !decoded.contains_key(image)).collect();
-    decoded.extend(decode_images(seconds, images, storage, folder));
+    decoded.extend(decode_images(seconds));
 
     // Of each texture the image that it has, if it has any, and the one that it gets.
     let choose = |&(texture, _): &(usize, ColorSpace)| {
@@ -192,51 +186,38 @@ pub fn report(
     }
 }
 
-/// An image and what is odd about it, or why there is none.
-pub type Decoded = Result<(Arc<Image>, Vec<String>), String>;
-
 /// Decodes those images that are `used`.
 pub fn decode_images(
     mut used: Vec<usize>,
     images: &[ImageDeclaration],
     storage: &Storage,
-    folder: &Path,
+    path: &Path,
+    store: &TextureStore,
 ) -> BTreeMap<usize, Decoded> {
     used.sort_unstable();
     used.dedup();
-    let files: Vec<_> = used
-        .iter()
-        .map(|&image| match &images[image].source {
-            ImageSource::Uri(uri) => Ok((Cow::Owned(uri::read(folder, uri)?), uri.as_str())),
-            ImageSource::View(view) => match storage.view(*view) {
-                Ok(bytes) => Ok((Cow::Borrowed(bytes), "")),
-                Err(fault) => Err(format!("{} {}", fault.place, fault.message)),
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let source = |&image: &usize| match &images[image].source {
+        ImageSource::Uri(uri) => crate::texture::ImageSource {
+            id: match uri::file(folder, uri) {
+                Ok(file) => ImageId::of(&file, ImagePart::Whole),
+                Err(_) => ImageId::of(path, ImagePart::Image(image)),
             },
-        })
-        .collect();
-
-    // Sizes are known before anything is decoded, so that many small files are no bomb either.
-    let sizes = files
-        .iter()
-        .flatten()
-        .map(|(bytes, name)| (bytes.len() as u64, Image::decoded_bytes(bytes, name).unwrap_or(0)));
-    let (encoded, total) = sizes.fold((0_u64, 0_u64), |sum, size| {
-        (sum.0.saturating_add(size.0), sum.1.saturating_add(size.1))
-    });
-    let too_many = if total > FREE_BYTES.saturating_add(encoded.saturating_mul(EXPANSION)) {
-        Some(format!("all images together take {total} bytes, far beyond their files"))
-    } else {
-        memory::claim(total).err().map(|error| format!("all images together: {error}"))
-    };
-    let decode = |file: Result<(Cow<[u8]>, &str), String>| {
-        let (bytes, name) = file?;
-        if let Some(reason) = &too_many {
-            return Err(reason.clone());
+            name: uri,
+            read: Box::new(move || uri::read(folder, uri).map(Cow::Owned)),
+        },
+        ImageSource::View(view) => {
+            let found = storage.view(*view);
+            let found = found.map_err(|fault| format!("{} {}", fault.place, fault.message));
+            crate::texture::ImageSource {
+                id: ImageId::of(path, ImagePart::View(*view)),
+                name: "",
+                read: Box::new(move || found.clone().map(Cow::Borrowed)),
+            }
         }
-        let decoded = Image::decode_noting(&bytes, name).map_err(|error| error.to_string());
-        decoded.map(|(image, notes)| (Arc::new(image), notes))
     };
-    let decoded: Vec<Decoded> = files.into_par_iter().map(decode).collect();
+    let sources: Vec<_> = used.iter().map(source).collect();
+    let decoded = store.load(&sources);
     used.into_iter().zip(decoded).collect()
 }
 

@@ -10,7 +10,8 @@
 
 use std::path::Path;
 
-use super::maps::{Maps, Use};
+use super::map_texels::Use;
+use super::maps::Maps;
 use super::mtl::MtlMaterial;
 use super::remarks::Remarks;
 use crate::math::{Vec2, Vec3};

@@ -1,37 +1,36 @@
 //! The pictures that an MTL file names, as textures.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::map_texels::{Use, merge_maps, prepare_image};
 use super::paths::confine;
 use super::texture_statement::{Channel, Map};
-use crate::files::memory::{self, TooMuch};
+use crate::files::memory::TooMuch;
 use crate::formats::read::read_regular;
 use crate::formats::{Broken, LoadError, MissingTexture};
 use crate::math::{TextureId, Vec2};
 use crate::scene::{Notice, TextureRef};
-use crate::texture::{ColorSpace, Filter, Image, Texels, Texture, Wrap};
+use crate::texture::{
+    ColorSpace, Decoded, Filter, Image, ImageId, ImagePart, ImageSource, Texture, TextureStore,
+    Wrap,
+};
 
-/// What a picture is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Use {
-    /// An sRGB colour. Alpha is made one, because in MTL only `map_d` is about opacity.
-    Color,
-    /// Tangent-space normals.
-    Normals,
-    /// A scalar, put into all channels: what `-imfchan` names, else luminance.
-    Scalar,
-    /// The same, but alpha where the picture has any.
-    Opacity,
-}
+/// A picture of scalars: which, which of its channels, and whether it ends at its edges.
+type Scalars = (PathBuf, Option<Channel>, bool);
 
 /// Loads pictures once each, and keeps account of those that are missing.
 pub(super) struct Maps<'a> {
     folder: &'a Path,
     missing: MissingTexture,
-    images: HashMap<PathBuf, Arc<Image>>,
+    store: &'a TextureStore,
+    /// Each with what is odd about it, which is told when it is used first.
+    images: HashMap<PathBuf, Decoded>,
     by_use: HashMap<(PathBuf, Use, Option<Channel>, bool), TextureId>,
+    /// Textures of metalness and roughness.
+    merged: HashMap<[Option<Scalars>; 2], TextureId>,
     textures: Vec<Texture>,
     broken: Vec<Broken>,
     /// What is odd about pictures that can be used.
@@ -40,16 +39,40 @@ pub(super) struct Maps<'a> {
 
 impl<'a> Maps<'a> {
     /// For a scene in `folder`.
-    pub(super) fn new(folder: &'a Path, missing: MissingTexture) -> Self {
+    pub(super) fn new(folder: &'a Path, missing: MissingTexture, store: &'a TextureStore) -> Self {
         Self {
             folder,
             missing,
+            store,
             images: HashMap::new(),
             by_use: HashMap::new(),
+            merged: HashMap::new(),
             textures: Vec::new(),
             broken: Vec::new(),
             odd: Vec::new(),
         }
+    }
+
+    /// Decodes the pictures of `maps` side by side, and so that it is known what all take. Whether
+    /// any cannot be used is told when it is used.
+    pub(super) fn preload<'m>(&mut self, maps: impl Iterator<Item = &'m Map>) {
+        let mut named: Vec<(PathBuf, &str)> =
+            maps.filter_map(|map| Some((confine(self.folder, &map.name)?, &*map.name))).collect();
+        named.sort_unstable();
+        named.dedup_by(|a, b| a.0 == b.0);
+        let source = |(path, name): &'_ (PathBuf, &'m str)| {
+            let file = path.clone();
+            ImageSource {
+                id: ImageId::of(path, ImagePart::Whole),
+                name,
+                read: Box::new(move || {
+                    read_regular(&file).map(Cow::Owned).map_err(|error| error.to_string())
+                }),
+            }
+        };
+        let sources: Vec<ImageSource> = named.iter().map(source).collect();
+        let decoded = self.store.load(&sources);
+        self.images.extend(named.into_iter().map(|(path, _)| path).zip(decoded));
     }
 
     /// The texture of a map that stands in `file`; none if it is missing, but for colours that are
@@ -62,7 +85,7 @@ impl<'a> Maps<'a> {
         }
         let texture = match self.image(map, file) {
             Some(image) => {
-                let prepared = prepare_image(&image, usage, map.channel);
+                let prepared = prepare_image(&image, usage, map.channel, self.store);
                 let refused = |reason: TooMuch| self.refuse(map, file, reason.to_string());
                 let image = prepared.map_err(refused).ok()?;
                 let space = if usage == Use::Color { ColorSpace::Srgb } else { ColorSpace::Linear };
@@ -83,13 +106,21 @@ impl<'a> Maps<'a> {
         [metallic, roughness]: [Option<&Map>; 2],
         file: &Path,
     ) -> Option<TextureRef> {
-        let images = [self.scalars(metallic, file), self.scalars(roughness, file)];
         let map = roughness.or(metallic)?;
+        let key = [metallic, roughness].map(|map| {
+            let map = map?;
+            Some((confine(self.folder, &map.name)?, map.channel, map.clamp))
+        });
+        if let Some(&known) = self.merged.get(&key) {
+            return Some(place_map(map, known));
+        }
+        let images = [self.scalars(metallic, file), self.scalars(roughness, file)];
         match merge_maps(&images)? {
             Ok(image) => {
-                let image = Arc::new(image);
+                let image = self.store.keep(image);
                 let texture = Texture::new(image, ColorSpace::Linear, wrap(map), Filter::Bilinear);
                 let id = self.push(texture.named(&map.name));
+                self.merged.insert(key, id);
                 Some(place_map(map, id))
             }
             Err(reason) => {
@@ -103,7 +134,7 @@ impl<'a> Maps<'a> {
     fn scalars(&mut self, map: Option<&Map>, file: &Path) -> Option<Arc<Image>> {
         let map = map?;
         let image = self.image(map, file)?;
-        let prepared = prepare_image(&image, Use::Scalar, map.channel);
+        let prepared = prepare_image(&image, Use::Scalar, map.channel, self.store);
         prepared.map_err(|reason| self.refuse(map, file, reason.to_string())).ok()
     }
 
@@ -118,24 +149,27 @@ impl<'a> Maps<'a> {
     }
 
     fn image(&mut self, map: &Map, file: &Path) -> Option<Arc<Image>> {
-        let path = confine(self.folder, &map.name);
-        if let Some(known) = path.as_ref().and_then(|path| self.images.get(path)) {
-            return Some(Arc::clone(known));
-        }
         if self.broken.iter().any(|broken| broken.name == map.name) {
             return None;
         }
-        match decode(path.as_deref(), &map.name) {
+        let Some(path) = confine(self.folder, &map.name) else {
+            self.refuse(map, file, "it leaves the scene's folder: put it there".to_owned());
+            return None;
+        };
+        if !self.images.contains_key(&path) {
+            self.preload(std::iter::once(map));
+        }
+        match self.images.get_mut(&path)? {
             Ok((image, notes)) => {
+                let (image, notes) = (Arc::clone(image), std::mem::take(notes));
                 let place = || format!("{}:{}", file.display(), map.line);
                 let notice =
                     |note| Notice { place: place(), message: format!("{:?} {note}", map.name) };
                 self.odd.extend(notes.into_iter().map(notice));
-                let image = Arc::new(image);
-                self.images.insert(path?, Arc::clone(&image));
                 Some(image)
             }
             Err(reason) => {
+                let reason = reason.clone();
                 self.refuse(map, file, reason);
                 None
             }
@@ -170,12 +204,6 @@ impl<'a> Maps<'a> {
     }
 }
 
-fn decode(path: Option<&Path>, name: &str) -> Result<(Image, Vec<String>), String> {
-    let path = path.ok_or("it leaves the scene's folder: put it there")?;
-    let bytes = read_regular(path).map_err(|error| error.to_string())?;
-    Image::decode_noting(&bytes, name).map_err(|error| error.to_string())
-}
-
 fn wrap(map: &Map) -> [Wrap; 2] {
     [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2]
 }
@@ -185,87 +213,6 @@ fn wrap(map: &Map) -> [Wrap; 2] {
 fn place_map(map: &Map, texture: TextureId) -> TextureRef {
     let offset = Vec2::new(map.offset.x, 1.0 - map.scale.y - map.offset.y);
     TextureRef { scale: map.scale, offset, ..TextureRef::new(texture) }
-}
-
-/// Metalness and roughness, of the larger one's size: roughness in green, metalness in blue, one
-/// where an image is absent. None without any image.
-fn merge_maps([metallic, roughness]: &[Option<Arc<Image>>; 2]) -> Option<Result<Image, TooMuch>> {
-    let both = || [metallic, roughness].into_iter().flatten();
-    let (width, height) = both().map(|image| (image.width(), image.height())).max()?;
-    let count = u64::from(width) * u64::from(height);
-    let value = |image: &Option<Arc<Image>>, x: u32, y: u32| {
-        let Some(image) = image else { return 1.0 };
-        let scaled = |at: u32, to: u32, of: u32| u64::from(at) * u64::from(to) / u64::from(of);
-        let (x, y) = (scaled(x, image.width(), width), scaled(y, image.height(), height));
-        component(image, (y * u64::from(image.width()) + x) as usize, 0)
-    };
-    let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let texels = texels.map(|(x, y)| [1.0, value(roughness, x, y), value(metallic, x, y), 1.0]);
-    let texels = if both().all(|image| matches!(image.texels(), Texels::Rgba8(_))) {
-        let of = |value: f32| (value * 255.0 + 0.5) as u8;
-        memory::claim(count * 4).map(|()| Texels::Rgba8(texels.map(|t| t.map(of)).collect()))
-    } else {
-        let of = |value: f32| (value * 65535.0 + 0.5) as u16;
-        memory::claim(count * 8).map(|()| Texels::Rgba16(texels.map(|t| t.map(of)).collect()))
-    };
-    Some(texels.map(|texels| Image::new(width, height, texels)))
-}
-
-/// The image as its use needs it; the same one if it is so already.
-fn prepare_image(
-    image: &Arc<Image>,
-    usage: Use,
-    channel: Option<Channel>,
-) -> Result<Arc<Image>, TooMuch> {
-    let channel = match (usage, channel) {
-        (Use::Normals, _) => return Ok(Arc::clone(image)),
-        (Use::Color, _) if image.is_opaque() => return Ok(Arc::clone(image)),
-        (Use::Color, _) => None,
-        (_, Some(channel)) => Some(channel),
-        (Use::Opacity, None) if !image.is_opaque() => Some(Channel::Component(3)),
-        (Use::Opacity | Use::Scalar, None) => Some(Channel::Luminance),
-    };
-    memory::claim(image.heap_bytes() as u64)?;
-    let texels = match image.texels() {
-        Texels::Rgba8(all) => Texels::Rgba8(
-            all.iter().map(|t| pick(*t, u8::MAX, channel, |l| (l + 0.5) as u8)).collect(),
-        ),
-        Texels::Rgba16(all) => Texels::Rgba16(
-            all.iter().map(|t| pick(*t, u16::MAX, channel, |l| (l + 0.5) as u16)).collect(),
-        ),
-        Texels::Rgba32F(all) => {
-            Texels::Rgba32F(all.iter().map(|t| pick(*t, 1.0, channel, |l| l)).collect())
-        }
-    };
-    Ok(Arc::new(Image::new(image.width(), image.height(), texels)))
-}
-
-/// A texel with alpha one: its colour, or one channel in all three.
-fn pick<T: Copy + PartialEq + Into<f32>>(
-    [r, g, b, a]: [T; 4],
-    one: T,
-    channel: Option<Channel>,
-    round: fn(f32) -> T,
-) -> [T; 4] {
-    let scalar = match channel {
-        None => return [r, g, b, one],
-        Some(Channel::Component(k)) => [r, g, b, a][k],
-        Some(Channel::Luminance) if r == g && g == b => r,
-        // Rec. 709, of the stored values: what these pictures hold is no light.
-        Some(Channel::Luminance) => {
-            round(0.2126 * r.into() + 0.7152 * g.into() + 0.0722 * b.into())
-        }
-    };
-    [scalar, scalar, scalar, one]
-}
-
-/// A channel of a texel, 0 to 1.
-fn component(image: &Image, texel: usize, channel: usize) -> f32 {
-    match image.texels() {
-        Texels::Rgba8(all) => f32::from(all[texel][channel]) / 255.0,
-        Texels::Rgba16(all) => f32::from(all[texel][channel]) / 65535.0,
-        Texels::Rgba32F(all) => all[texel][channel].clamp(0.0, 1.0),
-    }
 }
 
 #[cfg(test)]
@@ -288,16 +235,14 @@ mod tests {
     }
 
     fn texels(maps: &Maps, texture: TextureRef) -> Vec<[u8; 4]> {
-        match maps.textures[texture.texture.index()].image().texels() {
-            Texels::Rgba8(all) => all.clone(),
-            other => panic!("not 8 bit: {}", matches!(other, Texels::Rgba16(_))),
-        }
+        maps.textures[texture.texture.index()].image().rgba().expect("8 bits")
     }
 
     #[test]
     fn each_use_has_its_channels() {
         let folder = folder();
-        let mut maps = Maps::new(folder.path(), MissingTexture::Error);
+        let store = TextureStore::default();
+        let mut maps = Maps::new(folder.path(), MissingTexture::Error, &store);
         let file = Path::new("a.mtl");
         let mut of = |text, usage| {
             let texture = maps.texture(&map(text), file, usage).expect("it is there");
@@ -314,12 +259,13 @@ mod tests {
     #[test]
     fn roughness_and_metalness_share_a_texture() {
         let folder = folder();
-        let mut maps = Maps::new(folder.path(), MissingTexture::Error);
+        let store = TextureStore::default();
+        let mut maps = Maps::new(folder.path(), MissingTexture::Error, &store);
         let rough = map("-imfchan m a.png");
         let both = [None, Some(&rough)];
         let texture = maps.metallic_roughness(both, Path::new("a.mtl")).expect("it is there");
         let image = maps.textures[texture.texture.index()].image();
-        let Texels::Rgba8(texels) = image.texels() else { panic!("8 bits, as its file") };
+        let texels = image.rgba::<u8>().expect("8 bits, as its file");
         assert_eq!(texels[0], [255, 128, 255, 255]);
         assert_eq!(maps.metallic_roughness([None, None], Path::new("a.mtl")), None);
     }
@@ -336,7 +282,8 @@ mod tests {
     #[test]
     fn all_missing_pictures_are_listed_once() {
         let folder = folder();
-        let mut maps = Maps::new(folder.path(), MissingTexture::Error);
+        let store = TextureStore::default();
+        let mut maps = Maps::new(folder.path(), MissingTexture::Error, &store);
         let file = Path::new("a.mtl");
         for name in ["b.png", "b.png", "../a.png"] {
             maps.texture(&map(name), file, Use::Scalar);
@@ -346,7 +293,7 @@ mod tests {
         let names: Vec<_> = broken.iter().map(|b| (&*b.name, &*b.place)).collect();
         assert_eq!(names, [("b.png", "a.mtl:7"), ("../a.png", "a.mtl:7")]);
 
-        let mut maps = Maps::new(folder.path(), MissingTexture::Magenta);
+        let mut maps = Maps::new(folder.path(), MissingTexture::Magenta, &store);
         assert!(maps.texture(&map("b.png"), file, Use::Color).is_some());
         assert!(maps.texture(&map("b.png"), file, Use::Opacity).is_none());
         let mut notices = Vec::new();

@@ -21,7 +21,8 @@
 use std::path::Path;
 
 use super::layers::layers;
-use super::maps::{Maps, Use};
+use super::map_texels::Use;
+use super::maps::Maps;
 use super::mtl::MtlMaterial;
 use super::remarks::Remarks;
 use crate::math::Vec3;
@@ -190,6 +191,7 @@ fn clamp_to_one(color: Vec3, what: &str, mtl: &MtlMaterial, remarks: &mut Remark
 mod tests {
     use super::*;
     use crate::formats::MissingTexture;
+    use crate::texture::TextureStore;
 
     /// The only material of an MTL file, and what is remarked on.
     fn convert_text(text: &str) -> (Material, Vec<String>) {
@@ -197,7 +199,8 @@ mod tests {
         let mut remarks = Remarks::new(file);
         let text = format!("newmtl m\n{text}");
         let parsed = super::super::mtl::parse(text.as_bytes(), file, &mut remarks).unwrap();
-        let mut maps = Maps::new(Path::new("."), MissingTexture::Magenta);
+        let store = TextureStore::default();
+        let mut maps = Maps::new(Path::new("."), MissingTexture::Magenta, &store);
         let material = convert(&parsed[0], file, &mut maps, &mut remarks);
         (material, remarks.finish().into_iter().map(|notice| notice.message).collect())
     }

@@ -21,6 +21,7 @@ mod geometry;
 mod layers;
 mod libraries;
 mod lines;
+mod map_texels;
 mod maps;
 mod material;
 mod mesh;
@@ -42,6 +43,7 @@ use remarks::Remarks;
 use super::{LoadError, LoadOptions, read_file};
 use crate::math::{Affine3A, MaterialId, MeshId, Vec4};
 use crate::scene::{Instance, Material, Scene, Transform};
+use crate::texture::TextureStore;
 
 /// Loads an OBJ file, its material libraries and their textures.
 ///
@@ -61,7 +63,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
         let instead = libraries.load_namesake()?;
         remarks.add(*line, format!("materials without mtllib{instead}"));
     }
-    let mut maps = Maps::new(folder, options.missing_texture);
+    let mut maps = Maps::new(folder, options.missing_texture, &options.textures);
+    let used = geometry.materials.iter().filter_map(|(name, _)| libraries.materials.get(name));
+    maps.preload(used.flat_map(|(_, material)| material.used_maps()));
     let mut scene = Scene::default();
     let ids = materials(&geometry, &mut libraries, &mut maps, &mut scene, &mut remarks);
     scene.textures = maps.finish(path, &mut libraries.notices)?;
@@ -141,7 +145,8 @@ pub fn check_obj(bytes: &[u8]) -> Result<(), LoadError> {
 pub fn check_mtl(bytes: &[u8]) -> Result<(), LoadError> {
     let path = Path::new("fuzz.mtl");
     let mut remarks = Remarks::new(path);
-    let mut maps = Maps::new(Path::new("/nowhere"), crate::formats::MissingTexture::Magenta);
+    let store = TextureStore::default();
+    let mut maps = Maps::new(Path::new("/nowhere"), super::MissingTexture::Magenta, &store);
     for parsed in mtl::parse(bytes, path, &mut remarks)? {
         material::convert(&parsed, path, &mut maps, &mut remarks);
     }

@@ -63,6 +63,16 @@ pub(super) struct MtlMaterial {
     pub norm: Option<Map>,
 }
 
+impl MtlMaterial {
+    /// The maps that may be looked at.
+    pub fn used_maps(&self) -> impl Iterator<Item = &Map> {
+        let relief = self.norm.as_ref().or(self.bump.as_ref());
+        let of_base = [&self.map_kd, &self.map_ks, &self.map_ke, &self.map_d];
+        let of_gloss = [&self.map_pr, &self.map_pm, &self.map_ps, &self.map_pc, &self.map_pcr];
+        of_base.into_iter().chain(of_gloss).flatten().chain(relief)
+    }
+}
+
 /// Reads an MTL file.
 ///
 /// # Errors

@@ -19,6 +19,7 @@ mod points;
 mod values;
 mod vertices;
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,7 +33,7 @@ use super::{Broken, LoadError, LoadOptions, MissingTexture, read_file, repair, u
 use crate::geom::Mesh;
 use crate::math::{Affine3A, MaterialId, MeshId, TextureId, Vec4};
 use crate::scene::{AlphaMode, Instance, Material, Notice, Scene, TextureRef, Transform};
-use crate::texture::{ColorSpace, Filter, Image, Texture, Wrap};
+use crate::texture::{ColorSpace, Filter, ImageId, ImagePart, ImageSource, Texture, Wrap};
 
 /// Loads a file and the picture that it names.
 ///
@@ -165,14 +166,18 @@ fn material(
         return Ok(material);
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let image = uri::read(folder, name)
-        .and_then(|bytes| Image::decode_noting(&bytes, name).map_err(|error| error.to_string()));
+    let file = uri::file(folder, name).ok();
+    let source = ImageSource {
+        id: file.and_then(|file| ImageId::of(&file, ImagePart::Whole)),
+        name,
+        read: Box::new(|| uri::read(folder, name).map(Cow::Owned)),
+    };
+    let image = options.textures.load_one(source);
     let texture = match (image, options.missing_texture) {
         (Ok((image, notes)), _) => {
             for note in notes {
                 notices.add(format!("{name:?} {note}"));
             }
-            let image = Arc::new(image);
             Texture::new(image, ColorSpace::Srgb, [Wrap::Repeat; 2], Filter::Bilinear).named(name)
         }
         (Err(reason), MissingTexture::Magenta) => {
