@@ -10,7 +10,6 @@ use clap::builder::PossibleValue;
 use crate::film::Window;
 use crate::light::Preetham;
 use crate::math::Vec3;
-use crate::names;
 
 /// A kind of camera that no scene file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -228,8 +227,6 @@ mod tests {
         assert_eq!((not_negative("0"), not_negative("2.5")), (Ok(0.0), Ok(2.5)));
         assert!(not_negative("-1").is_err() && not_negative("nan").is_err());
         assert!(positive("0").is_err() && field_of_view("180").is_err());
-        assert_eq!(bytes("512MiB"), Ok(512 << 20));
-        assert!(bytes("0").is_err() && bytes("much").is_err());
         assert!(threads("4097").is_err() && threads("-1").is_err());
     }
 
