@@ -14,6 +14,7 @@ use std::time::Instant;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use rayon::prelude::*;
 
+use super::query::ask_of;
 use super::{
     Batch, BuildInput, BuildReport, Built, Counters, Event, MemoryReport, PreparedRay, Query,
     RayContext, SliceContext, Structure, Traverse, Variant,
@@ -104,7 +105,8 @@ impl Brute {
         };
         let count = slice.batch.rays().len();
         let rays: Vec<PreparedRay<'_>> = (0..count).map(prepare).collect();
-        let mut queries: Vec<(Q, bool)> = (0..count).map(|i| (slice.batch.ask(i), false)).collect();
+        let mut queries: Vec<(Q, bool)> =
+            (0..count).map(|i| (ask_of(&slice.batch, i), false)).collect();
         for (group, blocks) in self.boxes.chunks(BLOCKS).enumerate() {
             for (ray, (query, done)) in rays.iter().zip(&mut queries) {
                 if !*done {

@@ -1,8 +1,6 @@
 //! Whether copies of a mesh share a structure.
 
-use super::VARIANTS;
 use super::two_level::Placed;
-use super::{SpecError, Variant};
 use crate::geom::Placements;
 use crate::math::{InstanceId, MeshId};
 use crate::names::choices;
@@ -46,33 +44,4 @@ fn count_unique(placements: &dyn Placements) -> u64 {
     }
     let used = is_used.iter().enumerate().filter(|(_, used)| **used);
     used.map(|(mesh, _)| placements.mesh_len(MeshId::from_index(mesh)) as u64).sum()
-}
-
-/// What is said of copies among the options of a structure: `instances=…` and `top=ID`, the row
-/// that the structure over placements is of; and the text without them.
-pub(super) fn take_options(
-    id: &'static str,
-    text: &str,
-) -> Result<(Instances, Option<&'static Variant>, String), SpecError> {
-    let (mut instances, mut top, mut rest) = (Instances::default(), None, Vec::new());
-    for part in text.split(',') {
-        let bad = |option, value: &str, expected: &str| SpecError::BadValue {
-            id,
-            option,
-            value: value.to_owned(),
-            expected: expected.to_owned(),
-        };
-        match part.split_once('=') {
-            Some(("instances", value)) => {
-                let choice = value.parse();
-                instances = choice.map_err(|_| bad("instances", value, "auto|flat|two-level"))?;
-            }
-            Some(("top", value)) => {
-                let row = VARIANTS.iter().find(|variant| variant.id == value);
-                top = Some(row.ok_or_else(|| bad("top", value, "the id of a structure"))?);
-            }
-            _ => rest.push(part),
-        }
-    }
-    Ok((instances, top, rest.join(",")))
 }

@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::{AnyHit, Batch, ClosestHit, HitFilter};
-use crate::geom::{ShearRay, SlabRay, Triangle};
-use crate::math::{PrimId, Ray};
+use super::{AnyHit, Batch, ClosestHit, HitFilter, Verdict};
+use crate::geom::{ShearRay, SlabRay};
+use crate::math::Ray;
 
 /// A ray of a batch with all that its tests need.
 #[derive(Clone, Copy)]
@@ -53,46 +53,17 @@ impl<'a> PreparedRay<'a> {
 
 /// What is asked of a ray whose hits `verdict` says.
 #[inline(always)]
-pub(super) fn ask<Q: Query>(ray: &Ray, verdict: Option<&dyn Verdict>) -> Q {
+fn ask<Q: Query>(ray: &Ray, verdict: Option<&dyn Verdict>) -> Q {
     match verdict {
         None => Q::new(ray),
         Some(verdict) => Q::within(verdict.t_max(ray), ray.t_max()),
     }
 }
 
-/// What is known of a block's primitives whose hits a [`Verdict`] finds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BlockFilter {
-    /// Vertices `a` and `b` are the ends of a box that holds all hits.
-    Boxes,
-    /// They are triangles whose vertices may be as far off along each axis.
-    Near(f32),
-}
-
-/// Says what a ray hits of a structure's primitives, where these are no triangles that the exact
-/// test could be asked about: placements, or triangles of a mesh in a space of its own.
-pub trait Verdict {
-    /// The nearest hit of ray number `ray` of the batch with a primitive, at or before the nearest
-    /// so far, or for `any` some hit; it counts already.
-    ///
-    /// A primitive is told by its number and the vertices that the structure has of it.
-    fn judge(
-        &self,
-        ray: usize,
-        prim: (PrimId, &Triangle),
-        nearest: &ClosestHit,
-        any: bool,
-    ) -> Option<ClosestHit>;
-
-    /// What a leaf's block of primitives may be filtered by.
-    fn filter(&self) -> BlockFilter;
-
-    /// The greatest `t` that counts for a ray, which the batch has in the structure's own measure.
-    fn t_max(&self, ray: &Ray) -> f32;
-
-    /// No box that is entered beyond this matters, in the structure's own measure of distance, once
-    /// there is a hit at `t`.
-    fn limit(&self, t: f32) -> f32;
+/// What is asked of a ray of a batch.
+#[inline(always)]
+pub(super) fn ask_of<Q: Query>(batch: &Batch<'_>, index: usize) -> Q {
+    ask(&batch.rays()[index], batch.verdict())
 }
 
 /// What a ray's hits must meet, apart from what was found already.

@@ -4,9 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::instances::take_options;
 use super::located::Located;
-use super::two_level::{self, Placed};
+use super::two_level::{Placed, TwoLevel};
 use super::{
     Accel, BuildError, BuildInput, Instances, Options, SpecError, Variant, brute, bvh, kd,
 };
@@ -112,6 +111,35 @@ impl fmt::Display for AccelSpec {
     }
 }
 
+/// What is said of copies among the options of a structure: `instances=…` and `top=ID`, the row
+/// that the structure over placements is of; and the text without them.
+fn take_options(
+    id: &'static str,
+    text: &str,
+) -> Result<(Instances, Option<&'static Variant>, String), SpecError> {
+    let (mut instances, mut top, mut rest) = (Instances::default(), None, Vec::new());
+    for part in text.split(',') {
+        let bad = |option, value: &str, expected: &str| SpecError::BadValue {
+            id,
+            option,
+            value: value.to_owned(),
+            expected: expected.to_owned(),
+        };
+        match part.split_once('=') {
+            Some(("instances", value)) => {
+                let choice = value.parse();
+                instances = choice.map_err(|_| bad("instances", value, "auto|flat|two-level"))?;
+            }
+            Some(("top", value)) => {
+                let row = VARIANTS.iter().find(|variant| variant.id == value);
+                top = Some(row.ok_or_else(|| bad("top", value, "the id of a structure"))?);
+            }
+            _ => rest.push(part),
+        }
+    }
+    Ok((instances, top, rest.join(",")))
+}
+
 /// Up to three ids like the one that was meant, the most similar first.
 fn near_ids(id: &str) -> Vec<&'static str> {
     near(id, VARIANTS.iter().map(|variant| variant.id))
@@ -148,7 +176,16 @@ pub fn build(
     let placed = Placed::new(Arc::clone(&source));
     let are_placed = placed.is_some();
     if let Some(placed) = placed.filter(|placed| spec.instances.choose(placed)) {
-        return two_level::build(placed, spec, level);
+        let defaults;
+        let below = (spec.variant, &spec.options);
+        let above = match spec.top {
+            None => below,
+            Some(row) => {
+                defaults = Options::defaults(row.options);
+                (row, &defaults)
+            }
+        };
+        return Ok(Box::new(TwoLevel::build(placed, (below, above), level)?));
     }
     BuildError::check_count(source.len())?;
     let input = BuildInput { source: Arc::clone(&source), options: &spec.options, level };

@@ -83,11 +83,15 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::from(u8::from(!agree?)))
 }
 
+/// Whether meshes are placed more than once.
+fn has_copies(source: &dyn TriangleSource) -> bool {
+    source.placements().is_some_and(|placed| placed.len() > placed.meshes())
+}
+
 /// The structures that a scene allows: where meshes are placed more than once, in two levels and
 /// flat, unless it was said which.
 fn in_all_ways(specs: Vec<AccelSpec>, source: &dyn TriangleSource) -> Vec<AccelSpec> {
-    let copies = source.placements().is_some_and(|placed| placed.len() > placed.meshes());
-    let ways: &[Instances] = match copies {
+    let ways: &[Instances] = match has_copies(source) {
         true => &[Instances::Flat, Instances::TwoLevel],
         false => &[Instances::Auto],
     };
@@ -114,7 +118,9 @@ fn validate(
     const SECOND: &str = "bvh2";
     let named = |id: &str| {
         let spec: AccelSpec = id.parse().expect("in the table");
-        build(&AccelSpec { instances: Instances::Flat, ..spec })
+        let copies = has_copies(source);
+        let instances = if copies { Instances::Flat } else { Instances::Auto };
+        build(&AccelSpec { instances, ..spec })
     };
     let (brute, second) = (named("brute")?, named(SECOND)?);
     let rays = mixed_rays(&Target::new(source, &*second), args.rays as usize, args.seed);

@@ -3,6 +3,7 @@
 use fearless_simd::{Simd, SimdBase};
 
 use super::layout::RAYS;
+use crate::accel::query::ask_of;
 use crate::accel::{Batch, ClosestHit, Counters, Event, HitCriteria, Query, Verdict};
 use crate::geom::{FilterTriangle, Heading, RayBundle, Shaft, Triangle};
 use crate::math::{PrimId, Ray, TriangleId, Vec3};
@@ -122,7 +123,8 @@ impl PacketRays {
     /// Fills a list with new queries, one for each lane.
     #[inline(always)]
     pub fn fill_queries<Q: Query>(&self, batch: &Batch<'_>, queries: &mut Vec<Q>) {
-        let query = |&i: &u32| if i == NONE { Q::new(&Ray::MISS) } else { batch.ask(i as usize) };
+        let query =
+            |&i: &u32| if i == NONE { Q::new(&Ray::MISS) } else { ask_of(batch, i as usize) };
         queries.clear();
         queries.extend(self.members.iter().map(query));
     }

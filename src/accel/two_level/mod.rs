@@ -6,8 +6,8 @@
 //! the mesh's space. Each asks a [`crate::accel::Verdict`] where it would ask the exact test.
 //!
 //! # Why hits are those of brute force, bit for bit
-//! 1. *One exact test.* In the end the exact test is asked about the ray as it is and the triangle's
-//!    vertices in the world, the same numbers as for a flat structure.
+//! 1. *One exact test.* In the end the exact test is asked about the ray as it is and the
+//!    triangle's vertices in the world, the same numbers as for a flat structure.
 //! 2. *One winner.* Hits name placement and triangle, ordered as the running number is, and the
 //!    smallest `(t, id)` wins on both levels.
 //! 3. *Above*, the box of a placement holds the own boxes of its triangles in the world
@@ -44,21 +44,3 @@ mod wide;
 
 pub use sources::Placed;
 pub use two_level::TwoLevel;
-
-use fearless_simd::Level;
-
-use super::{Accel, AccelSpec, BuildError, Options};
-
-/// Builds both levels of a scene.
-pub fn build(placed: Placed, spec: &AccelSpec, level: Level) -> Result<Box<dyn Accel>, BuildError> {
-    let defaults;
-    let below = (spec.variant, &spec.options);
-    let above = match spec.top {
-        None => below,
-        Some(row) => {
-            defaults = Options::defaults(row.options);
-            (row, &defaults)
-        }
-    };
-    Ok(Box::new(TwoLevel::build(placed, (below, above), level)?))
-}
