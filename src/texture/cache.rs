@@ -198,12 +198,13 @@ impl TileCache {
         }
         let tile = Arc::new(texels);
         let limit = self.limit.load(Relaxed) / self.shards.len() as u64;
-        let (added, removed, evicted) =
-            lock(&self.shards[number]).insert(key, Arc::clone(&tile), limit);
+        let mut shard = lock(&self.shards[number]);
+        let (added, removed, evicted) = shard.insert(key, Arc::clone(&tile), limit);
+        // Counted under the lock, so that no more is counted than there is.
+        let change = added.wrapping_sub(removed);
+        let bytes = self.bytes.fetch_add(change, Relaxed).wrapping_add(change);
+        self.peak.fetch_max(bytes, Relaxed);
         self.evicted.fetch_add(evicted, Relaxed);
-        let bytes = self.bytes.fetch_add(added, Relaxed) + added;
-        self.bytes.fetch_sub(removed, Relaxed);
-        self.peak.fetch_max(bytes.saturating_sub(removed), Relaxed);
         tile
     }
 
