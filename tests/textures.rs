@@ -32,7 +32,8 @@ fn write_scene(folder: &Path, count: usize, side: u32) {
         } else {
             // Lying: up is towards the viewer.
             let half = std::f64::consts::FRAC_1_SQRT_2;
-            json!({ "mesh": number, "translation": [x, 0, y + 1.0], "rotation": [-half, 0, 0, half] })
+            let turned = [-half, 0.0, 0.0, half];
+            json!({ "mesh": number, "translation": [x, 0, y + 1.0], "rotation": turned })
         }
     };
     let each = |make: &dyn Fn(usize) -> Value| (0..count).map(make).collect::<Vec<_>>();

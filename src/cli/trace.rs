@@ -25,9 +25,9 @@ use crate::simd::Isa;
 /// Shoot a file of rays at a scene and time it.
 ///
 /// Rays are rows of eight float32 (origin, t_min, direction, t_max) in an .npy file. Hits are rows
-/// of four float32: t (infinity on a miss), u, v and the triangle's number as its bits; in scenes of
-/// 2^32 triangles and more of five: placement and number in the mesh. With --any they are one byte
-/// per ray. The time is from rays to hits, both in memory, after an untimed pass.
+/// of four float32: t (infinity on a miss), u, v and the triangle's number as its bits; in scenes
+/// of 2^32 triangles and more of five: placement and number in the mesh. With --any they are one
+/// byte per ray. The time is from rays to hits, both in memory, after an untimed pass.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  dapple trace bunny.obj --rays rays.npy --hits hits.npy\n  \
     dapple trace tris.npy --rays rays.npy --any --accel bvh2 --threads 1 --repeat 5 --json\n  \

@@ -10,7 +10,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdNarrow, SimdWiden};
 use super::ray_lanes::{PerRay, RayLanes, load_columns, store_columns};
 use super::sheared::intersect_sheared;
 use super::slab::{FARTHEST_ALONG, INVERSE_ALONG, own_box};
-use super::source::Triangle;
+use super::triangle::Triangle;
 use crate::math::PrimId;
 
 const LANES: usize = RayLanes::LANES;

@@ -3,8 +3,8 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A mutex whose holder, if it lets go and comes back at once, does not get it before another who
-/// waits. That of the standard library is mostly taken again by the thread that had it, for one that
-/// waits must first be woken: whoever looks at a tile would wait for its whole pass.
+/// waits. That of the standard library is mostly taken again by the thread that had it, for one
+/// that waits must first be woken: whoever looks at a tile would wait for its whole pass.
 pub(super) struct FairMutex<T> {
     /// Held by the one who waits: who comes later waits for this.
     turn: Mutex<()>,

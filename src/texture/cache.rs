@@ -39,7 +39,7 @@ pub struct CacheFigures {
     pub limit: u64,
     /// The most that they have taken.
     pub peak: u64,
-    /// Bytes of all tiles as they are kept, in the temporary file or, where that is full, in memory.
+    /// Bytes of all tiles as they are kept, in the temporary file or, if that is full, in memory.
     pub stored: u64,
     /// The part of it that is in memory.
     pub stored_in_memory: u64,
@@ -53,8 +53,8 @@ pub struct CacheFigures {
 
 /// Keeps tiles in a temporary file, and some of them decoded: as many as fit. All threads share it.
 ///
-/// It is cut into shards, each with a lock. Who makes room in a shard is told by a clock (the second
-/// chance of Corbato 1968): a tile that was asked for since the hand last passed stays.
+/// It is cut into shards, each with a lock. Who makes room in a shard is told by a clock (the
+/// second chance of Corbato 1968): a tile that was asked for since the hand last passed stays.
 #[derive(Debug)]
 pub struct TileCache {
     shards: Vec<Mutex<Shard>>,

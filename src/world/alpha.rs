@@ -44,7 +44,8 @@ impl HitFilter for AlphaFilter<'_> {
     }
 }
 
-/// A number in [0, 1) for a ray and a triangle's number (splitmix64's finaliser; Steele et al. 2014).
+/// A number in [0, 1) for a ray and a triangle's number (splitmix64's finaliser; Steele et al.
+/// 2014).
 fn uniform(key: u64, triangle: u64) -> f32 {
     let mut x = key ^ (triangle + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
