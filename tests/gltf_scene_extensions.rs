@@ -75,7 +75,7 @@ fn a_mesh_keeps_the_sets_of_coordinates_that_its_material_looks_up() {
 }
 
 /// A cube of one texel a face, of that colour each, and alpha to divide by.
-fn surrounded(colors: [[u8; 4]; 6], rotation: Value) -> Scene {
+fn surrounded(colors: [[u8; 4]; 6], rotation: &Value) -> Scene {
     let folder = tempfile::tempdir().expect("a folder");
     let mut file = File::square();
     for (i, color) in colors.iter().enumerate() {
@@ -98,7 +98,7 @@ fn images_of_light_stand_around_the_scene() {
     let (black, white) = ([0, 0, 0, 255], [255, 255, 255, 51]);
     let mut colors = [black; 6];
     (colors[0], colors[2]) = (white, [255, 0, 0, 255]);
-    let scene = surrounded(colors, json!([0, 0, 0, 1]));
+    let scene = surrounded(colors, &json!([0, 0, 0, 1]));
     assert!(scene.notices.is_empty(), "{:?}", scene.notices);
     let light = scene.environment.expect("there is light");
     assert!((light.radiance(Vec3::X) - Vec3::splat(10.0)).length() < 0.1);
@@ -107,7 +107,7 @@ fn images_of_light_stand_around_the_scene() {
 
     // A quarter turn about Y takes +X to -Z.
     let half = 0.5_f32.sqrt();
-    let turned = surrounded(colors, json!([0, half, 0, half])).environment.expect("light");
+    let turned = surrounded(colors, &json!([0, half, 0, half])).environment.expect("light");
     assert!((turned.radiance(-Vec3::Z) - Vec3::splat(10.0)).length() < 0.1);
     assert_eq!(turned.radiance(Vec3::X), Vec3::ZERO);
 }
@@ -215,7 +215,7 @@ fn a_plain_texture_stands_in_for_avif() {
 fn views_packed_by_meshopt_are_those_of_the_reference_decoder() {
     let load = |name: &str| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/gltf");
-        dapple::load(&folder.join(name), &LoadOptions::default()).expect(name)
+        dapple::load(folder.join(name), &LoadOptions::default()).expect(name)
     };
     let (packed, plain) = (load("ok-meshopt-khr.gltf"), load("ok-meshopt-khr-plain.gltf"));
     assert!(packed.notices.is_empty(), "{:?}", packed.notices);

@@ -132,16 +132,13 @@ impl Unpacked {
         let shape = if numbers == 1 { Shape::Scalar } else { Shape::Vector(numbers) };
         let count = self.mesh.num_points();
         let component = component(attribute.data_type());
-        let bytes = match component {
-            Some(component) => {
-                let size = (numbers * component.size()) as usize;
-                packed(attribute, count, size).ok_or_else(|| format!("attribute {id} is cut"))?
-            }
+        let bytes = if let Some(component) = component {
+            let size = (numbers * component.size()) as usize;
+            packed(attribute, count, size).ok_or_else(|| format!("attribute {id} is cut"))?
+        } else {
             // Wide numbers, which glTF does not have.
-            None => {
-                let values = attribute.read_f32s(count, numbers as usize);
-                values.into_iter().flat_map(f32::to_le_bytes).collect()
-            }
+            let values = attribute.read_f32s(count, numbers as usize);
+            values.into_iter().flat_map(f32::to_le_bytes).collect()
         };
         let normalized = attribute.normalized();
         let component = component.unwrap_or(Component::F32);

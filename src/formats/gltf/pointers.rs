@@ -7,6 +7,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
+use super::accessor::Accessor;
 use super::animation::{Animation, Pointed};
 use super::document::Document;
 use super::json::{Fault, Object};
@@ -69,7 +70,7 @@ fn storage<'a>(
     path: &Path,
 ) -> Result<Storage<'a>, LoadError> {
     let accessors = animation.accessors().map(|index| &document.accessors[index]);
-    let mut views: Vec<usize> = accessors.flat_map(|accessor| accessor.views()).collect();
+    let mut views: Vec<usize> = accessors.flat_map(Accessor::views).collect();
     views.sort_unstable();
     views.dedup();
     let mut needed = vec![false; document.buffers.len()];
@@ -123,10 +124,9 @@ fn set(root: &mut Value, pointer: &str, numbers: &[f64]) -> Result<(), &'static 
             let made = match members.get(last) {
                 Some(Value::Bool(_)) => Value::Bool(numbers[0] != 0.0),
                 None if last == "visible" => Value::Bool(numbers[0] != 0.0),
-                Some(Value::Array(_)) => all,
                 Some(Value::Number(_)) if numbers.len() == 1 => first,
                 None if numbers.len() == 1 && last != "weights" => first,
-                None => all,
+                Some(Value::Array(_)) | None => all,
                 _ => return Err("is nothing that is animated"),
             };
             members.insert(last.clone(), made);
