@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut hits = [ClosestHit::MISS; 3];
         tracer.closest_hits(&Batch::new(&rays), &mut hits);
         assert_eq!(hits.map(|hit| hit.t), [1.0, 1.0, f32::INFINITY], "{}", variant.id);
-        assert_eq!(hits.map(|hit| hit.triangle.index()).first(), Some(&0), "{}", variant.id);
+        assert_eq!(hits.map(|hit| hit.triangle.index).first(), Some(&0), "{}", variant.id);
 
         let mut found = [AnyHit(false); 3];
         tracer.any_hits(&Batch::new(&rays), &mut found);

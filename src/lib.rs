@@ -84,7 +84,7 @@ pub use render::{
     Aov, Control, Film, NoiseReached, NoiseTarget, Progress, Rendered, Settings, render,
 };
 pub use sampling::SamplePattern;
-pub use scene::{Notice, Scene, TooManyTriangles};
+pub use scene::{Notice, Scene, TooManyPlacements};
 pub use simd::Isa;
 pub use world::{LightSamplerKind, World};
 

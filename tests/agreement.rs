@@ -197,7 +197,7 @@ struct Sieve {
 
 impl HitFilter for Sieve {
     fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
-        let mixed = ((self.first + ray) as u32).wrapping_mul(0x9e37_79b9) ^ hit.triangle.0;
+        let mixed = ((self.first + ray) as u32).wrapping_mul(0x9e37_79b9) ^ hit.triangle.index;
         mixed.wrapping_mul(0x85eb_ca6b) >> 8 & 3 != 0
     }
 }

@@ -95,7 +95,8 @@ struct Sieve;
 
 impl HitFilter for Sieve {
     fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
-        (ray as u32).wrapping_mul(0x9e37_79b9).wrapping_add(hit.triangle.0 * 0x85eb) >> 8 & 3 != 0
+        (ray as u32).wrapping_mul(0x9e37_79b9).wrapping_add(hit.triangle.index * 0x85eb) >> 8 & 3
+            != 0
     }
 }
 

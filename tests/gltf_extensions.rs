@@ -40,7 +40,7 @@ fn copies_stand_relative_to_their_node() {
     let corner = |i: usize| scene.instances[i].transform.point(Vec3::X);
     assert!(corner(0).distance(Vec3::new(2.0, 2.0, 5.0)) < 1e-5, "{}", corner(0));
     assert!(corner(1).distance(Vec3::new(4.0, 6.0, 5.0)) < 1e-5, "{}", corner(1));
-    assert!(scene.instances[1].transform.mirrored && !scene.instances[0].transform.mirrored);
+    assert!(scene.instances[1].transform.mirrored() && !scene.instances[0].transform.mirrored());
 }
 
 #[test]
@@ -68,6 +68,29 @@ fn copies_that_have_no_place_are_refused() {
         json!({"TRANSLATION": zeros, "SCALE": zeros})
     });
     assert!(many.is_ok() || message(many).contains("too many"));
+}
+
+/// Groups within groups, four deep, each placing the square by copies: one mesh, many places.
+#[test]
+fn groups_within_groups_share_their_meshes() {
+    let mut file = File::square();
+    let places = file.floats(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], "VEC3");
+    let copies = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}});
+    let mut nodes = Vec::new();
+    for depth in 0..4 {
+        // Node 2 d has copies of the mesh, node 2 d + 1 the mesh, and the next group below it.
+        let inner = json!([2 * depth + 2, 2 * depth + 3]);
+        nodes.push(json!({"mesh": 0, "extensions": copies, "scale": [2, 2, 2]}));
+        nodes.push(json!({"mesh": 0, "translation": [10, 0, 0], "children": inner}));
+    }
+    nodes[7].as_object_mut().expect("a node").remove("children");
+    file.document["nodes"] = json!(nodes);
+    file.document["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
+    let scene = file.load().expect("loads");
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 4 * (3 + 1)));
+    // Of the innermost copies, the first.
+    let corner = scene.instances[12].transform.point(Vec3::ZERO);
+    assert_eq!(corner, Vec3::new(32.0, 0.0, 0.0));
 }
 
 #[test]

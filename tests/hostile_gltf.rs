@@ -285,7 +285,7 @@ fn primitives_of_the_same_accessors_are_one_mesh() {
     })));
     let scene = scene.expect("loads");
     assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 4));
-    let mirrored = |i: usize| scene.instances[i].transform.mirrored;
+    let mirrored = |i: usize| scene.instances[i].transform.mirrored();
     assert!(mirrored(3) && !mirrored(0));
 }
 

@@ -1,5 +1,5 @@
 //! Files that are broken, odd or meant to break something: OBJ, MTL, PLY, TOML,
-//! NumPy and images.
+//! NumPy, images, and what glTF files have packed: meshes of Draco, textures of KTX2.
 //!
 //! The corpora of the fuzz targets are replayed here, as they are, cut short and with bytes
 //! changed. A file whose name starts with `ok-` is to be read, `bad-` to be refused.
@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 
 use dapple::formats::obj::{check_mtl, check_obj};
 use dapple::formats::{
-    EnvironmentImage, LoadError, LoadOptions, MissingTexture, NotFinite, npy, obj, ply, toml,
+    EnvironmentImage, LoadError, LoadOptions, MissingTexture, NotFinite, gltf, npy, obj, ply, toml,
 };
 use dapple::texture::Image;
 use proptest::prelude::*;
 
 type Check = fn(&[u8]) -> Result<(), String>;
 
-const CHECKS: [(&str, Check); 6] = [
+const CHECKS: [(&str, Check); 8] = [
     ("toml", |bytes| toml::check(bytes).map_err(|error| error.to_string())),
     ("obj", |bytes| check_obj(bytes).map_err(|error| error.to_string())),
     ("mtl", |bytes| check_mtl(bytes).map_err(|error| error.to_string())),
@@ -28,6 +28,11 @@ const CHECKS: [(&str, Check); 6] = [
     ("npy", |bytes| {
         let read = npy::read_f32_from(bytes, bytes.len() as u64, Path::new("fuzz.npy"), 8);
         read.map(drop).map_err(|error| error.to_string())
+    }),
+    ("draco", |bytes| gltf::check_draco(bytes).map_err(|error| error.to_string())),
+    ("ktx2", |bytes| {
+        let read = Image::decode(bytes, "fuzz.ktx2");
+        read.map(drop).map_err(|error| format!("fuzz.ktx2: {error}"))
     }),
     ("image", |bytes| {
         // As a texture, also by an ending: tga has no signature. An environment is stricter. It is

@@ -92,7 +92,7 @@ fn the_default_build_of_kd_trees_costs_least_on_every_scene() {
             continue;
         }
         let scene = load(folder().join(&name), &LoadOptions::default()).expect("loads");
-        let triangles = Triangles::new(&scene).expect("they are few");
+        let triangles = Triangles::new(Arc::new(scene)).expect("they are few");
         let source: Arc<dyn TriangleSource> = Arc::new(triangles);
         let [sah, binned, minmax] = ["sah", "binned", "minmax"].map(|how| {
             let spec = format!("kd-stack-direction:build={how}").parse().expect("is known");

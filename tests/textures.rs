@@ -33,8 +33,8 @@ fn write_scene(folder: &Path, count: usize, side: u32) {
         } else {
             // Lying: up is towards the viewer.
             let half = std::f64::consts::FRAC_1_SQRT_2;
-            let (place, turn) = ([x, 0.0, y + 1.0], [-half, 0.0, 0.0, half]);
-            json!({ "mesh": number, "translation": place, "rotation": turn })
+            let turned = [-half, 0.0, 0.0, half];
+            json!({ "mesh": number, "translation": [x, 0, y + 1.0], "rotation": turned })
         }
     };
     let each = |make: &dyn Fn(usize) -> Value| (0..count).map(make).collect::<Vec<_>>();

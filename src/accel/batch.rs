@@ -1,7 +1,8 @@
 //! Slices of rays, and their hits.
 
+use super::{HitFilter, Verdict};
 use crate::geom::Shaft;
-use crate::math::{Ray, TriangleId};
+use crate::math::Ray;
 
 /// Rays to shoot together, with hints, which never change a hit, and a filter of hits.
 #[derive(Clone, Copy)]
@@ -10,12 +11,13 @@ pub struct Batch<'a> {
     grid: Option<(u32, u32)>,
     shaft: Option<&'a Shaft>,
     filter: Option<&'a dyn HitFilter>,
+    verdict: Option<&'a dyn Verdict>,
 }
 
 impl<'a> Batch<'a> {
     /// A slice of rays without hints or filter.
     pub fn new(rays: &'a [Ray]) -> Self {
-        Self { rays, grid: None, shaft: None, filter: None }
+        Self { rays, grid: None, shaft: None, filter: None, verdict: None }
     }
 
     /// Says that the rays are those of a raster of `width` by `height` cells, row by row, with the
@@ -35,6 +37,25 @@ impl<'a> Batch<'a> {
     #[must_use]
     pub fn with_filter(self, filter: Option<&'a dyn HitFilter>) -> Self {
         Self { filter, ..self }
+    }
+
+    /// Other rays in place of these, one for each, under the same hints and filter: each within the
+    /// one that it stands for, or one that hits nothing.
+    #[must_use]
+    pub(super) fn with_rays(self, rays: &'a [Ray]) -> Self {
+        Self { rays, ..self }
+    }
+
+    /// Has another say what is hit than the exact test of the rays themselves.
+    #[must_use]
+    pub(super) fn with_verdict(self, verdict: &'a dyn Verdict) -> Self {
+        Self { verdict: Some(verdict), ..self }
+    }
+
+    /// Who says what is hit, if not the exact test.
+    #[inline(always)]
+    pub(super) fn verdict(&self) -> Option<&'a dyn Verdict> {
+        self.verdict
     }
 
     /// The rays.
@@ -62,47 +83,3 @@ impl<'a> Batch<'a> {
         self.filter
     }
 }
-
-/// Takes back hits, for instance in the holes of a leaf's texture.
-pub trait HitFilter: Sync {
-    /// Whether a hit of the batch's ray number `ray` counts.
-    ///
-    /// Must be a pure function of its arguments: structures differ in which hits they ask about,
-    /// how often and in which order.
-    fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool;
-}
-
-/// The nearest hit of a ray.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct ClosestHit {
-    /// Distance in multiples of the ray's direction; infinite on a miss.
-    pub t: f32,
-    /// Weight of the triangle's second vertex.
-    pub u: f32,
-    /// Weight of its third vertex.
-    pub v: f32,
-    /// The triangle; [`TriangleId::NONE`] on a miss.
-    pub triangle: TriangleId,
-}
-
-impl ClosestHit {
-    /// No hit.
-    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, triangle: TriangleId::NONE };
-
-    /// Whether anything was hit.
-    #[inline(always)]
-    pub fn is_hit(&self) -> bool {
-        self.triangle != TriangleId::NONE
-    }
-
-    /// The same hit to the bit; what tests compare by.
-    pub fn same_bits(&self, other: &Self) -> bool {
-        bytemuck::bytes_of(self) == bytemuck::bytes_of(other)
-    }
-}
-
-/// Whether a ray hits anything.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(transparent)]
-pub struct AnyHit(pub bool);

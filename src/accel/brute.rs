@@ -14,12 +14,13 @@ use std::time::Instant;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
 use rayon::prelude::*;
 
+use super::query::ask_of;
 use super::{
     Batch, BuildInput, BuildReport, Built, Counters, Event, MemoryReport, PreparedRay, Query,
     RayContext, SliceContext, Structure, Traverse, Variant,
 };
-use crate::geom::{TriangleSource, own_box};
-use crate::math::TriangleId;
+use crate::geom::TriangleSource;
+use crate::math::PrimId;
 
 /// Its row of the table.
 pub const VARIANT: Variant = Variant {
@@ -82,7 +83,7 @@ impl Brute {
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
-                let id = TriangleId::from_index((first + i) * 8 + lane);
+                let id = PrimId::from_index((first + i) * 8 + lane);
                 context.counters.count(Event::TriangleTest);
                 context.test_triangle(id, &self.source.triangle(id))?;
             }
@@ -98,12 +99,14 @@ impl Brute {
         from: usize,
     ) {
         let simd = slice.simd;
-        let filter = slice.batch.filter();
-        let rays: Vec<PreparedRay<'_>> = (slice.batch.rays().iter().enumerate())
-            .map(|(i, ray)| PreparedRay::new(ray, from + i, filter))
-            .collect();
+        let prepare = |i| {
+            let prepared = PreparedRay::of_batch(&slice.batch, i);
+            PreparedRay { index: from + i, ..prepared }
+        };
+        let count = slice.batch.rays().len();
+        let rays: Vec<PreparedRay<'_>> = (0..count).map(prepare).collect();
         let mut queries: Vec<(Q, bool)> =
-            rays.iter().map(|prepared| (Q::new(&prepared.ray), false)).collect();
+            (0..count).map(|i| (ask_of(&slice.batch, i), false)).collect();
         for (group, blocks) in self.boxes.chunks(BLOCKS).enumerate() {
             for (ray, (query, done)) in rays.iter().zip(&mut queries) {
                 if !*done {
@@ -125,7 +128,7 @@ fn pack(source: &dyn TriangleSource, block: usize) -> Boxes {
     planes[3..].fill([f32::NEG_INFINITY; 8]);
     let first = block * 8;
     for lane in 0..8.min(source.len() - first) {
-        let bounds = own_box(&source.triangle(TriangleId::from_index(first + lane)));
+        let bounds = source.own_box(PrimId::from_index(first + lane));
         for axis in 0..3 {
             planes[axis][lane] = bounds.min[axis];
             planes[3 + axis][lane] = bounds.max[axis];
@@ -172,6 +175,9 @@ impl Traverse for Brute {
         slice: &mut SliceContext<'_, S, Q, C>,
         (): &mut (),
     ) {
+        if slice.batch.verdict().is_some() {
+            return self.trace_group(slice, 0);
+        }
         // A closure that rayon runs elsewhere is not compiled for this instruction set, so each
         // group finds its way to it anew.
         let (rays, filter) = (slice.batch.rays(), slice.batch.filter());

@@ -9,9 +9,9 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Simd, SimdFloat};
 
-use super::{Batch, ClosestHit, Counters, Event, PreparedRay, Query};
-use crate::geom::{BlockRef, Corners, intersect_triangle};
-use crate::math::TriangleId;
+use super::{Batch, BlockFilter, ClosestHit, Counters, Event, PreparedRay, Query, Verdict};
+use crate::geom::{BlockRef, Corners, Triangle, intersect_triangle};
+use crate::math::{PrimId, TriangleId, Vec3};
 use crate::simd::baseline;
 
 /// A ray on its way through a structure.
@@ -37,12 +37,28 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     /// Asks the exact test about one triangle and offers the hit it finds; `Break` if the answer is
     /// final.
     #[inline(always)]
-    pub fn test_triangle(&mut self, id: TriangleId, triangle: &impl Corners) -> ControlFlow<()> {
+    pub fn test_triangle(&mut self, id: PrimId, triangle: &impl Corners) -> ControlFlow<()> {
         self.counters.count(Event::ExactTest);
+        if let Some(verdict) = self.ray.verdict {
+            let [x, y, z] = [0, 1, 2].map(|axis| triangle.along(axis));
+            let at = |i: usize| Vec3::new(x[i], y[i], z[i]);
+            let corners = Triangle { a: at(0), b: at(1), c: at(2) };
+            return self.judge(verdict, (id, &corners));
+        }
         match intersect_triangle(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
             Some([t, u, v]) => {
-                self.query.offer(&self.ray.criteria(), ClosestHit { t, u, v, triangle: id })
+                let triangle = TriangleId::unplaced(id);
+                self.query.offer(&self.ray.criteria(), ClosestHit { t, u, v, triangle })
             }
+            None => ControlFlow::Continue(()),
+        }
+    }
+
+    /// Asks another than the exact test about one primitive.
+    #[inline(never)]
+    fn judge(&mut self, verdict: &dyn Verdict, prim: (PrimId, &Triangle)) -> ControlFlow<()> {
+        match verdict.judge(self.ray.index, prim, &self.query.nearest(), Q::ANY) {
+            Some(hit) => self.query.take(hit, verdict.limit(hit.t)),
             None => ControlFlow::Continue(()),
         }
     }
@@ -58,12 +74,18 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
         if C::COUNTS {
             self.counters.add(Event::TriangleLane, block.len() as u64);
         }
-        let mut lanes = block.find_candidates::<S, V>(self.simd, &self.ray.ray, self.query.t_max());
+        let (simd, PreparedRay { ray, slab, .. }) = (self.simd, self.ray);
+        let t_max = self.query.t_max();
+        let mut lanes = match self.ray.verdict.map(Verdict::filter) {
+            None => block.find_candidates::<S, V>(simd, ray, t_max),
+            Some(BlockFilter::Near(slack)) => block.find_near::<S, V>(simd, ray, t_max, slack),
+            Some(BlockFilter::Boxes) => block.find_boxes::<S, V>(simd, slab, t_max),
+        };
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let id = block.ids[lane];
-            if id != TriangleId::NONE {
+            if id != PrimId::NONE {
                 self.test_triangle(id, &block.lane(lane))?;
             }
         }
@@ -74,7 +96,7 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     /// hardly ever met.
     pub fn test_each<const W: usize>(&mut self, block: BlockRef<'_, W>) -> ControlFlow<()> {
         self.counters.count(Event::TriangleTest);
-        for (lane, &id) in block.ids.iter().enumerate().filter(|(_, id)| **id != TriangleId::NONE) {
+        for (lane, &id) in block.ids.iter().enumerate().filter(|(_, id)| **id != PrimId::NONE) {
             self.test_triangle(id, &block.lane(lane))?;
         }
         ControlFlow::Continue(())
@@ -104,8 +126,8 @@ impl<'a, S: Simd, Q: Query, C: Counters> SliceContext<'a, S, Q, C> {
     /// Prepares a ray, and asks nothing of it yet.
     #[inline(always)]
     fn begin(&self, index: usize) -> (PreparedRay<'a>, Q) {
-        let ray = &self.batch.rays()[index];
-        (PreparedRay::new(ray, index, self.batch.filter()), Q::new(ray))
+        let prepared = PreparedRay::of_batch(&self.batch, index);
+        (prepared, prepared.ask())
     }
 
     /// Answers one ray by a walk.

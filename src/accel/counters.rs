@@ -21,7 +21,7 @@ pub enum Event {
     ExactTest,
     /// A node was put aside for later.
     Push,
-    /// The walk began again at the root, or below it.
+    /// The walk began again at the root, or below it, or at the root of a placed mesh.
     Restart,
     /// A node was looked at before rays were traced: to find an entry point, or to compress paths.
     Search,

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildError {
     /// Ids would not fit.
-    #[error("{count} triangles are more than a structure can number ({limit})")]
+    #[error("{count} triangles are more than a flat structure can number ({limit})")]
     TooManyTriangles {
         /// Their number.
         count: usize,
@@ -39,6 +39,14 @@ pub enum BuildError {
         /// Its name.
         isa: &'static str,
     },
+}
+
+impl BuildError {
+    /// Whether ids can number so many triangles.
+    pub(super) fn check_count(count: usize) -> Result<(), Self> {
+        let limit = (u32::MAX - 1) as usize;
+        if count > limit { Err(Self::TooManyTriangles { count, limit }) } else { Ok(()) }
+    }
 }
 
 /// Why the text of a structure and its options was not understood.

@@ -2,14 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use super::{AnyHit, ClosestHit, HitFilter};
+use super::{AnyHit, Batch, ClosestHit, HitFilter, Verdict};
 use crate::geom::{ShearRay, SlabRay};
 use crate::math::Ray;
 
 /// A ray of a batch with all that its tests need.
 #[derive(Clone, Copy)]
 pub struct PreparedRay<'a> {
-    /// The ray.
+    /// The ray, in the structure's own space.
     pub ray: Ray,
     /// For boxes.
     pub slab: SlabRay,
@@ -19,20 +19,51 @@ pub struct PreparedRay<'a> {
     pub index: usize,
     /// The batch's filter.
     pub filter: Option<&'a dyn HitFilter>,
+    /// Who says what is hit, if not the exact test of the ray itself.
+    pub verdict: Option<&'a dyn Verdict>,
 }
 
 impl<'a> PreparedRay<'a> {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: &Ray, index: usize, filter: Option<&'a dyn HitFilter>) -> Self {
-        Self { ray: *ray, slab: SlabRay::new(ray), shear: ShearRay::new(ray), index, filter }
+        let (slab, shear) = (SlabRay::new(ray), ShearRay::new(ray));
+        Self { ray: *ray, slab, shear, index, filter, verdict: None }
+    }
+
+    /// Prepares a ray of a batch.
+    #[inline(always)]
+    pub fn of_batch(batch: &Batch<'a>, index: usize) -> Self {
+        let prepared = Self::new(&batch.rays()[index], index, batch.filter());
+        Self { verdict: batch.verdict(), ..prepared }
+    }
+
+    /// The question that is asked of it.
+    #[inline(always)]
+    pub fn ask<Q: Query>(&self) -> Q {
+        ask(&self.ray, self.verdict)
     }
 
     /// What its hits must meet.
     #[inline(always)]
     pub fn criteria(&self) -> HitCriteria<'a> {
-        HitCriteria { t_min: self.ray.t_min(), index: self.index, filter: self.filter }
+        HitCriteria::new(self.ray.t_min(), self.index, self.filter)
     }
+}
+
+/// What is asked of a ray whose hits `verdict` says.
+#[inline(always)]
+fn ask<Q: Query>(ray: &Ray, verdict: Option<&dyn Verdict>) -> Q {
+    match verdict {
+        None => Q::new(ray),
+        Some(verdict) => Q::within(verdict.t_max(ray), ray.t_max()),
+    }
+}
+
+/// What is asked of a ray of a batch.
+#[inline(always)]
+pub(super) fn ask_of<Q: Query>(batch: &Batch<'_>, index: usize) -> Q {
+    ask(&batch.rays()[index], batch.verdict())
 }
 
 /// What a ray's hits must meet, apart from what was found already.
@@ -46,10 +77,17 @@ pub struct HitCriteria<'a> {
     pub filter: Option<&'a dyn HitFilter>,
 }
 
-impl HitCriteria<'_> {
+impl<'a> HitCriteria<'a> {
+    /// Of a ray of a batch.
     #[inline(always)]
-    fn accepts(&self, hit: &ClosestHit) -> bool {
-        self.filter.is_none_or(|filter| filter.accepts(self.index, hit))
+    pub fn new(t_min: f32, index: usize, filter: Option<&'a dyn HitFilter>) -> Self {
+        Self { t_min, index, filter }
+    }
+
+    /// Whether a hit counts.
+    #[inline(always)]
+    pub fn accepts(&self, hit: &ClosestHit) -> bool {
+        hit.t > self.t_min && self.filter.is_none_or(|filter| filter.accepts(self.index, hit))
     }
 }
 
@@ -61,14 +99,29 @@ pub trait Query: Copy {
     /// Whether any hit will do, so that order does not matter.
     const ANY: bool;
 
-    /// Nothing found yet.
-    fn new(ray: &Ray) -> Self;
+    /// Nothing found yet at or before `t`; boxes that are entered beyond `limit` do not matter.
+    fn within(t: f32, limit: f32) -> Self;
 
-    /// Hits beyond this can't change the answer; equal ones can.
+    /// Nothing found yet.
+    #[inline(always)]
+    fn new(ray: &Ray) -> Self {
+        Self::within(ray.t_max(), ray.t_max())
+    }
+
+    /// Boxes that are entered beyond this can't change the answer; equal ones can.
     fn t_max(&self) -> f32;
+
+    /// The same, while the structure's measure of distance is another.
+    fn set_limit(&mut self, limit: f32);
 
     /// Considers a hit; `Break` if the answer is final.
     fn offer(&mut self, criteria: &HitCriteria<'_>, hit: ClosestHit) -> ControlFlow<()>;
+
+    /// The best hit so far, or none with the greatest `t` that counts.
+    fn nearest(&self) -> ClosestHit;
+
+    /// Takes a better hit that counts.
+    fn take(&mut self, hit: ClosestHit, limit: f32) -> ControlFlow<()>;
 
     /// The answer.
     fn answer(&self) -> Self::Answer;
@@ -79,6 +132,7 @@ pub trait Query: Copy {
 pub struct Closest {
     /// The best so far; until there is one its `t` is the ray's limit.
     best: ClosestHit,
+    limit: f32,
 }
 
 impl Query for Closest {
@@ -86,22 +140,36 @@ impl Query for Closest {
     const ANY: bool = false;
 
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
-        Self { best: ClosestHit { t: ray.t_max(), ..ClosestHit::MISS } }
+    fn within(t: f32, limit: f32) -> Self {
+        Self { best: ClosestHit { t, ..ClosestHit::MISS }, limit }
     }
 
     #[inline(always)]
     fn t_max(&self) -> f32 {
-        self.best.t
+        self.limit
+    }
+
+    #[inline(always)]
+    fn set_limit(&mut self, limit: f32) {
+        self.limit = limit;
     }
 
     #[inline(always)]
     fn offer(&mut self, criteria: &HitCriteria<'_>, hit: ClosestHit) -> ControlFlow<()> {
-        let best = &self.best;
-        let better = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
-        if better && hit.t > criteria.t_min && criteria.accepts(&hit) {
-            self.best = hit;
+        if hit.is_before(&self.best) && criteria.accepts(&hit) {
+            return self.take(hit, hit.t);
         }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn nearest(&self) -> ClosestHit {
+        self.best
+    }
+
+    #[inline(always)]
+    fn take(&mut self, hit: ClosestHit, limit: f32) -> ControlFlow<()> {
+        (self.best, self.limit) = (hit, limit);
         ControlFlow::Continue(())
     }
 
@@ -115,6 +183,7 @@ impl Query for Closest {
 #[derive(Clone, Copy, Debug)]
 pub struct Any {
     t_max: f32,
+    limit: f32,
     found: bool,
 }
 
@@ -123,22 +192,37 @@ impl Query for Any {
     const ANY: bool = true;
 
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
-        Self { t_max: ray.t_max(), found: false }
+    fn within(t: f32, limit: f32) -> Self {
+        Self { t_max: t, limit, found: false }
     }
 
     #[inline(always)]
     fn t_max(&self) -> f32 {
-        self.t_max
+        self.limit
+    }
+
+    #[inline(always)]
+    fn set_limit(&mut self, limit: f32) {
+        self.limit = limit;
     }
 
     #[inline(always)]
     fn offer(&mut self, criteria: &HitCriteria<'_>, hit: ClosestHit) -> ControlFlow<()> {
-        if hit.t > criteria.t_min && hit.t <= self.t_max && criteria.accepts(&hit) {
-            self.found = true;
-            return ControlFlow::Break(());
+        if hit.t <= self.t_max && criteria.accepts(&hit) {
+            return self.take(hit, hit.t);
         }
         ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn nearest(&self) -> ClosestHit {
+        ClosestHit { t: self.t_max, ..ClosestHit::MISS }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, _: ClosestHit, _: f32) -> ControlFlow<()> {
+        self.found = true;
+        ControlFlow::Break(())
     }
 
     #[inline(always)]

@@ -6,6 +6,7 @@ use fearless_simd::Simd;
 
 use super::{ClosestHit, Counters, Event, HitCriteria, Query, SliceContext};
 use crate::geom::{PairHits, PairTriangle, RayLanes};
+use crate::math::{PrimId, TriangleId};
 
 /// Rays side by side.
 pub const LANES: usize = RayLanes::LANES;
@@ -48,10 +49,12 @@ impl<Q: Query> Questions<Q> {
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize % LANES;
             hits &= hits - 1;
-            let hit: ClosestHit = bytemuck::cast(found.hits[lane]);
+            let [t, u, v, prim] = found.hits[lane];
+            let triangle = TriangleId::unplaced(PrimId(prim.to_bits()));
+            let hit = ClosestHit { t, u, v, triangle };
             let index = self.members[lane] as usize;
             let t_min = slice.batch.rays()[index].t_min();
-            let criteria = HitCriteria { t_min, index, filter: slice.batch.filter() };
+            let criteria = HitCriteria::new(t_min, index, slice.batch.filter());
             if let ControlFlow::Break(()) = self.queries[lane].offer(&criteria, hit) {
                 self.open &= !(1 << lane);
             }

@@ -4,7 +4,11 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::{Accel, BuildError, BuildInput, Options, SpecError, Variant, brute, bvh, kd};
+use super::located::Located;
+use super::two_level::{Placed, TwoLevel};
+use super::{
+    Accel, BuildError, BuildInput, Instances, Options, SpecError, Variant, brute, bvh, kd,
+};
 use crate::geom::TriangleSource;
 use crate::names::near;
 use crate::simd::Isa;
@@ -55,13 +59,24 @@ pub struct AccelSpec {
     pub variant: &'static Variant,
     /// The options.
     pub options: Options,
+    /// What becomes of copies of a mesh.
+    pub instances: Instances,
+    /// The row of the structure over copies, if it is another than that of their meshes.
+    pub top: Option<&'static Variant>,
+}
+
+impl AccelSpec {
+    /// A row with its options at their defaults.
+    pub fn of(variant: &'static Variant) -> Self {
+        let options = Options::defaults(variant.options);
+        Self { variant, options, instances: Instances::default(), top: None }
+    }
 }
 
 impl Default for AccelSpec {
     /// `auto`: the first of the table.
     fn default() -> Self {
-        let variant = &VARIANTS[0];
-        Self { variant, options: Options::defaults(variant.options) }
+        Self::of(&VARIANTS[0])
     }
 }
 
@@ -74,7 +89,9 @@ impl FromStr for AccelSpec {
             .iter()
             .find(|variant| variant.id == id)
             .ok_or_else(|| SpecError::UnknownId { id: id.to_owned(), near: near_ids(id) })?;
-        Ok(Self { variant, options: Options::parse(variant.id, variant.options, options)? })
+        let (instances, top, own) = take_options(variant.id, options)?;
+        let options = Options::parse(variant.id, variant.options, &own)?;
+        Ok(Self { variant, options, instances, top })
     }
 }
 
@@ -82,13 +99,45 @@ impl fmt::Display for AccelSpec {
     /// The id and those options that are not at their defaults.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.variant.id)?;
-        let chosen = self.options.iter().zip(self.variant.options);
-        let chosen = chosen.filter(|((_, value), spec)| *value != spec.default);
-        for (i, ((name, value), _)) in chosen.enumerate() {
-            write!(f, "{}{name}={value}", if i == 0 { ':' } else { ',' })?;
+        let own = self.options.iter().zip(self.variant.options);
+        let own = own.filter(|((_, value), spec)| *value != spec.default);
+        let mut chosen: Vec<String> =
+            own.map(|((name, value), _)| format!("{name}={value}")).collect();
+        if self.instances != Instances::default() {
+            chosen.push(format!("instances={}", self.instances));
         }
-        Ok(())
+        chosen.extend(self.top.map(|row| format!("top={}", row.id)));
+        if chosen.is_empty() { Ok(()) } else { write!(f, ":{}", chosen.join(",")) }
     }
+}
+
+/// What is said of copies among the options of a structure: `instances=…` and `top=ID`, the row
+/// that the structure over placements is of; and the text without them.
+fn take_options(
+    id: &'static str,
+    text: &str,
+) -> Result<(Instances, Option<&'static Variant>, String), SpecError> {
+    let (mut instances, mut top, mut rest) = (Instances::default(), None, Vec::new());
+    for part in text.split(',') {
+        let bad = |option, value: &str, expected: &str| SpecError::BadValue {
+            id,
+            option,
+            value: value.to_owned(),
+            expected: expected.to_owned(),
+        };
+        match part.split_once('=') {
+            Some(("instances", value)) => {
+                let choice = value.parse();
+                instances = choice.map_err(|_| bad("instances", value, "auto|flat|two-level"))?;
+            }
+            Some(("top", value)) => {
+                let row = VARIANTS.iter().find(|variant| variant.id == value);
+                top = Some(row.ok_or_else(|| bad("top", value, "the id of a structure"))?);
+            }
+            _ => rest.push(part),
+        }
+    }
+    Ok((instances, top, rest.join(",")))
 }
 
 /// Up to three ids like the one that was meant, the most similar first.
@@ -123,12 +172,25 @@ pub fn build(
     source: Arc<dyn TriangleSource>,
     isa: Isa,
 ) -> Result<Box<dyn Accel>, BuildError> {
-    const LIMIT: usize = (u32::MAX - 1) as usize;
-    if source.len() > LIMIT {
-        return Err(BuildError::TooManyTriangles { count: source.len(), limit: LIMIT });
-    }
     let level = isa.level().ok_or(BuildError::NoSuchIsa { isa: isa.name() })?;
-    (spec.variant.build)(&BuildInput { source, options: &spec.options, level })
+    let placed = Placed::new(Arc::clone(&source));
+    let are_placed = placed.is_some();
+    if let Some(placed) = placed.filter(|placed| spec.instances.choose(placed)) {
+        let defaults;
+        let below = (spec.variant, &spec.options);
+        let above = match spec.top {
+            None => below,
+            Some(row) => {
+                defaults = Options::defaults(row.options);
+                (row, &defaults)
+            }
+        };
+        return Ok(Box::new(TwoLevel::build(placed, (below, above), level)?));
+    }
+    BuildError::check_count(source.len())?;
+    let input = BuildInput { source: Arc::clone(&source), options: &spec.options, level };
+    let accel = (spec.variant.build)(&input)?;
+    Ok(if are_placed { Box::new(Located { accel, source }) } else { accel })
 }
 
 #[cfg(test)]

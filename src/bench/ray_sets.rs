@@ -2,7 +2,7 @@
 
 use crate::accel::{Accel, Batch, ClosestHit};
 use crate::geom::{Triangle, TriangleSource};
-use crate::math::{Aabb, Frame, Ray, TriangleId, Vec3};
+use crate::math::{Aabb, Frame, PrimId, Ray, Vec3};
 
 /// A small generator of random numbers with a sequence of its own per index, so that sets can be
 /// made in pieces and replayed from any ray.
@@ -101,7 +101,7 @@ pub struct Target<'a> {
 impl<'a> Target<'a> {
     /// Rays over `source`; `accel` must be a structure of it.
     pub fn new(source: &'a dyn TriangleSource, accel: &'a dyn Accel) -> Self {
-        let ids = (0..source.len()).map(TriangleId::from_index);
+        let ids = (0..source.len()).map(PrimId::from_index);
         let bounds = ids.map(|id| source.triangle(id).bounds()).fold(Aabb::EMPTY, Aabb::union);
         let bounds =
             if bounds.is_empty() { Aabb { min: Vec3::ZERO, max: Vec3::ONE } } else { bounds };
@@ -173,7 +173,8 @@ impl<'a> Target<'a> {
         let bounced = first.iter().zip(&hits).enumerate().filter(|(_, (_, hit))| hit.is_hit());
         bounced
             .map(|(i, (ray, hit))| {
-                let normal = self.source.triangle(hit.triangle).double_area();
+                let hit_triangle = PrimId(self.source.number(hit.triangle) as u32);
+                let normal = self.source.triangle(hit_triangle).double_area();
                 let normal = normal.normalize_or(Vec3::Y);
                 let normal = if normal.dot(ray.direction()) > 0.0 { -normal } else { normal };
                 let direction = normal + Random::new(!seed, i as u64).sphere() * 0.9999;
@@ -186,7 +187,7 @@ impl<'a> Target<'a> {
     fn some_triangle(&self, random: &mut Random) -> Triangle {
         match self.source.len() {
             0 => Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y },
-            n => self.source.triangle(TriangleId::from_index(random.below(n))),
+            n => self.source.triangle(PrimId::from_index(random.below(n))),
         }
     }
 

@@ -8,11 +8,11 @@ use super::fly_through::frame::Frame;
 use super::measure::{Ask, BenchError, Shots, time_interleaved};
 use super::ray_sets::{RaySet, Target};
 use super::table::{Table, cell};
-use crate::accel::{Accel, AccelSpec, BuildError, Options, VARIANTS, Variant, build};
+use crate::accel::{Accel, AccelSpec, BuildError, VARIANTS, Variant, build};
 use crate::camera::Camera;
 use crate::camera::flight::Pose;
 use crate::geom::TriangleSource;
-use crate::math::{Aabb, TriangleId, Vec3};
+use crate::math::{Aabb, PrimId, Vec3};
 use crate::simd::Isa;
 
 /// What others are compared with.
@@ -69,7 +69,7 @@ pub fn measure(
         return Err(BuildError::TooLarge { needed, limit: settings.memory }.into());
     }
     let built = |variant: &'static Variant| {
-        let spec = AccelSpec { variant, options: Options::defaults(variant.options) };
+        let spec = AccelSpec::of(variant);
         build(&spec, Arc::clone(source), settings.isa)
     };
     let oracle = VARIANTS.iter().find(|variant| variant.id == ORACLE).expect("is in the table");
@@ -115,7 +115,7 @@ pub fn measure(
 /// A camera that sees all triangles.
 fn frame_camera(source: &dyn TriangleSource) -> Pose {
     const YFOV: f32 = 40.0;
-    let ids = (0..source.len()).map(TriangleId::from_index);
+    let ids = (0..source.len()).map(PrimId::from_index);
     let bounds = ids.map(|id| source.triangle(id).bounds()).fold(Aabb::EMPTY, Aabb::union);
     let camera = Camera::framing(&bounds, YFOV.to_radians(), 1.0).to_world;
     let eye = Vec3::from(camera.translation);

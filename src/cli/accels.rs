@@ -45,8 +45,14 @@ fn to_text() -> String {
             let _ = writeln!(text, "{:width$}    {name}={values}: {}", "", option.summary);
         }
     }
-    text
+    text + OF_ALL
 }
+
+/// What every structure takes besides.
+const OF_ALL: &str = "\nAll take, for meshes that are placed more than once:
+  instances=auto|flat|two-level: copy by copy in one structure, or one of each mesh and one of copies
+  top=ID: the structure of copies, if it is to be another
+";
 
 fn to_json(variant: &Variant) -> serde_json::Value {
     let options = variant.options.iter().map(|option| {

@@ -27,6 +27,9 @@ pub fn add_to_help(command: Command) -> Command {
 pub fn own_up_to_panics() {
     let report = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
+        if crate::files::guard::is_guarded() {
+            return; // it becomes an error
+        }
         report(panic);
         progress::say("error: this is a bug in dapple; please report it with the lines above");
         crate::files::remove_pending();

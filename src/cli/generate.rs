@@ -1,7 +1,7 @@
 //! `dapple generate`: scenes made by rule.
 
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use crate::cli::flags::Quiet;
 use crate::cli::outputs::{self, Output};
 use crate::cli::text;
 use crate::files::{self, Flush};
-use crate::generate::{Generator, TRIANGLES};
+use crate::generate::{FOREST_COPIES, FOREST_TRIANGLES, Forest, Generator, TRIANGLES};
 
 /// Make a scene by rule from a seed, of exactly as many triangles as asked for.
 #[derive(clap::Args, Debug)]
@@ -83,14 +83,58 @@ Examples:
   dapple generate landscape --triangles 5000000 --seed 3 -o large.glb")]
     #[command(mut_arg("triangles", |arg| arg.required(false).default_value("644000")))]
     Landscape(SceneArgs),
+    /// A forest: kinds of trees, bushes, grass, ferns, flowers and stones, placed as often as you
+    /// like: for scenes that are far larger than memory would hold without copies.
+    ///
+    /// More triangles make finer kinds, more copies make a larger forest and denser grass. The file
+    /// is binary glTF 2.0 with EXT_mesh_gpu_instancing: a copy takes 32 bytes. It has a camera in a
+    /// glade, and an animation that moves the camera along a trail for 24 seconds. It has no
+    /// light: --scene writes a TOML scene beside it that puts it under sun and sky.
+    ///
+    /// The same numbers and seed give the same bytes on every machine.
+    #[command(after_help = "\
+Examples:
+  dapple generate forest -o forest.glb --scene forest.toml
+  dapple render forest.toml -o forest.exr --png forest.png
+  dapple generate forest --triangles 5000000 --copies 1000000 -o large.glb --scene large.toml")]
+    Forest(ForestArgs),
 }
 
-/// Flags of all scenes.
+/// Flags of a forest.
+#[derive(clap::Args, Debug)]
+struct ForestArgs {
+    /// Triangles of all kinds and of the ground, each counted once, exactly: 4000 to 60000000
+    #[arg(
+        long, value_name = "N", default_value_t = 40_000,
+        value_parser = clap::value_parser!(u64).range(FOREST_TRIANGLES)
+    )]
+    triangles: u64,
+    /// Plants and stones: 1 to 100000000
+    #[arg(
+        long, value_name = "M", default_value_t = 5000,
+        value_parser = clap::value_parser!(u64).range(FOREST_COPIES)
+    )]
+    copies: u64,
+    /// Where a scene goes that places the forest under sun and sky (.toml), beside it
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+/// Flags of all scenes but the forest.
 #[derive(clap::Args, Debug)]
 struct SceneArgs {
     /// Triangles of the scene, exactly: 1 to 20000000
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(TRIANGLES))]
     triangles: u64,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+/// Flags of all.
+#[derive(clap::Args, Debug)]
+struct CommonArgs {
     /// Another number, another scene
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -114,42 +158,108 @@ pub fn run(args: &GenerateArgs) -> Result<ExitCode, CliError> {
         What::City(args) => generate(Generator::City, args),
         What::Kitchen(args) => generate(Generator::Kitchen, args),
         What::Landscape(args) => generate(Generator::Landscape, args),
+        What::Forest(args) => generate_forest(args),
     }
 }
 
-fn generate(generator: Generator, args: &SceneArgs) -> Result<ExitCode, CliError> {
-    let (start, triangles) = (Instant::now(), args.triangles);
-    let path = args.path.as_deref().map(|path| Output { flag: "--path", path, ending: "txt" });
-    let scene = Output { flag: "-o", path: &args.output, ending: "glb" };
-    outputs::check(&std::iter::once(scene).chain(path).collect::<Vec<_>>(), &[])?;
-    let mut written = None;
-    files::write(&args.output, Flush::ToDisk, |file| {
-        written = Some(generator.write(triangles, args.seed, file)?);
-        Ok(())
-    })
-    .map_err(|error| CliError::not_written(&args.output, &error))?;
-    if let Some(path) = &args.path {
-        let text = flight::write(&generator.flight(triangles, args.seed));
-        files::write(path, Flush::ToDisk, |file| file.write_all(text.as_bytes()))
-            .map_err(|error| CliError::not_written(path, &error))?;
+impl CommonArgs {
+    /// The outputs that it names.
+    fn outputs(&self) -> Vec<Output<'_>> {
+        let path = self.path.as_deref().map(|path| Output { flag: "--path", path, ending: "txt" });
+        let scene = Output { flag: "-o", path: &self.output, ending: "glb" };
+        std::iter::once(scene).chain(path).collect()
     }
-    let written = written.expect("was written without an error");
+
+    /// Writes the scene by `write`, and the path of its camera.
+    fn write<W>(
+        &self,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<W>,
+        flight: impl FnOnce() -> Vec<flight::Pose>,
+    ) -> Result<W, CliError> {
+        let mut written = None;
+        files::write(&self.output, Flush::ToDisk, |file| {
+            written = Some(write(file)?);
+            Ok(())
+        })
+        .map_err(|error| CliError::not_written(&self.output, &error))?;
+        if let Some(path) = &self.path {
+            write_text(path, &flight::write(&flight()))?;
+        }
+        Ok(written.expect("was written without an error"))
+    }
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
+    files::write(path, Flush::ToDisk, |file| file.write_all(text.as_bytes()))
+        .map_err(|error| CliError::not_written(path, &error))
+}
+
+fn generate_forest(args: &ForestArgs) -> Result<ExitCode, CliError> {
+    let (start, common) = (Instant::now(), &args.common);
+    let scene = args.scene.as_deref();
+    let mut outputs = common.outputs();
+    outputs.extend(scene.map(|path| Output { flag: "--scene", path, ending: "toml" }));
+    outputs::check(&outputs, &[])?;
+    if scene.is_some_and(|scene| scene.parent() != common.output.parent()) {
+        let message = "--scene must be in the folder of -o, whose file it places";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let forest = Forest::new(args.triangles, args.copies, common.seed);
+    let written = common.write(|file| forest.write(file), || forest.flight())?;
+    if let Some(scene) = scene {
+        let name = common.output.file_name().unwrap_or_default().to_string_lossy();
+        write_text(scene, &Forest::scene(&name))?;
+    }
     let seconds = start.elapsed().as_secs_f64();
-    args.quiet.tell(&format!(
+    common.quiet.tell(&format!(
+        "{}: {} triangles, {} copies, {} triangles placed, {:.1} MB in {seconds:.2} s",
+        common.output.display(),
+        written.triangles,
+        written.copies,
+        written.placed,
+        written.bytes as f64 / 1e6,
+    ));
+    if common.json {
+        let summary = json!({
+            "output": common.output,
+            "path": common.path,
+            "scene": args.scene,
+            "triangles": written.triangles,
+            "copies": written.copies,
+            "placed_triangles": written.placed,
+            "vertices": written.vertices,
+            "bytes": written.bytes,
+            "seed": common.seed,
+            "seconds": seconds,
+        });
+        text::print(&format!("{summary}\n"))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn generate(generator: Generator, args: &SceneArgs) -> Result<ExitCode, CliError> {
+    let (start, triangles, common) = (Instant::now(), args.triangles, &args.common);
+    outputs::check(&common.outputs(), &[])?;
+    let written = common.write(
+        |file| generator.write(triangles, common.seed, file),
+        || generator.flight(triangles, common.seed),
+    )?;
+    let seconds = start.elapsed().as_secs_f64();
+    common.quiet.tell(&format!(
         "{}: {} triangles, {} vertices, {:.1} MB in {seconds:.2} s",
-        args.output.display(),
+        common.output.display(),
         written.triangles,
         written.vertices,
         written.bytes as f64 / 1e6,
     ));
-    if args.json {
+    if common.json {
         let summary = json!({
-            "output": args.output,
-            "path": args.path,
+            "output": common.output,
+            "path": common.path,
             "triangles": written.triangles,
             "vertices": written.vertices,
             "bytes": written.bytes,
-            "seed": args.seed,
+            "seed": common.seed,
             "seconds": seconds,
         });
         text::print(&format!("{summary}\n"))?;

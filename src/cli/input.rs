@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::accel::BuildError;
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
 use crate::cli::progress;
@@ -27,10 +26,8 @@ pub fn load_triangles(path: &Path, quiet: Quiet) -> Result<Arc<dyn TriangleSourc
     if !quiet.quiet {
         scene.notices.iter().chain(&describe_empty_scene(&scene, &file)).for_each(progress::note);
     }
-    let triangles = Triangles::new(&scene).map_err(|error| BuildError::TooManyTriangles {
-        count: usize::try_from(error.count).unwrap_or(usize::MAX),
-        limit: u32::MAX as usize,
-    })?;
+    let triangles = Triangles::new(Arc::new(scene))
+        .map_err(|error| CliError::Input(format!("{file}: {error}")))?;
     Ok(Arc::new(triangles))
 }
 

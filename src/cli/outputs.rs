@@ -24,9 +24,9 @@ impl Output<'_> {
 }
 
 /// Endings that say what a file holds. Any other ending, or none, says nothing.
-const ENDINGS: [&str; 19] = [
-    "exr", "png", "npy", "jpg", "jpeg", "hdr", "tif", "tiff", "bmp", "tga", "webp", "gif", "gltf",
-    "glb", "obj", "mtl", "toml", "json", "pdf",
+const ENDINGS: [&str; 20] = [
+    "exr", "png", "npy", "jpg", "jpeg", "hdr", "tif", "tiff", "bmp", "tga", "webp", "gif", "ktx2",
+    "gltf", "glb", "obj", "mtl", "toml", "json", "pdf",
 ];
 
 /// Makes sure of the outputs of a command that reads `inputs`.

@@ -37,6 +37,16 @@ pub fn format_figure(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// A number of bytes, as people say it.
+pub fn format_bytes(count: u64) -> String {
+    match count {
+        0..1_000 => format!("{count} B"),
+        1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
+        _ => format!("{:.2} GB", count as f64 / 1e9),
+    }
+}
+
 /// Lays out rows in columns, the first row the heading, all but the first column to the right.
 pub fn align_columns(rows: &[Vec<String>]) -> String {
     let count = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -66,6 +76,12 @@ mod tests {
         assert_eq!(figures.map(format_figure), text);
         assert_eq!(format_figure(100.0), "100");
         assert_eq!(format_figure(100_000.0), "100000");
+    }
+
+    #[test]
+    fn sizes_are_rounded() {
+        let sizes = [999, 1_500, 2_340_000, 7_200_000_000].map(format_bytes);
+        assert_eq!(sizes, ["999 B", "1.5 kB", "2.3 MB", "7.20 GB"]);
     }
 
     #[test]

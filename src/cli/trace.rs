@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -17,14 +18,16 @@ use crate::cli::outputs::{self, Output};
 use crate::cli::settings::parse::threads;
 use crate::cli::{input, memory, text};
 use crate::formats::npy;
+use crate::geom::TriangleSource;
 use crate::math::Ray;
 use crate::simd::Isa;
 
 /// Shoot a file of rays at a scene and time it.
 ///
 /// Rays are rows of eight float32 (origin, t_min, direction, t_max) in an .npy file. Hits are rows
-/// of four float32: t (infinity on a miss), u, v and the triangle's number as its bits; with --any
-/// they are one byte per ray. The time is from rays to hits, both in memory, after an untimed pass.
+/// of four float32: t (infinity on a miss), u, v and the triangle's number as its bits; in scenes
+/// of 2^32 triangles and more of five: placement and number in the mesh. With --any they are one
+/// byte per ray. The time is from rays to hits, both in memory, after an untimed pass.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  dapple trace bunny.obj --rays rays.npy --hits hits.npy\n  \
     dapple trace tris.npy --rays rays.npy --any --accel bvh2 --threads 1 --repeat 5 --json\n  \
@@ -137,7 +140,7 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
     let rays: Vec<Ray> = from_rows(&npy::read_f32(&args.rays, 8)?).collect();
     let (triangles, slices) = (source.len(), Slices::new(args));
     input::run_on_threads(args.threads, || {
-        let accel = build(&args.accel, source, args.isa)?;
+        let accel = build(&args.accel, Arc::clone(&source), args.isa)?;
         let mut answers = if args.any {
             Answers::Any(vec![AnyHit(false); rays.len()])
         } else {
@@ -155,7 +158,10 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
         let counts = args.counters.then(|| shoot(&*accel, &rays, &mut answers, slices, true));
         if let Some(path) = &args.hits {
             match &answers {
-                Answers::Closest(hits) => npy::write_f32(path, 4, bytemuck::cast_slice(hits))?,
+                Answers::Closest(hits) => {
+                    let (columns, rows) = hit_rows(&*source, hits);
+                    npy::write_f32(path, columns, &rows)?;
+                }
                 Answers::Any(hits) => {
                     npy::write_u8(
                         path,
@@ -174,6 +180,25 @@ pub fn run(args: &TraceArgs) -> Result<ExitCode, CliError> {
         text::print(&summary.to_text(args, &*accel))?;
         Ok(ExitCode::SUCCESS)
     })?
+}
+
+/// Hits as rows of a table, and how many columns it has: the triangle's number is the last, or,
+/// where there are more than a column can number, its placement and its number in the mesh are the
+/// last two.
+fn hit_rows(source: &dyn TriangleSource, hits: &[ClosestHit]) -> (usize, Vec<f32>) {
+    let is_numbered = source.len() < u32::MAX as usize;
+    let number =
+        |hit: &ClosestHit| if hit.is_hit() { source.number(hit.triangle) as u32 } else { u32::MAX };
+    let mut rows = Vec::with_capacity(hits.len() * 5);
+    for hit in hits {
+        rows.extend([hit.t, hit.u, hit.v]);
+        if is_numbered {
+            rows.push(f32::from_bits(number(hit)));
+        } else {
+            rows.extend([hit.triangle.instance.0, hit.triangle.index].map(f32::from_bits));
+        }
+    }
+    (if is_numbered { 4 } else { 5 }, rows)
 }
 
 impl Answers {

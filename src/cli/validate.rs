@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, build};
+use crate::accel::{Accel, AccelSpec, Batch, BuildError, ClosestHit, Instances, build};
 use crate::bench::agreement::{
     Difference, LONGEST_SLICE, answers_in_time, first_difference, mixed_rays,
 };
@@ -75,11 +75,32 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode, CliError> {
     let each = 2 * (size_of::<Ray>() + size_of::<ClosestHit>()) as u64;
     memory::require(&format!("--rays {}", args.rays), args.rays * each)?;
     let source = input::load_triangles(&args.scene, args.quiet)?;
+    let specs = in_all_ways(specs, &*source);
     let build = |spec: &AccelSpec| build(spec, Arc::clone(&source), args.isa);
     let say = |line: &str| Ok(text::print(&format!("{line}\n"))?);
     let agree =
         input::run_on_threads(args.threads, || validate(args, &specs, &*source, &build, &say))?;
     Ok(ExitCode::from(u8::from(!agree?)))
+}
+
+/// Whether meshes are placed more than once.
+fn has_copies(source: &dyn TriangleSource) -> bool {
+    source.placements().is_some_and(|placed| placed.len() > placed.meshes())
+}
+
+/// The structures that a scene allows: where meshes are placed more than once, in two levels and
+/// flat, unless it was said which.
+fn in_all_ways(specs: Vec<AccelSpec>, source: &dyn TriangleSource) -> Vec<AccelSpec> {
+    let ways: &[Instances] = match has_copies(source) {
+        true => &[Instances::Flat, Instances::TwoLevel],
+        false => &[Instances::Auto],
+    };
+    let said = |spec: &AccelSpec| spec.instances != Instances::Auto;
+    let both = |spec: AccelSpec| {
+        let ways = if said(&spec) { vec![spec.instances] } else { ways.to_vec() };
+        ways.into_iter().map(move |instances| AccelSpec { instances, ..spec.clone() })
+    };
+    specs.into_iter().flat_map(both).collect()
 }
 
 type Build<'a> = dyn Fn(&AccelSpec) -> Result<Box<dyn Accel>, BuildError> + Sync + 'a;
@@ -95,7 +116,12 @@ fn validate(
     say: &Say<'_>,
 ) -> Result<bool, CliError> {
     const SECOND: &str = "bvh2";
-    let named = |id: &str| build(&id.parse().expect("in the table"));
+    let named = |id: &str| {
+        let spec: AccelSpec = id.parse().expect("in the table");
+        let copies = has_copies(source);
+        let instances = if copies { Instances::Flat } else { Instances::Auto };
+        build(&AccelSpec { instances, ..spec })
+    };
     let (brute, second) = (named("brute")?, named(SECOND)?);
     let rays = mixed_rays(&Target::new(source, &*second), args.rays as usize, args.seed);
     say(&format!("{} triangles, {} rays", source.len(), rays.len()))?;
@@ -121,7 +147,7 @@ fn validate(
     let mut all_agree = second_agrees;
     for spec in specs {
         let name = spec.to_string();
-        if name == SECOND {
+        if name == SECOND || name == format!("{SECOND}:instances=flat") {
             continue; // it gave the answers
         }
         let accel = build(spec)?;

@@ -4,11 +4,13 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `beside` | outputs are written beside their target and renamed |
+//! | `guard` | decoders of others that may panic |
 //! | `memory` | how much memory there is, and whether what a file claims is left |
 //! | `regular` | inputs are regular files, of a size that is known; which paths are one file |
 //! | `spool` | a temporary file for what memory has no room for |
 
 mod beside;
+pub mod guard;
 pub mod memory;
 mod regular;
 mod spool;

@@ -203,11 +203,11 @@ fn list(names: &[String]) -> String {
     }
 }
 
-/// What helps where the extension packs the data.
+/// What helps where the extension packs textures in a way that is not read.
 fn remedy(extensions: &[String]) -> &'static str {
-    let packed = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"];
+    let packed = ["EXT_texture_avif", "MSFT_texture_dds"];
     if extensions.iter().any(|name| packed.contains(&name.as_str())) {
-        "; export it again without compression"
+        "; export it again with other textures"
     } else {
         ""
     }
@@ -276,12 +276,12 @@ mod tests {
 
     #[test]
     fn packed_files_come_with_a_remedy() {
-        let extensions = vec!["KHR_draco_mesh_compression".to_owned(), "X".to_owned()];
+        let extensions = vec!["EXT_texture_avif".to_owned(), "X".to_owned()];
         let error = LoadError::Extensions { file: "a.glb".to_owned(), extensions };
         assert_eq!(
             error.to_string(),
-            "a.glb: requires KHR_draco_mesh_compression and X, which dapple does not support; \
-             export it again without compression"
+            "a.glb: requires EXT_texture_avif and X, which dapple does not support; \
+             export it again with other textures"
         );
     }
 }

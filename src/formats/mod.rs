@@ -1,6 +1,7 @@
 //! Files to scenes: glTF, OBJ, PLY and TOML, the images that they name, and arrays of NumPy.
 
 mod choice;
+mod copies;
 mod environment;
 mod environment_image;
 mod environment_repair;

@@ -6,11 +6,13 @@
 //! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
 mod header;
+mod table;
 
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use header::{Header, HeaderError, header_bytes};
+pub use table::Table;
 
 use crate::files::{self, Flush};
 

@@ -42,9 +42,7 @@ impl Document {
     /// Adds a camera at `eye` that looks at `target`; `camera` is glTF's object.
     pub fn camera(&mut self, eye: Vec3, target: Vec3, camera: Value) {
         let camera = self.push("cameras", camera);
-        let back = (eye - target).normalize();
-        let right = Vec3::Y.cross(back).normalize();
-        let rotation = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
+        let rotation = look(eye, target);
         self.root(json!({
             "name": "camera", "camera": camera,
             "translation": rounded(eye.to_array()), "rotation": rounded(rotation.to_array()),
@@ -91,6 +89,13 @@ impl Document {
         }
         root
     }
+}
+
+/// The turn of a camera at `eye` that looks at `target` and stands upright.
+pub fn look(eye: Vec3, target: Vec3) -> Quat {
+    let back = (eye - target).normalize();
+    let right = Vec3::Y.cross(back).normalize();
+    Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back))
 }
 
 /// glTF's camera of a vertical field of view in degrees, for pictures of `aspect`.

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::budget::Plan;
+use super::container::write_head;
 use super::document::Document;
 use super::model::{Model, Part};
 use super::tessellation::{Tessellation, Vertex};
@@ -42,19 +43,7 @@ struct Measure {
 pub fn write(out: &mut dyn Write, model: &Model, plan: &Plan) -> io::Result<Written> {
     let measures: Vec<Measure> = plan.parts.par_iter().map(measure).collect();
     let (document, binary) = document(model, plan, &measures);
-    let mut json = serde_json::to_vec(&document)?;
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let bytes = 12 + 8 + json.len() as u64 + 8 + binary;
-    let word = |value: u64| {
-        let word = u32::try_from(value).map_err(|_| io::Error::other("a .glb ends at 4 GiB"));
-        word.map(u32::to_le_bytes)
-    };
-    for head in [*b"glTF", word(2)?, word(bytes)?, word(json.len() as u64)?, *b"JSON"] {
-        out.write_all(&head)?;
-    }
-    out.write_all(&json)?;
-    out.write_all(&word(binary)?)?;
-    out.write_all(b"BIN\0")?;
+    let bytes = write_head(out, &document, binary)?;
     write_parts(out, plan, &measures)?;
     let sum = |of: fn(&Measure) -> usize| measures.iter().map(|m| of(m) as u64).sum();
     Ok(Written { triangles: sum(|m| m.triangles), vertices: sum(|m| m.vertices), bytes })

@@ -5,12 +5,16 @@
 //! are (`Generator::model`). What follows is the same for all: each part is given its share of
 //! the triangles (`budget`), and the file is written (`glb`).
 //!
+//! A [`Forest`] goes its own way: its kinds are placed many times.
+//!
 //! Arithmetic is +, -, ×, ÷, √ and `libm`, in one order: the same file on every machine.
 
 mod assembly;
 mod budget;
 mod city;
+mod container;
 mod document;
+mod forest;
 mod glb;
 mod ground;
 mod kitchen;
@@ -27,6 +31,7 @@ use std::ops::RangeInclusive;
 
 use crate::camera::flight::{self, Pose};
 pub use document::{Document, perspective, rounded};
+pub use forest::{FOREST_COPIES, FOREST_TRIANGLES, Forest, WrittenForest};
 pub use glb::Written;
 use model::Model;
 

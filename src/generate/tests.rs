@@ -9,7 +9,7 @@ use super::*;
 use crate::accel::{Batch, ClosestHit, build};
 use crate::formats::{LoadOptions, gltf};
 use crate::geom::TriangleSource;
-use crate::math::{Ray, TriangleId, Vec3};
+use crate::math::{PrimId, Ray, Vec3};
 use crate::scene::{Scene, Triangles};
 use crate::simd::Isa;
 
@@ -29,13 +29,13 @@ fn loaded(bytes: &[u8]) -> Scene {
 
 /// Loads with a camera, light and not a word, exactly this many triangles, all of them sound.
 fn check(generator: Generator, triangles: u64, seed: u64) {
-    let scene = loaded(&made(generator, triangles, seed));
+    let scene = Arc::new(loaded(&made(generator, triangles, seed)));
     assert_eq!(scene.notices, []);
     assert!(scene.cameras.len() == 1 && !scene.lights.is_empty(), "{generator:?}");
-    let flat = Triangles::new(&scene).expect("few enough");
+    let flat = Triangles::new(Arc::clone(&scene)).expect("few enough");
     assert_eq!(flat.len() as u64, triangles, "seed {seed}");
     for id in 0..flat.len() as u32 {
-        let twice = flat.triangle(TriangleId(id)).double_area().length();
+        let twice = flat.triangle(PrimId(id)).double_area().length();
         assert!(
             twice > 0.0 && twice.is_finite(),
             "{generator:?}, {triangles}, {seed}: {id} is {twice}"
@@ -113,7 +113,8 @@ fn scenes_of_some_size_have_all_kinds_of_finish() {
 /// hits, and the least distance.
 fn seen(generator: Generator, triangles: u64, rays: usize) -> Vec<(f64, f32)> {
     let scene = loaded(&made(generator, triangles, 0));
-    let source: Arc<dyn TriangleSource> = Arc::new(Triangles::new(&scene).expect("few enough"));
+    let source: Arc<dyn TriangleSource> =
+        Arc::new(Triangles::new(Arc::new(scene)).expect("few enough"));
     let accel = build(&"bvh2".parse().expect("known"), source, Isa::Auto).expect("builds");
     let mut random = random::Random::new(1);
     let mut side = || random.between(-1.0, 1.0) as f32;

@@ -19,8 +19,8 @@
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask};
 
-use super::{Corners, Triangle};
-use crate::math::{Ray, TriangleId, Vec3};
+use super::{Corners, SlabRay, Triangle};
+use crate::math::{PrimId, Ray, Vec3};
 
 /// `W` triangles as structure of arrays. Unused places repeat a triangle, with no id.
 #[derive(Clone, Copy, Debug)]
@@ -29,25 +29,25 @@ pub struct TriangleBlock<const W: usize> {
     /// For each vertex a, b, c and axis, in this order, the coordinates.
     pub vertices: [[f32; W]; 9],
     /// Whose they are.
-    pub ids: [TriangleId; W],
+    pub ids: [PrimId; W],
 }
 
 impl<const W: usize> TriangleBlock<W> {
     /// Without triangles.
-    pub const EMPTY: Self = Self { vertices: [[0.0; W]; 9], ids: [TriangleId::NONE; W] };
+    pub const EMPTY: Self = Self { vertices: [[0.0; W]; 9], ids: [PrimId::NONE; W] };
 
     /// Packs up to `W` triangles.
     ///
     /// # Panics
     /// If there are none or more than `W`.
-    pub fn new(triangles: &[(TriangleId, Triangle)]) -> Self {
+    pub fn new(triangles: &[(PrimId, Triangle)]) -> Self {
         assert!((1..=W).contains(&triangles.len()), "a block holds 1 to {W} triangles");
         Self::fetch(triangles.len(), |lane| triangles[lane])
     }
 
     /// Packs the first `count` triangles that a function hands out, at least one and at most `W`.
     #[inline]
-    pub fn fetch(count: usize, triangle: impl Fn(usize) -> (TriangleId, Triangle)) -> Self {
+    pub fn fetch(count: usize, triangle: impl Fn(usize) -> (PrimId, Triangle)) -> Self {
         let mut block = Self::EMPTY;
         for lane in 0..W {
             let (id, triangle) = triangle(lane.min(count - 1));
@@ -76,7 +76,7 @@ pub struct BlockRef<'a, const W: usize> {
     /// See [`TriangleBlock::vertices`].
     pub vertices: &'a [[f32; W]; 9],
     /// See [`TriangleBlock::ids`].
-    pub ids: &'a [TriangleId; W],
+    pub ids: &'a [PrimId; W],
 }
 
 impl<const W: usize> BlockRef<'_, W> {
@@ -99,7 +99,7 @@ impl<const W: usize> BlockRef<'_, W> {
     /// How many triangles it holds.
     #[inline]
     pub fn len(&self) -> usize {
-        self.ids.iter().take_while(|&&id| id != TriangleId::NONE).count()
+        self.ids.iter().take_while(|&&id| id != PrimId::NONE).count()
     }
 
     /// Whether it holds none.
@@ -115,15 +115,60 @@ impl<const W: usize> BlockRef<'_, W> {
         V: SimdFloat<S, Element = f32, Array = [f32; W]>,
     {
         let splat = |p: Vec3| [V::splat(simd, p.x), V::splat(simd, p.y), V::splat(simd, p.z)];
-        let load =
-            |vertex: usize, axis: usize| V::load_array_ref(simd, &self.vertices[3 * vertex + axis]);
-        let corner = |vertex: usize| [load(vertex, 0), load(vertex, 1), load(vertex, 2)];
-        let edges = Edges::new([corner(0), corner(1), corner(2)]);
+        let edges = self.edges::<S, V>(simd);
         let d_norm = V::splat(simd, ray.direction().abs().element_sum());
         let (o, d) = (splat(ray.origin()), splat(ray.direction()));
         let passes = edges.find_candidates([o, d], d_norm, V::splat(simd, t_max));
         let all = (1_u64 << W) - 1;
         (passes & all) as u32
+    }
+
+    /// The same where the vertices that the exact test will see may be off by `slack` along each
+    /// axis.
+    #[inline(always)]
+    pub fn find_near<S, V>(&self, simd: S, ray: &Ray, t_max: f32, slack: f32) -> u32
+    where
+        S: Simd,
+        V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+    {
+        let splat = |p: Vec3| [V::splat(simd, p.x), V::splat(simd, p.y), V::splat(simd, p.z)];
+        let d_norm = V::splat(simd, ray.direction().abs().element_sum());
+        let rays = [splat(ray.origin()), splat(ray.direction())];
+        // With what rounding takes off the bounds.
+        let off = V::splat(simd, 1.001 * slack);
+        let passes = self.edges::<S, V>(simd).find_near(rays, d_norm, V::splat(simd, t_max), off);
+        (passes & ((1_u64 << W) - 1)) as u32
+    }
+
+    /// Bit `i` is set if the ray enters the box from vertex `a` to vertex `b` of lane `i` at or
+    /// before `t_max`.
+    #[inline(always)]
+    pub fn find_boxes<S, V>(&self, simd: S, slab: &SlabRay, t_max: f32) -> u32
+    where
+        S: Simd,
+        V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+    {
+        let plane = |axis: usize, upper: usize, inverse: f32| {
+            let planes = V::load_array_ref(simd, &self.vertices[3 * upper + axis]);
+            (planes - V::splat(simd, slab.origin[axis])) * V::splat(simd, inverse)
+        };
+        let near = |axis: usize| plane(axis, slab.negative[axis], slab.inv_near[axis]);
+        let far = |axis: usize| plane(axis, 1 - slab.negative[axis], slab.inv_far[axis]);
+        let enter = near(0).max(near(1)).max(near(2));
+        let exit = far(0).min(far(1)).min(far(2)).min(V::splat(simd, t_max));
+        (enter.simd_le(exit).to_bitmask() & ((1_u64 << W) - 1)) as u32
+    }
+
+    #[inline(always)]
+    fn edges<S, V>(&self, simd: S) -> Edges<V>
+    where
+        S: Simd,
+        V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+    {
+        let load =
+            |vertex: usize, axis: usize| V::load_array_ref(simd, &self.vertices[3 * vertex + axis]);
+        let corner = |vertex: usize| [load(vertex, 0), load(vertex, 1), load(vertex, 2)];
+        Edges::new([corner(0), corner(1), corner(2)])
     }
 }
 
@@ -153,10 +198,34 @@ impl<V> Edges<V> {
     /// Bit `i` is set if lane `i` of rays, by origin, direction and the sum of the latter's
     /// magnitudes, may hit the triangle of its lane at or before `t_max`.
     #[inline(always)]
-    pub fn find_candidates<S: Simd>(&self, [o, d]: [[V; 3]; 2], d_norm: V, t_max: V) -> u64
+    pub fn find_candidates<S: Simd>(&self, rays: [[V; 3]; 2], d_norm: V, t_max: V) -> u64
     where
         V: SimdFloat<S, Element = f32>,
     {
+        self.find(rays, d_norm, t_max, None)
+    }
+
+    /// The same for triangles whose vertices are off by `off` along each axis.
+    ///
+    /// A dot product with what is off by `off` along each axis is off by at most `off` times the
+    /// sum of the other's magnitudes; that sum of a cross product is at most the product of both
+    /// sums. So an edge function `c × d · e` is off by at most `off (|d| (|e| + 6 off) +
+    /// 2 |c × d|)` besides rounding, since edges are off by twice as much as vertices; and the
+    /// others likewise, with `|c|`.
+    #[inline(always)]
+    pub fn find_near<S: Simd>(&self, rays: [[V; 3]; 2], d_norm: V, t_max: V, off: V) -> u64
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        self.find(rays, d_norm, t_max, Some(off))
+    }
+
+    #[inline(always)]
+    fn find<S: Simd>(&self, [o, d]: [[V; 3]; 2], d_norm: V, t_max: V, off: Option<V>) -> u64
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let d_sum = d_norm;
         const RELATIVE: f32 = 32.0 * 0.5 * f32::EPSILON;
         const LARGE: f32 = 1.2676506e30; // 2^100
         let Self { a, e1, e2, n, e1_norm, e2_norm } = *self;
@@ -170,9 +239,17 @@ impl<V> Edges<V> {
         let (d_norm, c_norm, tiny) = (d_norm * RELATIVE, norm(c), splat(f32::MIN_POSITIVE));
         let (cd, ee) = (c_norm.mul_add(d_norm, tiny), e1_norm.mul_add(e2_norm, tiny));
         // That of both edge functions together, allowed to each.
-        let edge_slack = cd.mul_add(e1_norm + e2_norm, tiny);
-        let det_slack = d_norm.mul_add(ee, tiny);
-        let t_slack = (c_norm * splat(RELATIVE)).mul_add(ee, tiny);
+        let mut edge_slack = cd.mul_add(e1_norm + e2_norm, tiny);
+        let mut det_slack = d_norm.mul_add(ee, tiny);
+        let mut t_slack = (c_norm * splat(RELATIVE)).mul_add(ee, tiny);
+        if let Some(off) = off {
+            let (edges, twice) = (off.mul_add(splat(6.0), e1_norm + e2_norm), off + off);
+            let c_twice = c_norm + c_norm;
+            let moment = norm(r) + cd;
+            edge_slack = off.mul_add(d_sum.mul_add(edges, moment + moment), edge_slack);
+            det_slack = (d_sum * twice).mul_add(edges, det_slack);
+            t_slack = (off * edges).mul_add(edges + c_twice, t_slack);
+        }
         let uv_slack = edge_slack + det_slack;
 
         // The sign of the determinant makes all of one sign. Where it can't be told, or something
@@ -270,7 +347,7 @@ mod tests {
             prop_assume!(ray != Ray::MISS);
             let triangle = Triangle { a: a * scale, b: b * scale, c: c * scale };
             if let Some([t, ..]) = intersect(&ray, &triangle) {
-                let block = TriangleBlock::<4>::new(&[(TriangleId(0), triangle)]);
+                let block = TriangleBlock::<4>::new(&[(PrimId(0), triangle)]);
                 let found = dispatch!(Level::new(), simd => {
                     block.parts().find_candidates::<_, f32x4<_>>(simd, &ray, t)
                 });

@@ -9,7 +9,7 @@ use super::bundle::RayBundle;
 use super::heading::Heading;
 use super::sheared::intersect_sheared;
 use super::slab::own_box;
-use super::source::Triangle;
+use super::triangle::Triangle;
 
 const LANES: usize = RayBundle::LANES;
 

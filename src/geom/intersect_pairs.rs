@@ -10,8 +10,8 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdNarrow, SimdWiden};
 use super::ray_lanes::{PerRay, RayLanes, load_columns, store_columns};
 use super::sheared::intersect_sheared;
 use super::slab::{FARTHEST_ALONG, INVERSE_ALONG, own_box};
-use super::source::Triangle;
-use crate::math::TriangleId;
+use super::triangle::Triangle;
+use crate::math::PrimId;
 
 const LANES: usize = RayLanes::LANES;
 
@@ -28,7 +28,7 @@ pub struct PairTriangle {
 
 impl PairTriangle {
     /// Lays out a triangle.
-    pub fn new(id: TriangleId, triangle: &Triangle) -> Self {
+    pub fn new(id: PrimId, triangle: &Triangle) -> Self {
         let (mut rows, mut ends) = ([[0.0; 4]; 5], [[0.0; 4]; 3]);
         let (Triangle { a, b, c }, bounds) = (triangle, own_box(triangle));
         for at in 0..5 {
@@ -204,7 +204,7 @@ mod tests {
                 Triangle { a: a * scale, b: b * scale, c: c * scale }
             };
             let triangles: Vec<Triangle> = corners.into_iter().map(triangle).collect();
-            let lay_out = |(i, triangle)| PairTriangle::new(TriangleId::from_index(i), triangle);
+            let lay_out = |(i, triangle)| PairTriangle::new(PrimId::from_index(i), triangle);
             let laid_out: Vec<_> = triangles.iter().enumerate().map(lay_out).collect();
             let numbers = std::array::from_fn(|lane| (lane % 3) as u32);
             let rays: Vec<Ray> = (starts.iter().enumerate())

@@ -31,6 +31,16 @@ impl Mesh {
         Aabb::of_points(corners.map(|&i| self.positions[i as usize]))
     }
 
+    /// The positions that triangles use, each once.
+    pub fn used_positions(&self) -> Vec<Vec3> {
+        let mut is_used = vec![false; self.positions.len()];
+        for &i in self.indices.iter().flatten() {
+            is_used[i as usize] = true;
+        }
+        let used = self.positions.iter().zip(is_used).filter(|(_, used)| *used);
+        used.map(|(&position, _)| position).collect()
+    }
+
     /// Appends a copy of each vertex in `sources`; attributes that are absent stay so.
     pub fn repeat_vertices(&mut self, sources: &[u32]) {
         fn repeat<T: Copy>(all: &mut Vec<T>, sources: &[u32]) {

@@ -29,6 +29,7 @@ mod sheared;
 pub mod slab;
 mod source;
 mod tangents;
+mod triangle;
 mod usable;
 
 pub use block::{BlockRef, TriangleBlock};
@@ -43,6 +44,7 @@ pub use planes::{FilterLanes, FilterPlane, FilterSides, Reach};
 pub use ray_lanes::RayLanes;
 pub use shaft::Shaft;
 pub use slab::{SlabRay, grow_own_box, own_box};
-pub use source::{Corners, Triangle, TriangleList, TriangleSource};
+pub use source::{Placements, TriangleList, TriangleSource};
 pub use tangents::add_tangents;
+pub use triangle::{Corners, Triangle};
 pub use usable::are_usable;

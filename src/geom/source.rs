@@ -1,52 +1,16 @@
 //! Triangles in world space, and where they come from.
 
-use crate::math::{Aabb, TriangleId, Vec3};
+use super::clip::clip_bounds;
+use super::slab::own_box;
+use super::triangle::Triangle;
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 
-/// A triangle; a hit's barycentrics `u` and `v` belong to `b` and `c`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct Triangle {
-    /// First vertex, with weight `1 - u - v`.
-    pub a: Vec3,
-    /// Second vertex, with weight `u`.
-    pub b: Vec3,
-    /// Third vertex, with weight `v`.
-    pub c: Vec3,
-}
-
-impl Triangle {
-    /// The smallest box of its vertices.
-    #[inline(always)]
-    pub fn bounds(&self) -> Aabb {
-        Aabb { min: self.a.min(self.b).min(self.c), max: self.a.max(self.b).max(self.c) }
-    }
-
-    /// The cross product of two edges: along the normal of the front, of twice the area's length.
-    #[inline]
-    pub fn double_area(&self) -> Vec3 {
-        (self.b - self.a).cross(self.c - self.a)
-    }
-}
-
-/// The vertices of a triangle, axis by axis, wherever they lie.
-pub trait Corners {
-    /// The coordinates of `a`, `b` and `c` along an axis below 3.
-    fn along(&self, axis: usize) -> [f32; 3];
-}
-
-impl Corners for Triangle {
-    #[inline(always)]
-    fn along(&self, axis: usize) -> [f32; 3] {
-        [self.a.to_array()[axis], self.b.to_array()[axis], self.c.to_array()[axis]]
-    }
-}
-
-/// Hands out the triangles of a scene in world space, by an id that counts all instances through.
+/// Hands out the triangles of a scene in world space, by a running number over all instances.
 ///
-/// Vertices are finite, and the answer for an id never changes: structures may ask when they are
-/// built, or again for every ray.
+/// Vertices are finite, and the answer for a number never changes: structures may ask when they
+/// are built, or again for every ray.
 pub trait TriangleSource: Send + Sync {
-    /// The number of triangles; ids run from 0 to it, exclusively.
+    /// The number of triangles. Who has more than 2^32 - 2 can be built in two levels only.
     fn len(&self) -> usize;
 
     /// Whether there are none.
@@ -55,7 +19,83 @@ pub trait TriangleSource: Send + Sync {
     }
 
     /// A triangle's vertices in world space.
-    fn triangle(&self, id: TriangleId) -> Triangle;
+    fn triangle(&self, prim: PrimId) -> Triangle;
+
+    /// The box that holds all hits of a triangle.
+    #[inline]
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        own_box(&self.triangle(prim))
+    }
+
+    /// How far the vertices may be from where the verdict will see them; zero where they are the
+    /// verdict's own. [`TriangleSource::own_box`] is grown by it.
+    fn slack(&self) -> f32 {
+        0.0
+    }
+
+    /// Whether all that is known of a primitive is a box, from vertex `a` to vertex `b` of its
+    /// triangle.
+    fn are_boxes(&self) -> bool {
+        false
+    }
+
+    /// The box of the part that lies in a cell; `None`: there is none.
+    #[inline]
+    fn clip(&self, prim: PrimId, cell: &Aabb) -> Option<Aabb> {
+        if self.are_boxes() {
+            let part = self.triangle(prim).bounds().intersection(*cell);
+            return (!part.is_empty()).then_some(part);
+        }
+        clip_bounds(&self.triangle(prim), cell)
+    }
+
+    /// Whose a triangle is.
+    #[inline]
+    fn locate(&self, prim: PrimId) -> TriangleId {
+        TriangleId::unplaced(prim)
+    }
+
+    /// The running number of a triangle: what [`TriangleSource::locate`] is the inverse of.
+    fn number(&self, triangle: TriangleId) -> u64 {
+        u64::from(triangle.index)
+    }
+
+    /// The placed meshes that the triangles are of, if they are any.
+    fn placements(&self) -> Option<&dyn Placements> {
+        None
+    }
+}
+
+/// Meshes, and where they are placed.
+pub trait Placements: Send + Sync {
+    /// The number of placements.
+    fn len(&self) -> usize;
+
+    /// Whether there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The number of meshes.
+    fn meshes(&self) -> usize;
+
+    /// The number of a mesh's triangles.
+    fn mesh_len(&self, mesh: MeshId) -> usize;
+
+    /// The box of those vertices of a mesh that triangles use, in its own space; empty without any.
+    fn mesh_bounds(&self, mesh: MeshId) -> Aabb;
+
+    /// A triangle of a mesh in its own space, by its number.
+    fn mesh_triangle(&self, mesh: MeshId, index: u32) -> Triangle;
+
+    /// The mesh of a placement.
+    fn mesh(&self, placement: InstanceId) -> MeshId;
+
+    /// From the mesh's space to the world.
+    fn to_world(&self, placement: InstanceId) -> Affine3A;
+
+    /// A triangle's vertices in world space: the ones that the verdict is about.
+    fn placed_triangle(&self, triangle: TriangleId) -> Triangle;
 }
 
 /// Triangles that are already in world space.
@@ -68,7 +108,7 @@ impl TriangleSource for TriangleList {
     }
 
     #[inline]
-    fn triangle(&self, id: TriangleId) -> Triangle {
-        self.0[id.index()]
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        self.0[prim.index()]
     }
 }

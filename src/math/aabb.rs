@@ -49,6 +49,15 @@ impl Aabb {
         other.is_empty() || (self.min.cmple(other.min).all() && self.max.cmpge(other.max).all())
     }
 
+    /// Its eight corners; none if it is empty.
+    pub fn corners(self) -> Vec<Vec3> {
+        let corner = |i: usize| {
+            let end = |axis: usize| if i >> axis & 1 == 0 { self.min } else { self.max }[axis];
+            Vec3::new(end(0), end(1), end(2))
+        };
+        if self.is_empty() { Vec::new() } else { (0..8).map(corner).collect() }
+    }
+
     /// Edge lengths; negative infinity for [`Aabb::EMPTY`].
     #[inline(always)]
     pub fn extent(self) -> Vec3 {

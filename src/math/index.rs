@@ -31,8 +31,8 @@ macro_rules! index {
 }
 
 index! {
-    /// A triangle of the scene, counted over all instances in their order.
-    TriangleId
+    /// What a structure is built over, by its running number: a triangle, or a placement.
+    PrimId
 }
 index! {
     /// A node of an acceleration structure.
@@ -53,4 +53,28 @@ index! {
 index! {
     /// A texture: an image with a sampler and a colour space.
     TextureId
+}
+
+/// A triangle of the scene: which placed mesh, and which of its triangles. Ordered as the running
+/// number over all placements is.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, bytemuck::Pod, bytemuck::Zeroable,
+)]
+#[repr(C)]
+pub struct TriangleId {
+    /// The placed mesh.
+    pub instance: InstanceId,
+    /// The triangle's number in the mesh.
+    pub index: u32,
+}
+
+impl TriangleId {
+    /// Stands for "none"; after all others.
+    pub const NONE: Self = Self { instance: InstanceId::NONE, index: u32::MAX };
+
+    /// A triangle of a list that is not placed: all are of the first instance.
+    #[inline(always)]
+    pub const fn unplaced(prim: PrimId) -> Self {
+        Self { instance: InstanceId(0), index: prim.0 }
+    }
 }

@@ -13,6 +13,6 @@ pub use frame::Frame;
 pub use glam::{
     Affine3A, DAffine3, DMat3, DQuat, DVec2, DVec3, Mat3, Mat4, Quat, Vec2, Vec3, Vec4,
 };
-pub use index::{InstanceId, MaterialId, MeshId, NodeId, TextureId, TriangleId};
+pub use index::{InstanceId, MaterialId, MeshId, NodeId, PrimId, TextureId, TriangleId};
 pub use order::{larger, smaller};
 pub use ray::Ray;

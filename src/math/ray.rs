@@ -54,6 +54,12 @@ impl Ray {
         ray
     }
 
+    /// The same up to `t`, if it ends later.
+    #[inline(always)]
+    pub(crate) fn up_to(self, t: f32) -> Self {
+        Self { t_max: if t < self.t_max { t } else { self.t_max }, ..self }
+    }
+
     /// Where it starts.
     #[inline(always)]
     pub fn origin(&self) -> Vec3 {

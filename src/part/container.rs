@@ -11,7 +11,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 
 /// What a part begins with.
-pub const FORMAT: &[u8; 14] = b"dapple part 1\n";
+pub const FORMAT: &[u8; 14] = b"dapple part 2\n";
 
 /// Bytes of a chunk before and after its contents.
 const FRAME: u64 = 4 + 8 + 4;

@@ -19,6 +19,22 @@ use crate::render::{Tile, tile_windows};
 /// The most bytes of a head: it holds a command line and settings.
 const MOST_HEAD: u64 = 16 << 20;
 
+/// A tile as it is in a part.
+pub struct EncodedTile {
+    /// All but its offset.
+    entry: Entry,
+    contents: Vec<u8>,
+}
+
+impl EncodedTile {
+    /// The bytes of a tile.
+    pub(crate) fn new(tile: &Tile) -> Self {
+        let (range, finished) = (tile.range.clone(), tile.finished);
+        let entry = Entry { offset: 0, range, finished, lost_count: tile.lost_count };
+        Self { entry, contents: tile_codec::encode(tile) }
+    }
+}
+
 /// Writes a part, tile by tile.
 pub struct PartWriter<W> {
     out: W,
@@ -42,15 +58,10 @@ impl<W: Write> PartWriter<W> {
     ///
     /// # Errors
     /// Those of `out`.
-    pub fn add(&mut self, tile: &Tile) -> io::Result<()> {
-        let entry = Entry {
-            offset: self.offset,
-            range: tile.range.clone(),
-            finished: tile.finished,
-            lost_count: tile.lost_count,
-        };
+    pub fn add(&mut self, tile: &EncodedTile) -> io::Result<()> {
+        let entry = Entry { offset: self.offset, ..tile.entry.clone() };
         self.index.extend(entry.to_bytes());
-        self.offset += write_chunk(&mut self.out, TILE, &tile_codec::encode(tile)?)?;
+        self.offset += write_chunk(&mut self.out, TILE, &tile.contents)?;
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use super::error::PartError;
-use super::file::{Part, PartWriter};
+use super::file::{EncodedTile, Part, PartWriter};
 use super::head::Head;
 use super::plan::{Cell, Chain, Gap, Plan};
 use crate::film::Window;
@@ -112,8 +112,8 @@ impl Merge {
         };
         let rows = self.plan.cells.chunk_by(|a, b| a.window.y0 == b.window.y0);
         for row in rows {
-            let tiles: Result<Vec<Tile>, PartError> =
-                row.par_iter().map(|cell| self.add_up(cell)).collect();
+            let tiles: Result<Vec<EncodedTile>, PartError> =
+                row.par_iter().map(|cell| Ok(EncodedTile::new(&self.add_up(cell)?))).collect();
             for tile in tiles? {
                 if let Err(error) = writer.add(&tile) {
                     return Ok(Err(error));

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `head` | what the samples belong to |
 //! | `container` | chunks with checksums |
+//! | `planes` | numbers as bytes |
 //! | `tile_codec` | a tile as bytes |
 //! | `file` | writes a part, and reads it |
 //! | `plan` | which tiles of which parts make each tile of a picture, and what is missing |
@@ -20,12 +21,13 @@ mod file;
 mod head;
 mod merge;
 mod plan;
+mod planes;
 #[cfg(test)]
 mod tests;
 mod tile_codec;
 
 pub use error::{Difference, PartError, list as list_differences};
-pub use file::{Part, PartWriter, is_part};
+pub use file::{EncodedTile, Part, PartWriter, is_part};
 pub use head::Head;
 pub use merge::Merge;
 pub use plan::Gap;

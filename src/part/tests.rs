@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 
-use super::file::{Part, PartWriter};
+use super::file::{EncodedTile, Part, PartWriter};
 use super::{Head, Merge, PartError};
 use crate::film::Window;
 use crate::integrator::FirstHit;
@@ -44,7 +44,7 @@ fn write(path: &Path, crop: Window, samples: Range<u64>) {
     head.identity.insert("seed".to_owned(), "7".to_owned());
     let mut part = PartWriter::new(&mut bytes, &head).expect("memory");
     for window in tile_windows(crop) {
-        part.add(&expose(window, samples.clone())).expect("memory");
+        part.add(&EncodedTile::new(&expose(window, samples.clone()))).expect("memory");
     }
     part.finish().expect("memory");
     std::fs::write(path, bytes).expect("written");
@@ -171,7 +171,7 @@ fn other_values_of_the_same_samples_are_told_with_their_pixel() {
             let other = expose(Window { x0: 17, ..window }, 0..80);
             tile.set_pixel_for_test(5, &other);
         }
-        part.add(&tile).expect("memory");
+        part.add(&EncodedTile::new(&tile)).expect("memory");
     }
     part.finish().expect("memory");
     std::fs::write(&b, bytes).expect("written");

@@ -1,15 +1,9 @@
 //! A tile as bytes, and back.
 //!
-//! The numbers of a tile stand by columns: the same byte of the same number of all pixels, one
-//! after the other, for neighbours have like exponents; then they are deflated. Last come the means
-//! that the tile remembers, if it does.
+//! The numbers of a tile stand by columns: the same number of all pixels, one after the other, as
+//! [`planes`] of bytes. Last come the means that the tile remembers, if it does.
 
-use std::io::{Read, Write};
-
-use flate2::Compression;
-use flate2::read::ZlibDecoder;
-use flate2::write::ZlibEncoder;
-
+use super::planes;
 use crate::film::Window;
 use crate::render::{Earlier, LostSample, Tile};
 
@@ -18,11 +12,8 @@ const FIXED: usize = 42;
 const LOST: usize = 16;
 
 /// The bytes of a tile.
-///
-/// # Errors
-/// None of its own: memory is written to.
-pub fn encode(tile: &Tile) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
+pub fn encode(tile: &Tile) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(1 << 15);
     bytes.extend(tile.range.start.to_le_bytes());
     bytes.extend(tile.range.end.to_le_bytes());
     bytes.extend(tile.lost_count.to_le_bytes());
@@ -35,28 +26,27 @@ pub fn encode(tile: &Tile) -> std::io::Result<Vec<u8>> {
         bytes.extend(lost.y.to_le_bytes());
         bytes.extend(lost.sample.to_le_bytes());
     }
-    let mut deflate = ZlibEncoder::new(bytes, Compression::fast());
-    deflate.write_all(&shuffle(tile))?;
-    deflate.finish()
+    let pixels = tile.window.area();
+    for column in columns(tile).chunks_exact(pixels) {
+        planes::encode(column, &mut bytes);
+    }
+    for channel in 0..if tile.earlier.means.is_empty() { 0 } else { 3 } {
+        let bits = |mean: &[f32; 3]| u64::from(mean[channel].to_bits());
+        planes::encode(&tile.earlier.means.iter().map(bits).collect::<Vec<_>>(), &mut bytes);
+    }
+    bytes
 }
 
-/// The numbers of all pixels, by columns of bytes.
-fn shuffle(tile: &Tile) -> Vec<u8> {
+/// The numbers of all pixels, by columns.
+fn columns(tile: &Tile) -> Vec<u64> {
     let pixels = tile.window.area();
-    let words = Tile::words_of_pixel(tile.range.clone());
-    let mut columns = vec![0; 8 * pixels * words];
+    let mut columns = vec![0; pixels * Tile::words_of_pixel(tile.range.clone())];
     for (pixel, words) in tile.words().enumerate() {
-        for (word, bits) in words.enumerate() {
-            for (byte, value) in bits.to_le_bytes().into_iter().enumerate() {
-                columns[(word * 8 + byte) * pixels + pixel] = value;
-            }
-        }
-    }
-    for channel in 0..3 {
-        for byte in 0..4 {
-            let value = |mean: &[f32; 3]| mean[channel].to_le_bytes()[byte];
-            columns.extend(tile.earlier.means.iter().map(value));
-        }
+        let mut place = pixel;
+        words.for_each(|bits| {
+            columns[place] = bits;
+            place += pixels;
+        });
     }
     columns
 }
@@ -80,20 +70,24 @@ pub fn decode(window: Window, bytes: &[u8]) -> Result<Tile, &'static str> {
     if error.is_nan() || samples > range.end {
         return Err("remembers what there was not");
     }
-    let (lost, deflated) = rest.split_at_checked(listed * LOST).ok_or("is too short")?;
+    let (lost, mut rest) = rest.split_at_checked(listed * LOST).ok_or("is too short")?;
     let pixels = window.area();
     let words = Tile::words_of_pixel(range.clone());
-    let remembered = if samples > 0 { 12 * pixels } else { 0 };
-    let columns = inflate(deflated, 8 * pixels * words + remembered)?;
-    let (columns, means) = columns.split_at(8 * pixels * words);
-    let word = move |pixel: usize, word: usize| {
-        let byte = |byte: usize| columns[(word * 8 + byte) * pixels + pixel];
-        u64::from_le_bytes(std::array::from_fn(byte))
-    };
-    let of_pixel = |pixel: usize| (0..words).map(move |at| word(pixel, at));
+    let remembered = if samples > 0 { 3 } else { 0 };
+    let mut columns = vec![0; pixels * (words + remembered)];
+    for column in columns.chunks_exact_mut(pixels) {
+        rest = planes::decode(column, rest).ok_or("has numbers that cannot be read")?;
+    }
+    if !rest.is_empty() {
+        return Err("has more numbers than samples");
+    }
+    let (columns, means) = columns.split_at(pixels * words);
+    let of_pixel = |pixel: usize| (0..words).map(move |word| columns[word * pixels + pixel]);
     let tile = Tile::from_words(window, range, (0..pixels).map(of_pixel));
     let mut tile = tile.ok_or("has sums that no samples have")?;
-    let means = (0..means.len() / 12).map(|pixel| read_mean(means, pixel, pixels)).collect();
+    let means: Option<Vec<[f32; 3]>> =
+        (0..means.len() / 3).map(|pixel| read_mean(means, pixel, pixels)).collect();
+    let means = means.ok_or("remembers what there was not")?;
     tile.earlier = Earlier { error, samples, means };
     tile.finished = finished == 1;
     tile.lost_count = lost_count;
@@ -101,23 +95,9 @@ pub fn decode(window: Window, bytes: &[u8]) -> Result<Tile, &'static str> {
     Ok(tile)
 }
 
-/// Inflates what must be so many bytes.
-fn inflate(deflated: &[u8], length: usize) -> Result<Vec<u8>, &'static str> {
-    let mut bytes = vec![0; length];
-    let mut inflate = ZlibDecoder::new(deflated);
-    inflate.read_exact(&mut bytes).map_err(|_| "cannot be inflated")?;
-    match inflate.read(&mut [0]) {
-        Ok(0) => Ok(bytes),
-        Ok(_) => Err("has more numbers than samples"),
-        Err(_) => Err("cannot be inflated"),
-    }
-}
-
-fn read_mean(columns: &[u8], pixel: usize, pixels: usize) -> [f32; 3] {
-    std::array::from_fn(|channel| {
-        let byte = |byte: usize| columns[(channel * 4 + byte) * pixels + pixel];
-        f32::from_le_bytes(std::array::from_fn(byte))
-    })
+fn read_mean(columns: &[u64], pixel: usize, pixels: usize) -> Option<[f32; 3]> {
+    let bits = |channel: usize| u32::try_from(columns[channel * pixels + pixel]).ok();
+    Some([bits(0)?, bits(1)?, bits(2)?].map(f32::from_bits))
 }
 
 fn read_lost(bytes: &[u8]) -> LostSample {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::aov::assemble_picture;
 use super::breakdown::Breakdown;
+use super::fair_mutex::FairMutex;
 use super::noise::{Grid, dark_level, tell_error};
 use super::noise_target::NoiseTarget;
 use super::passes::{pass_ends, spread};
@@ -28,7 +29,7 @@ use crate::world::World;
 pub struct Film {
     settings: Settings,
     range: Range<u64>,
-    tiles: Vec<Mutex<Tile>>,
+    tiles: Vec<FairMutex<Tile>>,
     /// The order in which tiles are taken.
     order: Vec<usize>,
     /// Held while tiles are told to stop, so that no one sees some that were and some that were
@@ -67,7 +68,7 @@ impl Film {
     pub fn of_samples(settings: Settings, range: Range<u64>) -> Self {
         let windows = tile_windows(settings.crop);
         let order = spread(windows.iter().copied());
-        let new = |window| Mutex::new(Tile::new(window, range.start));
+        let new = |window| FairMutex::new(Tile::new(window, range.start));
         let wanted = settings.crop.area() as u64 * (range.end - range.start);
         Self {
             tiles: windows.into_iter().map(new).collect(),
@@ -90,7 +91,7 @@ impl Film {
     pub(crate) fn restore(&mut self, tiles: Vec<Tile>, elapsed: Duration) {
         let samples = |tile: &Tile| (tile.range.end - tile.range.start) * tile.window.area() as u64;
         self.restored = tiles.iter().map(samples).sum();
-        self.tiles = tiles.into_iter().map(Mutex::new).collect();
+        self.tiles = tiles.into_iter().map(FairMutex::new).collect();
         self.restored_time = elapsed;
     }
 
@@ -107,7 +108,7 @@ impl Film {
     /// The sample that comes next in the tile that has the fewest and still takes some; the end of
     /// the range if there is none.
     pub fn next_sample(&self) -> u64 {
-        let open = self.tiles.iter().map(lock).filter(|tile| !tile.finished);
+        let open = self.tiles.iter().map(FairMutex::lock).filter(|tile| !tile.finished);
         open.map(|tile| tile.range.end).min().unwrap_or(self.range.end)
     }
 
@@ -121,18 +122,20 @@ impl Film {
         }
     }
 
-    /// Calls `each` with every tile, in their order, while others may go on.
+    /// Calls `each` with what `look` makes of every tile, in their order, while others may go on.
+    /// A tile is locked while it is looked at.
     ///
     /// # Errors
     /// The first of `each`.
-    pub(crate) fn try_for_each_tile<E>(
+    pub(crate) fn try_for_each_tile<T, E>(
         &self,
-        mut each: impl FnMut(&Tile) -> Result<(), E>,
+        look: impl Fn(&Tile) -> T,
+        mut each: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
         let _none_stops = self.decision.read().unwrap_or_else(PoisonError::into_inner);
         self.tiles.iter().try_for_each(|tile| {
-            let copy = lock(tile).clone();
-            each(&copy)
+            let seen = look(&tile.lock());
+            each(seen)
         })
     }
 
@@ -150,7 +153,7 @@ impl Film {
     /// The colours of the samples so far, to look at: tiles without any are filled with what is
     /// nearest.
     pub fn preview(&self) -> Picture {
-        assemble_preview(self.tiles.iter().map(lock), &self.settings)
+        assemble_preview(self.tiles.iter().map(FairMutex::lock), &self.settings)
     }
 
     /// Takes the samples of every pixel up to `end`, exclusively, on the threads of the current
@@ -193,7 +196,7 @@ impl Film {
     /// whether none goes on.
     fn stop_where_low(&self, target: NoiseTarget) -> bool {
         let _no_one_looks = self.decision.write().unwrap_or_else(PoisonError::into_inner);
-        let mut tiles: Vec<_> = self.tiles.iter().map(lock).collect();
+        let mut tiles: Vec<_> = self.tiles.iter().map(FairMutex::lock).collect();
         let mut open = tiles.iter().filter(|tile| !tile.finished);
         let Some(first) = open.next() else { return true };
         let samples = first.range.end;
@@ -233,17 +236,17 @@ impl Film {
     /// Whether all samples are there, or the noise of all tiles is low enough.
     pub fn is_whole(&self) -> bool {
         let end = self.range.end;
-        self.tiles.iter().map(lock).all(|tile| tile.finished || tile.range.end >= end)
+        self.tiles.iter().map(FairMutex::lock).all(|tile| tile.finished || tile.range.end >= end)
     }
 
     /// Whether no samples are there.
     pub fn is_blank(&self) -> bool {
-        self.tiles.iter().map(lock).all(|tile| tile.range.is_empty())
+        self.tiles.iter().map(FairMutex::lock).all(|tile| tile.range.is_empty())
     }
 
     /// Makes the picture of the samples so far.
     pub fn finish(&self) -> Rendered {
-        let tiles: Vec<_> = self.tiles.iter().map(lock).collect();
+        let tiles: Vec<_> = self.tiles.iter().map(FairMutex::lock).collect();
         let tiles = || tiles.iter().map(|tile| &**tile);
         let counted = *lock(&self.counted);
         let counts = || tiles().map(|tile| tile.range.end - tile.range.start);
@@ -294,7 +297,7 @@ impl Shoot<'_> {
                 let Some(&end) = passes.get(job / film.order.len()) else { break };
                 let tile = &film.tiles[film.order[job % film.order.len()]];
                 // The lock is let go after each block: saving never waits long.
-                while self.take_block(&mut lock(tile), &camera, &mut stream, end) {}
+                while self.take_block(&mut tile.lock(), &camera, &mut stream, end) {}
             }
             let counted = &mut *lock(&film.counted);
             counted.rays += stream.counts();

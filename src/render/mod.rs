@@ -8,7 +8,7 @@
 //! | `passes` | the order of work |
 //! | `noise`, `noise_target` | when the noise of a tile is low enough |
 //! | `earlier` | what a tile remembers for that |
-//! | `film` | hands tiles to threads, pass after pass |
+//! | `film`, `fair_mutex` | hands tiles to threads, pass after pass |
 //! | `frame` | a whole picture in one call |
 //! | `progress`, `ticks` | how far a render is, and who looks after it |
 //! | `breakdown` | where the time goes |
@@ -19,6 +19,7 @@
 mod aov;
 mod breakdown;
 mod earlier;
+mod fair_mutex;
 mod film;
 mod frame;
 mod noise;

@@ -84,7 +84,8 @@ fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit, w
     let surface = world.surface(ray, hit, width);
     let material = world.material(surface.material);
     let side = if surface.front { "front" } else { "back" };
-    let head = format!("  hit triangle {} at t = {:?}", hit.triangle.0, hit.t);
+    let head =
+        format!("  hit triangle {} at t = {:?}", world.triangles.number_of(hit.triangle), hit.t);
     let place = format!("{side} of {:?} at {:?}", material.name, surface.position);
     let normals = format!("normal {:?}, shading {:?}", surface.normal, surface.frame.normal);
     push_line(text, &format!("{head}: {place}, {normals}"));

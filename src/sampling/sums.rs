@@ -175,6 +175,8 @@ impl<const C: usize, const V: usize> BlockSums<C, V> {
     ) -> Option<Self> {
         let mut sums = Self::starting_at_block(range.start / BLOCK);
         sums.next = range.end;
+        // No more than that: there are millions of them.
+        sums.nodes = Vec::with_capacity(subtrees(range.start / BLOCK, range.end / BLOCK).count());
         let mut read = |most: u64| {
             let mut number = || {
                 let number = f64::from_bits(words.next()?);

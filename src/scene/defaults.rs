@@ -1,6 +1,8 @@
 //! What a picture needs and a scene may lack: a camera and light.
 
-use super::{NamedCamera, Notice, Scene};
+use rayon::prelude::*;
+
+use super::{Instance, NamedCamera, Notice, Scene};
 use crate::camera::Camera;
 use crate::light::Environment;
 use crate::math::{Aabb, Vec3};
@@ -44,15 +46,30 @@ impl Scene {
     }
 }
 
-/// The box of all triangles in the world; empty if there are none.
+/// The box of all triangles in the world; empty if there are none. Where more vertices are placed
+/// than can be looked at in a moment, it is the box of the meshes' boxes, which may be larger.
 pub fn bounds(scene: &Scene) -> Aabb {
-    let boxes = scene.instances.iter().map(|instance| {
-        let mesh = &scene.meshes[instance.mesh.index()];
-        let corners = mesh.indices.iter().flatten();
-        let points = corners.map(|&i| instance.transform.point(mesh.positions[i as usize]));
-        Aabb::of_points(points)
-    });
-    boxes.fold(Aabb::EMPTY, Aabb::union)
+    const MOST: usize = 200_000_000;
+    let used: Vec<Vec<Vec3>> = scene.meshes.par_iter().map(|mesh| mesh.used_positions()).collect();
+    let count = |instance: &Instance| used[instance.mesh.index()].len();
+    let placed = scene.instances.iter().map(count).fold(0, usize::saturating_add);
+    if placed <= MOST { bounds_of_points(scene, &used) } else { bounds_of_boxes(scene) }
+}
+
+/// The box of all boxes of placed meshes.
+fn bounds_of_boxes(scene: &Scene) -> Aabb {
+    let corners: Vec<Vec<Vec3>> =
+        scene.meshes.par_iter().map(|mesh| mesh.bounds().corners()).collect();
+    bounds_of_points(scene, &corners)
+}
+
+/// The box of the points of each mesh, placed.
+fn bounds_of_points(scene: &Scene, points: &[Vec<Vec3>]) -> Aabb {
+    let placed = |instance: &Instance| {
+        let points = points[instance.mesh.index()].iter();
+        Aabb::of_points(points.map(|&point| instance.transform.point(point)))
+    };
+    scene.instances.par_iter().map(placed).reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
 /// A camera that sees all of the scene, from the front, a little to the right and above, in a
@@ -72,7 +89,7 @@ pub fn automatic_camera(scene: &Scene, aspect: f32, file: &str) -> (Camera, Noti
 /// What to say of a scene without a triangle; none if it has one.
 pub fn describe_empty_scene(scene: &Scene, file: &str) -> Option<Notice> {
     let has_triangles =
-        |instance: &super::Instance| !scene.meshes[instance.mesh.index()].indices.is_empty();
+        |instance: &Instance| !scene.meshes[instance.mesh.index()].indices.is_empty();
     if scene.instances.iter().any(has_triangles) {
         return None;
     }
@@ -113,7 +130,7 @@ pub fn neutral_sky() -> Environment {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::{Instance, Material, Transform};
+    use super::super::{Material, Transform};
     use super::*;
     use crate::geom::Mesh;
     use crate::math::{Affine3A, MaterialId, MeshId};
@@ -161,6 +178,21 @@ mod tests {
         let centre = bounds(&scene).centre();
         let yfov = AUTOMATIC_YFOV.to_radians();
         assert_eq!(Camera::look_at(Vec3::from_slice(&place), centre, Vec3::Y, yfov), camera);
+    }
+
+    #[test]
+    fn boxes_of_boxes_hold_all_triangles() {
+        let mut scene = scene(2.0, Vec3::new(1.0, -3.0, 0.5));
+        let turned =
+            Affine3A::from_rotation_z(0.7) * Affine3A::from_scale(Vec3::new(-1.0, 2.0, 3.0));
+        let transform = Transform::new(turned);
+        scene.instances.push(Instance { transform, ..scene.instances[0].clone() });
+        scene.meshes.push(Arc::new(Mesh::default()));
+        let mesh = MeshId::from_index(1);
+        scene.instances.push(Instance { mesh, ..scene.instances[0].clone() });
+        let (exact, outer) = (bounds(&scene), bounds_of_boxes(&scene));
+        assert!(outer.min.cmple(exact.min).all() && outer.max.cmpge(exact.max).all());
+        assert!(outer.extent().max_element() < 2.0 * exact.extent().max_element());
     }
 
     #[test]

@@ -21,12 +21,10 @@ impl Scene {
                 digest.bytes(bytemuck::cast_slice(&mesh.colors));
             }
         }
-        let mut described = String::new();
         for instance in &self.instances {
-            described.clear();
-            let (mesh, material) = (instance.mesh.0, instance.material.0);
-            let _ = write!(described, "{mesh} {material} {:?}", instance.transform.to_world);
-            digest.bytes(described.as_bytes());
+            digest.bytes(bytemuck::bytes_of(&[instance.mesh.0, instance.material.0]));
+            let to_world = instance.transform.to_world().to_cols_array();
+            digest.bytes(bytemuck::bytes_of(&to_world));
         }
         // Textures share images: each is hashed once.
         let mut images = HashMap::new();

@@ -5,6 +5,7 @@ mod digest;
 mod instance;
 mod material;
 mod material_layers;
+mod memory;
 pub mod placement;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod scene;
@@ -15,7 +16,8 @@ mod triangles;
 pub use instance::{Instance, Transform};
 pub use material::{AlphaMode, DEFAULT_GREY, Material, Volume};
 pub use material_layers::MaterialLayers;
+pub use memory::SceneMemory;
 pub use scene::{Contents, NamedCamera, Notice, Scene, UsedExtension};
 pub use survey::Survey;
 pub use texture_ref::TextureRef;
-pub use triangles::{TooManyTriangles, Triangles};
+pub use triangles::{TooManyPlacements, Triangles};

@@ -2,11 +2,45 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::Instance;
+use crate::files::memory::{self, TooMuch};
 use crate::math::{Aabb, Affine3A};
 
-/// The most placed meshes: each takes some 150 bytes, and meshes of many parts placed by many
-/// nodes multiply.
-pub const MAX_INSTANCES: usize = 1 << 22;
+/// The most placed meshes: as many as ids tell apart.
+pub const MAX_INSTANCES: u64 = u32::MAX as u64 - 1;
+
+/// Why no more meshes can be placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoRoom {
+    /// There are no ids for so many.
+    #[error("{0} placed meshes are too many; {MAX_INSTANCES} at most")]
+    TooMany(u64),
+    /// Memory does not hold them.
+    #[error("{0} placed meshes: their list {1}")]
+    Memory(u64, TooMuch),
+}
+
+/// Makes room for `more` placed meshes; groups within groups multiply. The list takes what is asked
+/// for, and no more where that is much.
+///
+/// # Errors
+/// [`NoRoom`], before any memory is set aside.
+pub fn make_room(instances: &mut Vec<Instance>, more: u64) -> Result<(), NoRoom> {
+    let length = instances.len() as u64;
+    let total = length.saturating_add(more);
+    if total > MAX_INSTANCES {
+        return Err(NoRoom::TooMany(total));
+    }
+    if total <= instances.capacity() as u64 {
+        return Ok(());
+    }
+    // A few at a time are added to a list that doubles.
+    let wanted = if more > length / 4 { total } else { length.saturating_mul(2) };
+    let too_much = |error| NoRoom::Memory(total, error);
+    memory::claim(wanted * size_of::<Instance>() as u64).map_err(too_much)?;
+    instances.reserve_exact((wanted - length) as usize);
+    Ok(())
+}
 
 /// Where something stands that has no size, such as a camera: without scale, mirroring and shear,
 /// looking along the node's -Z with its +Y up. None if the node has no such directions.
@@ -46,6 +80,17 @@ mod tests {
         let mirrored = DAffine3::from_scale(DVec3::new(-2.0, 3.0, 4.0));
         assert_eq!(rigid(&mirrored), Some(DAffine3::IDENTITY));
         assert_eq!(rigid(&DAffine3::from_scale(DVec3::ZERO)), None);
+    }
+
+    #[test]
+    fn room_is_made_or_refused_before_memory_is_taken() {
+        let mut instances = Vec::new();
+        assert_eq!(make_room(&mut instances, 5), Ok(()));
+        assert_eq!(instances.capacity(), 5);
+        let error = make_room(&mut instances, u64::MAX).expect_err("no ids");
+        assert_eq!(error, NoRoom::TooMany(u64::MAX));
+        assert_eq!(make_room(&mut instances, 0), Ok(()));
+        assert_eq!(instances.capacity(), 5);
     }
 
     #[test]

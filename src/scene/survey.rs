@@ -1,8 +1,5 @@
 //! What a scene holds, counted, and what in it looks like a mistake.
 
-use std::collections::HashSet;
-use std::sync::Arc;
-
 use super::{Instance, Scene};
 use crate::geom::Mesh;
 use crate::math::DVec3;
@@ -24,10 +21,6 @@ pub struct Survey {
     pub mirrored: u64,
     /// Placed meshes that are flattened to a plane, a line or a point.
     pub flattened: u64,
-    /// Bytes of meshes and their places.
-    pub mesh_bytes: u64,
-    /// Bytes of decoded images, each once.
-    pub texture_bytes: u64,
 }
 
 impl Survey {
@@ -37,26 +30,18 @@ impl Survey {
         for (number, mesh) in scene.meshes.iter().enumerate() {
             survey.unique_triangles += mesh.indices.len() as u64;
             survey.flat_triangles += flat_triangles(mesh);
-            survey.mesh_bytes += mesh.heap_bytes() as u64;
             if mesh.normals.is_empty() && !mesh.indices.is_empty() {
                 survey.faceted.push(number);
             }
         }
-        survey.mesh_bytes += size_of_val(&*scene.instances) as u64;
         for instance in &scene.instances {
             let triangles = scene.meshes[instance.mesh.index()].indices.len() as u64;
             survey.placed_triangles += triangles;
             if scene.materials[instance.material.index()].is_emissive() {
                 survey.emitting_triangles += triangles;
             }
-            survey.mirrored += u64::from(instance.transform.mirrored);
+            survey.mirrored += u64::from(instance.transform.mirrored());
             survey.flattened += u64::from(is_flattened(instance));
-        }
-        let mut images = HashSet::new();
-        for image in scene.textures.iter().map(crate::texture::Texture::image) {
-            if images.insert(Arc::as_ptr(image)) {
-                survey.texture_bytes += image.texel_bytes();
-            }
         }
         survey
     }
@@ -120,11 +105,13 @@ fn flat_triangles(mesh: &Mesh) -> u64 {
 }
 
 fn is_flattened(instance: &Instance) -> bool {
-    instance.transform.to_world.matrix3.as_dmat3().determinant() == 0.0
+    instance.transform.to_world().matrix3.as_dmat3().determinant() == 0.0
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::{Material, Transform};
     use super::*;
     use crate::math::{Affine3A, MaterialId, MeshId, Vec3};

@@ -1,79 +1,133 @@
-//! The flat triangle ids of a scene.
+//! The triangles of a scene, by placement or by one running number.
 
 use std::sync::Arc;
 
-use super::{Instance, Scene};
-use crate::geom::{Mesh, Triangle, TriangleSource};
-use crate::math::{InstanceId, TriangleId};
+use super::Scene;
+use crate::geom::{Placements, Triangle, TriangleSource};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 
-/// A scene has more triangles than ids can number.
+/// A scene has more placed meshes than ids can number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{count} triangles are too many; {} at most", u32::MAX - 1)]
-pub struct TooManyTriangles {
+#[error("{count} placed meshes are too many; {} at most", u32::MAX - 1)]
+pub struct TooManyPlacements {
     /// How many there are.
-    pub count: u64,
+    pub count: usize,
 }
 
 /// The triangles of all instances under one running number: those of the first instance, then
 /// those of the second, and so on. Each mesh is kept once, however often it is placed.
 #[derive(Clone, Debug)]
 pub struct Triangles {
-    meshes: Vec<Arc<Mesh>>,
-    instances: Vec<Instance>,
-    /// Of each instance its first id, and last the number of ids.
-    first: Vec<u32>,
+    scene: Arc<Scene>,
+    /// Of each instance its first number, and last how many there are.
+    first: Vec<u64>,
 }
 
 impl Triangles {
     /// Numbers a scene's triangles.
     ///
     /// # Errors
-    /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
-    pub fn new(scene: &Scene) -> Result<Self, TooManyTriangles> {
+    /// [`TooManyPlacements`] if there are 2^32 - 1 placed meshes or more.
+    pub fn new(scene: Arc<Scene>) -> Result<Self, TooManyPlacements> {
+        let count = scene.instances.len();
+        if count >= u32::MAX as usize {
+            return Err(TooManyPlacements { count });
+        }
         let mut first = Vec::with_capacity(scene.instances.len() + 1);
         let mut count = 0_u64;
         first.push(0);
         for instance in &scene.instances {
             count += scene.meshes[instance.mesh.index()].indices.len() as u64;
-            first.push(u32::try_from(count).unwrap_or(u32::MAX));
+            first.push(count);
         }
-        if count >= u64::from(u32::MAX) {
-            return Err(TooManyTriangles { count });
+        Ok(Self { scene, first })
+    }
+
+    /// A triangle of an instance, in the winding of the world: counter-clockwise from the front,
+    /// mirrored or not.
+    #[inline]
+    pub fn of(&self, TriangleId { instance, index }: TriangleId) -> Triangle {
+        let instance = &self.scene.instances[instance.index()];
+        let mesh = &self.scene.meshes[instance.mesh.index()];
+        let [a, b, c] = mesh.indices[index as usize]
+            .map(|i| instance.transform.point(mesh.positions[i as usize]));
+        if instance.transform.mirrored() {
+            Triangle { a, b: c, c: b }
+        } else {
+            Triangle { a, b, c }
         }
-        Ok(Self { meshes: scene.meshes.clone(), instances: scene.instances.clone(), first })
     }
 
-    /// The instance that a triangle belongs to, and its number in the instance's mesh.
+    /// The running number of a triangle.
     #[inline]
-    pub fn locate(&self, id: TriangleId) -> (InstanceId, usize) {
-        let instance = self.first.partition_point(|&first| first <= id.0) - 1;
-        (InstanceId::from_index(instance), (id.0 - self.first[instance]) as usize)
-    }
-
-    /// Triangle number `index` of an instance, in the winding of the world: counter-clockwise from
-    /// the front, mirrored or not.
-    #[inline]
-    pub fn of(&self, instance: InstanceId, index: usize) -> Triangle {
-        let instance = &self.instances[instance.index()];
-        let mesh = &self.meshes[instance.mesh.index()];
-        let [a, b, c] =
-            mesh.indices[index].map(|i| instance.transform.point(mesh.positions[i as usize]));
-        if instance.transform.mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } }
-    }
-
-    /// The id of an instance's first triangle.
-    pub fn first(&self, instance: InstanceId) -> TriangleId {
-        TriangleId(self.first[instance.index()])
+    pub fn number_of(&self, TriangleId { instance, index }: TriangleId) -> u64 {
+        self.first[instance.index()] + u64::from(index)
     }
 }
 
 impl TriangleSource for Triangles {
     fn len(&self) -> usize {
-        *self.first.last().expect("ends with the number of ids") as usize
+        *self.first.last().expect("ends with how many there are") as usize
     }
 
-    fn triangle(&self, id: TriangleId) -> Triangle {
-        let (instance, index) = self.locate(id);
-        self.of(instance, index)
+    #[inline]
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        self.of(self.locate(prim))
+    }
+
+    #[inline]
+    fn locate(&self, prim: PrimId) -> TriangleId {
+        let number = u64::from(prim.0);
+        let instance = self.first.partition_point(|&first| first <= number) - 1;
+        let index = (number - self.first[instance]) as u32;
+        TriangleId { instance: InstanceId::from_index(instance), index }
+    }
+
+    fn number(&self, triangle: TriangleId) -> u64 {
+        self.number_of(triangle)
+    }
+
+    fn placements(&self) -> Option<&dyn Placements> {
+        Some(self)
+    }
+}
+
+impl Placements for Triangles {
+    fn len(&self) -> usize {
+        self.scene.instances.len()
+    }
+
+    fn meshes(&self) -> usize {
+        self.scene.meshes.len()
+    }
+
+    fn mesh_len(&self, mesh: MeshId) -> usize {
+        self.scene.meshes[mesh.index()].indices.len()
+    }
+
+    fn mesh_bounds(&self, mesh: MeshId) -> Aabb {
+        self.scene.meshes[mesh.index()].bounds()
+    }
+
+    #[inline]
+    fn mesh_triangle(&self, mesh: MeshId, index: u32) -> Triangle {
+        let mesh = &self.scene.meshes[mesh.index()];
+        let [a, b, c] = mesh.indices[index as usize].map(|i| mesh.positions[i as usize]);
+        Triangle { a, b, c }
+    }
+
+    #[inline]
+    fn mesh(&self, placement: InstanceId) -> MeshId {
+        self.scene.instances[placement.index()].mesh
+    }
+
+    #[inline]
+    fn to_world(&self, placement: InstanceId) -> Affine3A {
+        self.scene.instances[placement.index()].transform.to_world()
+    }
+
+    #[inline]
+    fn placed_triangle(&self, triangle: TriangleId) -> Triangle {
+        self.of(triangle)
     }
 }

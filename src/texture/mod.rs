@@ -5,7 +5,7 @@
 //! | `texture` | an image, its colour space, wraps and filter: the look-up |
 //! | `texels`, `transfer` | values of one to four channels and three depths; what they stand for |
 //! | `image` | an image, whole or in tiles |
-//! | `decode` | images from the bytes of their files |
+//! | `decode`, `ktx2`, `zstandard` | images from the bytes of their files |
 //! | `store` | each file decoded once, within the memory that textures may take |
 //! | `tiles`, `pack`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
 //! | `levels` | smaller versions of images, for what is seen from afar |
@@ -14,6 +14,7 @@
 mod cache;
 mod decode;
 mod image;
+mod ktx2;
 mod levels;
 mod pack;
 mod range;
@@ -23,6 +24,7 @@ mod texels;
 mod texture;
 mod tiles;
 mod transfer;
+mod zstandard;
 
 pub use cache::{CacheFigures, TileCache};
 pub use decode::ImageError;

@@ -1,6 +1,5 @@
 //! Which light to ask: by its power alone, or by what it may send to the point that asks.
 
-use crate::geom::TriangleSource;
 use crate::light::{LightBounds, LightSampleContext, LightTree, PunctualKind, Sides};
 use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::names::choices;
@@ -144,7 +143,7 @@ pub(super) fn triangle_bounds(
     sides: Sides,
     weight: f64,
 ) -> LightBounds {
-    let triangle = triangles.triangle(TriangleId(triangles.first(instance).0 + index));
+    let triangle = triangles.of(TriangleId { instance, index });
     let normal = triangle.double_area().try_normalize().unwrap_or(Vec3::ZERO);
     // A flat light sends π times less straight ahead than a point of the same power does around, by
     // 4π: 4 times more; from both sides, half of that each.

@@ -5,11 +5,9 @@ use std::f32::consts::PI;
 use super::interpolation::Interpolation;
 use super::light_sampler::{LightSampler, LightSamplerKind, punctual_bounds, triangle_bounds};
 use super::lookup::emission;
-use crate::geom::TriangleSource;
 use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
 use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::sampling::warp;
-use crate::scene::defaults::bounds;
 use crate::scene::{AlphaMode, Scene, Triangles};
 
 /// All lights under one running number: punctual lights, then the environment if there is one,
@@ -57,9 +55,8 @@ pub(super) enum ChosenLight {
 }
 
 impl Lights {
-    /// The lights of a scene, to be chosen as told.
-    pub fn new(scene: &Scene, triangles: &Triangles, kind: LightSamplerKind) -> Self {
-        let radius = 0.5 * bounds(scene).extent().max(Vec3::ZERO).length();
+    /// The lights of a scene within `radius` metres, to be chosen as told.
+    pub fn new(scene: &Scene, triangles: &Triangles, radius: f32, kind: LightSamplerKind) -> Self {
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
         let environment = scene.environment.as_ref().map(|_| {
@@ -76,18 +73,17 @@ impl Lights {
             }
             instances.push(weights.len() as u32);
             let mesh = &scene.meshes[instance.mesh.index()];
-            let first = triangles.first(InstanceId::from_index(index));
             let sides = if material.double_sided { 2.0 } else { 1.0 };
             let is_even = material.emissive_texture.is_none()
                 && !material.unlit
                 && material.alpha_mode == AlphaMode::Opaque;
             for number in 0..mesh.indices.len() {
-                let id = TriangleId(first.0 + number as u32);
-                let area = 0.5 * triangles.triangle(id).double_area().length();
-                let radiance = mean_emission(scene, triangles, id);
-                weights.push(weight(PI * area * sides * radiance));
                 let instance = InstanceId::from_index(index);
-                let triangle = triangles.triangle(id);
+                let id = TriangleId { instance, index: number as u32 };
+                let triangle = triangles.of(id);
+                let area = 0.5 * triangle.double_area().length();
+                let radiance = mean_emission(scene, id);
+                weights.push(weight(PI * area * sides * radiance));
                 let even = is_even.then_some(EvenEmission {
                     corners: [triangle.a, triangle.b, triangle.c],
                     radiance: material.emissive,
@@ -203,8 +199,8 @@ fn weight(power: f32) -> f64 {
 
 /// Mean emission of a triangle over a few points of it; the material's factor has no say alone
 /// where a texture dims it. Never zero where a point between might shine: then a little of it.
-fn mean_emission(scene: &Scene, triangles: &Triangles, id: TriangleId) -> f32 {
-    let (instance, index) = triangles.locate(id);
+fn mean_emission(scene: &Scene, id: TriangleId) -> f32 {
+    let (instance, index) = (id.instance, id.index as usize);
     let instance = &scene.instances[instance.index()];
     let material = &scene.materials[instance.material.index()];
     if material.emissive_texture.is_none() {
@@ -217,7 +213,7 @@ fn mean_emission(scene: &Scene, triangles: &Triangles, id: TriangleId) -> f32 {
         .map(|(i, j)| {
             let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / STEPS as f32;
             let uv = warp::triangle(u);
-            let point = Interpolation::new(mesh, index, instance.transform.mirrored, uv.x, uv.y);
+            let point = Interpolation::new(mesh, index, instance.transform.mirrored(), uv.x, uv.y);
             mean(emission(scene, material, &point.attributes(mesh, true)))
         })
         .sum();

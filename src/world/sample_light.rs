@@ -4,7 +4,7 @@ use super::lights::{ChosenLight, Emitter};
 use super::surface::{offset_origin, triangle_point};
 use super::{Surface, World};
 use crate::light::{LightSampleContext, Punctual, area_to_solid_angle, sample_triangle};
-use crate::math::{Ray, Vec2, Vec3};
+use crate::math::{Ray, TriangleId, Vec2, Vec3};
 
 /// A light chosen for a point, and a direction to it.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +99,7 @@ impl World {
         pmf: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let triangle = self.triangles.of(instance, index as usize);
+        let triangle = self.triangles.of(TriangleId { instance, index });
         let sample = sample_triangle(&triangle, u);
         let towards = sample.point - surface.position;
         let distance2 = towards.length_squared();

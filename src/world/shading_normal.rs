@@ -103,8 +103,8 @@ pub(super) fn tangent(
         return Some((along_u, sign));
     }
     let tangent = at.point.vec4(&at.mesh.tangents);
-    let sign = if at.transform.mirrored { -tangent.w } else { tangent.w };
-    Some((at.transform.to_world.transform_vector3(tangent.truncate()), sign))
+    let sign = if at.transform.mirrored() { -tangent.w } else { tangent.w };
+    Some((at.transform.to_world().transform_vector3(tangent.truncate()), sign))
 }
 
 /// Derivatives of the position by the texture coordinates of `texture`; `None` where they do not

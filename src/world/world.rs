@@ -15,7 +15,7 @@ use crate::material::lanes::transmittance;
 use crate::material::{Bsdf, BsdfForm, SurfaceParams, Wavelength};
 use crate::math::{Frame, InstanceId, MaterialId, Ray, Vec2, Vec3, Vec4};
 use crate::scene::defaults::bounds;
-use crate::scene::{AlphaMode, Instance, Material, Scene, TooManyTriangles, Triangles};
+use crate::scene::{AlphaMode, Instance, Material, Scene, TooManyPlacements, Triangles};
 use crate::simd::lanes::Scalar;
 use crate::texture::Texture;
 
@@ -59,8 +59,8 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// [`TooManyTriangles`] if there are 2^32 - 1 or more.
-    pub fn new(scene: impl Into<Arc<Scene>>, form: BsdfForm) -> Result<Self, TooManyTriangles> {
+    /// [`TooManyPlacements`] if there are 2^32 - 1 placed meshes or more.
+    pub fn new(scene: impl Into<Arc<Scene>>, form: BsdfForm) -> Result<Self, TooManyPlacements> {
         Self::with_lights(scene, form, LightSamplerKind::default())
     }
 
@@ -72,15 +72,16 @@ impl World {
         scene: impl Into<Arc<Scene>>,
         form: BsdfForm,
         kind: LightSamplerKind,
-    ) -> Result<Self, TooManyTriangles> {
+    ) -> Result<Self, TooManyPlacements> {
         let scene = scene.into();
-        let triangles = Arc::new(Triangles::new(&scene)?);
+        let triangles = Arc::new(Triangles::new(Arc::clone(&scene))?);
         let mut materials: Vec<PreparedMaterial> =
             scene.materials.iter().map(|material| PreparedMaterial::new(material, form)).collect();
         for material in materials_with_clear_vertices(&scene) {
             materials[material.index()].opaque = false;
         }
-        let lights = Lights::new(&scene, &triangles, kind);
+        let extent = bounds(&scene).extent().max(Vec3::ZERO);
+        let lights = Lights::new(&scene, &triangles, 0.5 * extent.length(), kind);
         let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
         let has_levels = scene.textures.iter().any(Texture::has_levels);
@@ -89,7 +90,7 @@ impl World {
             let textured = materials.iter_mut().filter(|material| material.textured);
             textured.for_each(|material| material.class = BsdfClass::Other);
         }
-        let slack = bounds(&scene).extent().max_element().max(0.0) * SLACK;
+        let slack = extent.max_element() * SLACK;
         Ok(Self { scene, triangles, lights, materials, slack, form, see_through, has_levels })
     }
 
@@ -112,11 +113,11 @@ impl World {
     /// The surface that `ray` has hit, of a path that is `width` metres wide there; 0: a point.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &ClosestHit, width: f32) -> Surface {
-        let (id, index) = self.triangles.locate(hit.triangle);
+        let (id, index) = (hit.triangle.instance, hit.triangle.index as usize);
         let instance = &self.scene.instances[id.index()];
         let mesh = &*self.scene.meshes[instance.mesh.index()];
         let transform = &instance.transform;
-        let point = Interpolation::new(mesh, index, transform.mirrored, hit.u, hit.v);
+        let point = Interpolation::new(mesh, index, transform.mirrored(), hit.u, hit.v);
 
         let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
         let triangle = Triangle { a, b, c };
@@ -167,7 +168,7 @@ impl World {
         let instance = &self.scene.instances[instance.index()];
         let textured = self.materials[instance.material.index()].textured;
         let mesh = &*self.scene.meshes[instance.mesh.index()];
-        let point = Interpolation::new(mesh, index, instance.transform.mirrored, at.x, at.y);
+        let point = Interpolation::new(mesh, index, instance.transform.mirrored(), at.x, at.y);
         (instance.material, point.attributes(mesh, textured))
     }
 
@@ -204,7 +205,7 @@ impl World {
         };
         let instance = &self.scene.instances[surface.instance.index()];
         let (mesh, transform) = (&*self.scene.meshes[instance.mesh.index()], &instance.transform);
-        let point = Interpolation::new(mesh, surface.triangle, transform.mirrored, hit.u, hit.v);
+        let point = Interpolation::new(mesh, surface.triangle, transform.mirrored(), hit.u, hit.v);
         let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
         let at = NormalContext {
             scene: &self.scene,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use dapple::geom::{Triangle, TriangleList, TriangleSource};
-use dapple::math::{Ray, TriangleId, Vec3};
+use dapple::math::{PrimId, Ray, Vec3};
 
 /// A small generator of numbers (Marsaglia's xorshift, 64 bits).
 pub struct Random(pub u64);
@@ -114,7 +114,7 @@ pub fn scenes() -> Vec<(&'static str, Arc<dyn TriangleSource>)> {
 pub fn hostile_rays(source: &dyn TriangleSource, count: usize) -> Vec<Ray> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let triangles: Vec<_> =
-        (0..source.len()).map(|i| source.triangle(TriangleId::from_index(i))).collect();
+        (0..source.len()).map(|i| source.triangle(PrimId::from_index(i))).collect();
     let (centre, half) = centre_and_half(&triangles);
     let make = |i: usize, random: &mut Random| {
         let t = pick(&triangles, random);

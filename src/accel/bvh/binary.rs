@@ -17,7 +17,7 @@ use crate::accel::{
     Query, RayContext, Structure, Variant, WalkRay,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
-use crate::math::{Aabb, TriangleId, Vec3, larger};
+use crate::math::{Aabb, PrimId, Vec3, larger};
 
 /// Its row of the table.
 pub const VARIANT: Variant = Variant {
@@ -59,8 +59,8 @@ pub struct Bvh2 {
 /// What leaves hold; one of the two is empty.
 struct Leaves {
     blocks: Vec<TriangleBlock<WIDTH>>,
-    /// Places not used hold [`TriangleId::NONE`].
-    ids: Vec<[TriangleId; WIDTH]>,
+    /// Places not used hold [`PrimId::NONE`].
+    ids: Vec<[PrimId; WIDTH]>,
 }
 
 /// Scratch of one thread.

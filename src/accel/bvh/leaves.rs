@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::accel::{BuildInput, Counters, Event, OptionSpec, Value, Values};
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
-use crate::math::TriangleId;
+use crate::math::PrimId;
 
 /// The option that chooses.
 pub const TRIANGLES: OptionSpec = OptionSpec {
@@ -78,7 +78,7 @@ impl<const W: usize> Fetched<W> {
         &mut self,
         fetch: &Fetch,
         leaf: usize,
-        ids: &[TriangleId; W],
+        ids: &[PrimId; W],
         counters: &mut C,
     ) -> BlockRef<'_, W> {
         let place = leaf % self.entries.len();
@@ -94,27 +94,24 @@ impl<const W: usize> Fetched<W> {
     }
 }
 
-/// The ids of a leaf that does not store its triangles; [`TriangleId::NONE`] in places not used.
-pub fn pad_ids<const W: usize>(ids: &[TriangleId]) -> [TriangleId; W] {
-    let mut padded = [TriangleId::NONE; W];
+/// The ids of a leaf that does not store its triangles; [`PrimId::NONE`] in places not used.
+pub fn pad_ids<const W: usize>(ids: &[PrimId]) -> [PrimId; W] {
+    let mut padded = [PrimId::NONE; W];
     padded[..ids.len()].copy_from_slice(ids);
     padded
 }
 
 /// The triangles of a leaf, of which there is at least one.
 pub fn fetch_triangles<const W: usize>(
-    ids: &[TriangleId],
+    ids: &[PrimId],
     source: &dyn TriangleSource,
 ) -> TriangleBlock<W> {
     TriangleBlock::fetch(ids.len(), |lane| (ids[lane], source.triangle(ids[lane])))
 }
 
-/// The same out of the scene, for a ray: [`TriangleId::NONE`] stands in places not used.
+/// The same out of the scene, for a ray: [`PrimId::NONE`] stands in places not used.
 #[cold]
-fn fetch_block<const W: usize>(
-    source: &dyn TriangleSource,
-    ids: &[TriangleId; W],
-) -> TriangleBlock<W> {
-    let count = ids.iter().take_while(|&&id| id != TriangleId::NONE).count();
+fn fetch_block<const W: usize>(source: &dyn TriangleSource, ids: &[PrimId; W]) -> TriangleBlock<W> {
+    let count = ids.iter().take_while(|&&id| id != PrimId::NONE).count();
     fetch_triangles(&ids[..count], source)
 }

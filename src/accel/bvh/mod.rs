@@ -12,7 +12,7 @@ mod bins;
 mod build;
 pub mod early;
 mod leaves;
-mod link;
+pub mod link;
 mod objects;
 pub mod packet;
 pub mod parts;

@@ -92,9 +92,10 @@ impl<'a> Cutter<'a> {
     /// large to be cut.
     pub fn new(source: &'a dyn TriangleSource, bounds: Aabb) -> Option<Self> {
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let floor = largest * Self::OF_COORDINATES + Self::ABSOLUTE;
+        let floor = largest * Self::OF_COORDINATES + Self::ABSOLUTE + source.slack();
         let reach = largest * Self::REACH;
-        (largest <= Self::LARGEST).then_some(Self { source, bounds, floor, reach })
+        let can_be_cut = largest <= Self::LARGEST && !source.are_boxes();
+        can_be_cut.then_some(Self { source, bounds, floor, reach })
     }
 
     /// The box of all triangles.
@@ -154,13 +155,13 @@ mod tests {
     use super::*;
     use crate::geom::intersect_triangle::intersect;
     use crate::geom::{SlabRay, TriangleList, own_box};
-    use crate::math::{TriangleId, Vec3};
+    use crate::math::{PrimId, Vec3};
     use proptest::prelude::*;
 
     /// Cuts a triangle in the middles of the longest edges of its parts.
     fn parts_of(triangle: Triangle, levels: u32) -> Vec<Aabb> {
         let list = TriangleList(vec![triangle]);
-        let whole = Prim { bounds: own_box(&triangle), id: TriangleId(0) };
+        let whole = Prim { bounds: own_box(&triangle), id: PrimId(0) };
         let cutter = Cutter::new(&list, whole.bounds).expect("of moderate size");
         let mut parts = vec![whole];
         for _ in 0..levels {

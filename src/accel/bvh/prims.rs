@@ -4,8 +4,8 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use crate::geom::{TriangleSource, own_box};
-use crate::math::{Aabb, TriangleId, Vec3};
+use crate::geom::TriangleSource;
+use crate::math::{Aabb, PrimId, Vec3};
 
 /// A triangle or a part of one, as a builder sees it.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +13,7 @@ pub struct Prim {
     /// Its own box, or a part's ([`super::parts`]).
     pub bounds: Aabb,
     /// Whose it is.
-    pub id: TriangleId,
+    pub id: PrimId,
 }
 
 impl Prim {
@@ -37,8 +37,8 @@ pub fn make_prims(source: &dyn TriangleSource) -> Vec<Prim> {
         .into_par_iter()
         .with_min_len(1024)
         .map(|i| {
-            let id = TriangleId::from_index(i);
-            Prim { bounds: own_box(&source.triangle(id)), id }
+            let id = PrimId::from_index(i);
+            Prim { bounds: source.own_box(id), id }
         })
         .collect()
 }

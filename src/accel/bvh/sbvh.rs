@@ -16,7 +16,7 @@ use super::prims::Prim;
 use super::sah::{Costs, DEPTH_OF_MIDDLE_SPLITS, Fill};
 use super::spatial::SpatialSplit;
 use super::{BinaryNode, BinaryTree};
-use crate::math::{Aabb, TriangleId};
+use crate::math::{Aabb, PrimId};
 
 /// References may be so many times the triangles more.
 const MORE: f64 = 0.5;
@@ -43,7 +43,7 @@ pub fn build(prims: Vec<Prim>, cutter: &Cutter<'_>, costs: Costs) -> BinaryTree 
 #[derive(Default)]
 struct Subtree {
     nodes: Vec<BinaryNode>,
-    order: Vec<TriangleId>,
+    order: Vec<PrimId>,
 }
 
 impl Subtree {

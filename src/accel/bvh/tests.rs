@@ -6,7 +6,7 @@ use super::refine::refine;
 use super::sah::{Costs, Fill};
 use crate::accel::Phases;
 use crate::geom::{Triangle, TriangleList, TriangleSource, own_box};
-use crate::math::{TriangleId, Vec3};
+use crate::math::{PrimId, Vec3};
 
 const BUILDERS: [&str; 4] = ["binned", "sweep", "esc", "sbvh"];
 
@@ -142,7 +142,7 @@ fn leaves_of_parts_cover_their_triangles() {
             }
         }
         for (i, boxes) in boxes.iter().enumerate() {
-            let triangle = source.triangle(TriangleId::from_index(i));
+            let triangle = source.triangle(PrimId::from_index(i));
             let (Triangle { a, b, c }, bounds) = (triangle, triangle.bounds());
             for step in 0..2000 {
                 let (s, t) = ((step % 40) as f32 / 39.0, (step / 40) as f32 / 49.0);

@@ -2,7 +2,7 @@
 
 use super::Parts;
 use crate::accel::BuildReport;
-use crate::math::{Aabb, TriangleId};
+use crate::math::{Aabb, PrimId};
 
 /// A node: a leaf if `count` is not zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct BinaryTree {
     /// The root first.
     pub nodes: Vec<BinaryNode>,
     /// Triangles, leaf by leaf; one may be in several if leaves hold parts.
-    pub order: Vec<TriangleId>,
+    pub order: Vec<PrimId>,
     /// If some leaf holds a part of a triangle only: which rays the boxes are good for.
     pub parts: Option<Parts>,
 }
@@ -53,7 +53,7 @@ impl BinaryTree {
     }
 
     /// The triangles of a leaf.
-    pub fn triangles(&self, leaf: &BinaryNode) -> &[TriangleId] {
+    pub fn triangles(&self, leaf: &BinaryNode) -> &[PrimId] {
         &self.order[leaf.first as usize..][..leaf.count as usize]
     }
 
@@ -87,7 +87,7 @@ impl BinaryTree {
     ///
     /// # Errors
     /// What is wrong.
-    pub fn validate(&self, bounds_of: impl Fn(TriangleId) -> Aabb) -> Result<(), String> {
+    pub fn validate(&self, bounds_of: impl Fn(PrimId) -> Aabb) -> Result<(), String> {
         let mut held = vec![Aabb::EMPTY; self.order.len()];
         let mut places = vec![false; self.order.len()];
         for (index, node) in self.nodes.iter().enumerate() {
@@ -117,7 +117,7 @@ impl BinaryTree {
             return Err("a place is in no leaf".to_owned());
         }
         let count = self.order.iter().map(|id| id.index() + 1).max().unwrap_or(0);
-        let missed = (0..count).find(|&i| !held[i].contains(bounds_of(TriangleId::from_index(i))));
+        let missed = (0..count).find(|&i| !held[i].contains(bounds_of(PrimId::from_index(i))));
         missed.map_or(Ok(()), |i| Err(format!("no leaf holds all of triangle {i}")))
     }
 }

@@ -23,7 +23,7 @@ use crate::geom::{
     FilterLanes, FilterPlane, FilterSides, PairHits, PairTriangle, RayLanes, Reach, Triangle,
     TriangleBlock,
 };
-use crate::math::{Ray, TriangleId};
+use crate::math::{PrimId, Ray};
 use crate::simd::vectorized;
 
 /// So few rays are faster one by one.
@@ -79,11 +79,12 @@ impl Flat {
     pub fn build(input: &BuildInput<'_>) -> Option<Self> {
         let count = input.source.len();
         let limit = Self::LIMIT * vectorized!(input.level, simd => count_lanes(simd));
-        if !(1..limit).contains(&count) {
+        let exact = !input.source.are_boxes() && input.source.slack() == 0.0;
+        if !exact || !(1..limit).contains(&count) {
             return None;
         }
         let mut phases = Phases::start();
-        let triangle = |i: usize| input.source.triangle(TriangleId::from_index(i));
+        let triangle = |i: usize| input.source.triangle(PrimId::from_index(i));
         let triangles: Vec<Triangle> = (0..count).map(triangle).collect();
         let reach = Reach::new(triangles.iter().copied())?;
         let mut flat = Self {
@@ -99,8 +100,7 @@ impl Flat {
         if flat.planes.len() + count > limit {
             return None;
         }
-        let numbered: Vec<_> =
-            (0..count).map(|i| (TriangleId::from_index(i), triangles[i])).collect();
+        let numbered: Vec<_> = (0..count).map(|i| (PrimId::from_index(i), triangles[i])).collect();
         flat.blocks = numbered.chunks(8).map(TriangleBlock::new).collect();
         phases.end("triangles");
         flat.built.report = BuildReport {
@@ -135,7 +135,7 @@ impl Flat {
                 let room = members.len().min(GROUP - group.triangles.len());
                 for i in members.drain(..room) {
                     self.sides.push(FilterPlane::new(&triangles[i]).1);
-                    self.pairs.push(PairTriangle::new(TriangleId::from_index(i), &triangles[i]));
+                    self.pairs.push(PairTriangle::new(PrimId::from_index(i), &triangles[i]));
                 }
                 self.planes.push(Plane { plane, triangles: room as u32 });
                 group.planes.end += 1;

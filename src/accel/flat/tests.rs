@@ -61,7 +61,7 @@ struct Sieve;
 
 impl HitFilter for Sieve {
     fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
-        (ray as u32 ^ hit.triangle.0).wrapping_mul(0x9e37_79b9) >> 8 & 3 != 0
+        (ray as u32 ^ hit.triangle.index).wrapping_mul(0x9e37_79b9) >> 8 & 3 != 0
     }
 }
 

@@ -1,7 +1,7 @@
 //! The slack that triangles are grown by, and the rays for which it is enough.
 
-use crate::geom::{TriangleSource, own_box};
-use crate::math::{Aabb, Ray, TriangleId, Vec3};
+use crate::geom::TriangleSource;
+use crate::math::{Aabb, PrimId, Ray, Vec3};
 
 /// How far triangles reach beyond themselves when a tree is built; see [`super`] for why.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,11 +31,12 @@ impl Slack {
 
     /// The slack for triangles whose own boxes have the union `bounds`; `None` if their
     /// coordinates are so large that distances overflow.
-    pub fn new(bounds: &Aabb) -> Option<Self> {
+    /// Vertices may be off by `off` along each axis.
+    pub fn new(bounds: &Aabb, off: f32) -> Option<Self> {
         let longest = bounds.extent().max_element();
         let magnitude = bounds.min.abs().max(bounds.max.abs()).max_element();
         let kept = longest * Self::RELATIVE;
-        let delta = kept + magnitude * Self::ROUNDING;
+        let delta = kept + magnitude * Self::ROUNDING + off;
         let reach = longest * Self::REACH;
         // A distance of delta must still be a normal number: 2^-110 leaves sixteen bits of room.
         let stride = (delta * 1.298074e33).min(f32::MAX);
@@ -76,7 +77,7 @@ pub fn find_bounds(source: &dyn TriangleSource) -> Aabb {
     use rayon::prelude::*;
     (0..source.len())
         .into_par_iter()
-        .map(|i| own_box(&source.triangle(TriangleId::from_index(i))))
+        .map(|i| source.own_box(PrimId::from_index(i)))
         .reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
@@ -87,15 +88,17 @@ mod tests {
     #[test]
     fn flat_boxes_gain_thickness_and_huge_ones_have_no_slack() {
         let flat = Aabb { min: Vec3::ZERO, max: Vec3::new(1.0, 0.0, 1.0) };
-        let slack = Slack::new(&flat).expect("a unit square is of moderate size");
+        let slack = Slack::new(&flat, 0.0).expect("a unit square is of moderate size");
         assert!(slack.grow(&flat).extent().y > 1e-5);
-        assert!(Slack::new(&Aabb { min: Vec3::splat(-1e38), max: Vec3::splat(1e38) }).is_none());
+        assert!(
+            Slack::new(&Aabb { min: Vec3::splat(-1e38), max: Vec3::splat(1e38) }, 0.0).is_none()
+        );
     }
 
     #[test]
     fn rays_from_afar_or_with_huge_strides_are_not_tame() {
         let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-        let slack = Slack::new(&unit).expect("a unit cube is of moderate size");
+        let slack = Slack::new(&unit, 0.0).expect("a unit cube is of moderate size");
         let ray = |o: f32, d: f32| Ray::new(Vec3::splat(o), Vec3::splat(d), 0.0, 1.0);
         assert!(slack.is_tame(&ray(3.0, 1.0)));
         assert!(!slack.is_tame(&ray(4.0, 1.0)) && slack.is_placed(&ray(4.0, 1.0)));

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::slack::Slack;
 use crate::accel::BuildReport;
 use crate::geom::{Triangle, TriangleBlock, TriangleSource};
-use crate::math::{Aabb, NodeId, TriangleId};
+use crate::math::{Aabb, NodeId, PrimId};
 use crate::simd::prefetch;
 
 /// A leaf, numbered in the order of a depth-first walk.
@@ -126,11 +126,11 @@ impl Slot {
 impl Leaves {
     /// Keeps lists of triangles, leaf after leaf; `ends[i]` is where the list of leaf `i` ends.
     /// `None` if there are too many to number.
-    pub fn new(source: &dyn TriangleSource, ids: Vec<TriangleId>, ends: &[usize]) -> Option<Self> {
+    pub fn new(source: &dyn TriangleSource, ids: Vec<PrimId>, ends: &[usize]) -> Option<Self> {
         u32::try_from(ids.len()).ok()?;
         let starts = std::iter::once(0).chain(ends.iter().map(|&end| end as u32)).collect();
         let (slots, order) = number_by_use(ids, source.len());
-        let corners = |&id: &TriangleId| {
+        let corners = |&id: &PrimId| {
             let Triangle { a, b, c } = source.triangle(id);
             let mut corners = [a, b, c].map(|p| [p.x, p.y, p.z, 0.0]);
             corners[0][3] = f32::from_bits(id.0);
@@ -189,7 +189,7 @@ impl Leaves {
     }
 
     /// The triangle of a slot.
-    pub fn id(&self, slot: Slot) -> TriangleId {
+    pub fn id(&self, slot: Slot) -> PrimId {
         id_of(self.corners(slot))
     }
 
@@ -197,7 +197,7 @@ impl Leaves {
     #[inline(always)]
     pub fn block<S: Simd>(&self, simd: S, slots: &[Slot]) -> Block {
         let first = self.corners(slots[0]);
-        let mut lanes = [id_of(first), TriangleId::NONE, TriangleId::NONE, TriangleId::NONE];
+        let mut lanes = [id_of(first), PrimId::NONE, PrimId::NONE, PrimId::NONE];
         let mut corners = [first; LANES];
         for lane in 1..LANES {
             if let Some(&slot) = slots.get(lane) {
@@ -226,16 +226,16 @@ impl Leaves {
 }
 
 #[inline(always)]
-fn id_of(corners: &Corners) -> TriangleId {
-    TriangleId(corners[0][3].to_bits())
+fn id_of(corners: &Corners) -> PrimId {
+    PrimId(corners[0][3].to_bits())
 }
 
 /// Numbers triangles in the order in which a list first names them: the list by these numbers, and
 /// the triangles in their order.
-fn number_by_use(ids: Vec<TriangleId>, count: usize) -> (Vec<Slot>, Vec<TriangleId>) {
+fn number_by_use(ids: Vec<PrimId>, count: usize) -> (Vec<Slot>, Vec<PrimId>) {
     const NONE: u32 = u32::MAX;
     let (mut slots, mut order) = (vec![NONE; count], Vec::with_capacity(count));
-    let number = |id: TriangleId| {
+    let number = |id: PrimId| {
         let slot = &mut slots[id.index()];
         if *slot == NONE {
             *slot = order.len() as u32;

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::tree::{KdTree, LeafId, Node, split_cell};
 use crate::geom::Triangle;
-use crate::math::{Aabb, DVec3, NodeId, TriangleId};
+use crate::math::{Aabb, DVec3, NodeId, PrimId};
 
 impl KdTree {
     /// Checks that cells tile the root's, that nodes and leaves are all used once, and that each
@@ -16,10 +16,10 @@ impl KdTree {
         self.validate_cells()?;
         let leaves = &self.base.leaves;
         let ids = |leaf| leaves.triangles(LeafId(leaf)).iter().map(|&slot| leaves.id(slot));
-        let lists: Vec<HashSet<TriangleId>> =
+        let lists: Vec<HashSet<PrimId>> =
             (0..leaves.count() as u32).map(|leaf| ids(leaf).collect()).collect();
         for i in 0..self.base.source.len() {
-            let id = TriangleId::from_index(i);
+            let id = PrimId::from_index(i);
             self.validate_triangle(id, &lists)?;
         }
         Ok(())
@@ -57,11 +57,7 @@ impl KdTree {
         Ok(())
     }
 
-    fn validate_triangle(
-        &self,
-        id: TriangleId,
-        lists: &[HashSet<TriangleId>],
-    ) -> Result<(), String> {
+    fn validate_triangle(&self, id: PrimId, lists: &[HashSet<PrimId>]) -> Result<(), String> {
         let slack = self.base.slack.kept;
         let triangle = self.base.source.triangle(id);
         let grow = |b: &Aabb| Aabb { min: b.min - slack, max: b.max + slack };

@@ -211,7 +211,7 @@ mod tests {
     use crate::accel::Options;
     use crate::accel::kd::build::OPTIONS;
     use crate::geom::{TriangleList, TriangleSource};
-    use crate::math::TriangleId;
+    use crate::math::PrimId;
 
     fn nodes(count: usize, options: &str) -> (KdTree, WideNodes) {
         let corner = |i: usize| Vec3::new((i * i % 37) as f32, (i * 7 % 31) as f32, i as f32);
@@ -228,7 +228,7 @@ mod tests {
     }
 
     /// The triangles of all leaves below a child, in the order of the tree.
-    fn ids(nodes: &WideNodes, child: Child, found: &mut Vec<TriangleId>) {
+    fn ids(nodes: &WideNodes, child: Child, found: &mut Vec<PrimId>) {
         match nodes.follow(child) {
             Target::Node(node) => {
                 for place in (0..8).filter(|place| node.occupied() >> place & 1 == 1) {
@@ -237,7 +237,7 @@ mod tests {
             }
             Target::Leaf(blocks) => {
                 let all = blocks.iter().flat_map(|block| block.ids);
-                found.extend(all.filter(|&id| id != TriangleId::NONE));
+                found.extend(all.filter(|&id| id != PrimId::NONE));
             }
         }
     }

@@ -3,9 +3,10 @@
 use fearless_simd::{Simd, SimdBase};
 
 use super::layout::RAYS;
-use crate::accel::{Batch, ClosestHit, Counters, Event, HitCriteria, Query};
+use crate::accel::query::ask_of;
+use crate::accel::{Batch, ClosestHit, Counters, Event, HitCriteria, Query, Verdict};
 use crate::geom::{FilterTriangle, Heading, RayBundle, Shaft, Triangle};
-use crate::math::{Ray, TriangleId, Vec3};
+use crate::math::{PrimId, Ray, TriangleId, Vec3};
 
 /// Rays of a bundle.
 const LANES: usize = RayBundle::LANES;
@@ -123,7 +124,7 @@ impl PacketRays {
     #[inline(always)]
     pub fn fill_queries<Q: Query>(&self, batch: &Batch<'_>, queries: &mut Vec<Q>) {
         let query =
-            |&i: &u32| Q::new(if i == NONE { &Ray::MISS } else { &batch.rays()[i as usize] });
+            |&i: &u32| if i == NONE { Q::new(&Ray::MISS) } else { ask_of(batch, i as usize) };
         queries.clear();
         queries.extend(self.members.iter().map(query));
     }
@@ -196,9 +197,12 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
     #[inline(always)]
     pub fn test_triangle(
         &mut self,
-        (id, triangle): (TriangleId, &Triangle),
+        (id, triangle): (PrimId, &Triangle),
         entered: &mut EnteredRays<'_>,
     ) -> usize {
+        if let Some(verdict) = self.batch.verdict() {
+            return self.judge(verdict, (id, triangle), entered);
+        }
         let mut found = 0;
         let filter = FilterTriangle::new(self.simd, triangle);
         for &bundle in entered.bundles {
@@ -222,6 +226,40 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
         found
     }
 
+    /// Asks another than the exact test about a primitive, ray by ray.
+    #[inline(never)]
+    fn judge(
+        &mut self,
+        verdict: &dyn Verdict,
+        prim: (PrimId, &Triangle),
+        entered: &mut EnteredRays<'_>,
+    ) -> usize {
+        let mut found = 0;
+        for &number in entered.bundles {
+            let number = usize::from(number);
+            let mut asked = entered.lanes[number];
+            while asked != 0 {
+                let lane = asked.trailing_zeros() as usize;
+                asked &= asked - 1;
+                self.counters.count(Event::ExactTest);
+                let at = number * LANES + lane;
+                let query = &mut self.queries[at];
+                let index = self.rays.members[at] as usize;
+                let hit = verdict.judge(index, prim, &query.nearest(), Q::ANY);
+                let Some(hit) = hit else { continue };
+                let bundle = &mut self.rays.bundles[number];
+                found += 1;
+                if query.take(hit, verdict.limit(hit.t)).is_break() {
+                    bundle.end_at(lane, f32::NEG_INFINITY);
+                    entered.lanes[number] &= !(1 << lane);
+                } else {
+                    bundle.end_at(lane, query.t_max());
+                }
+            }
+        }
+        found
+    }
+
     /// Asks the exact test about a triangle and those rays of a bundle that may hit it, and offers
     /// the hits it finds.
     #[inline(always)]
@@ -229,7 +267,7 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
         &mut self,
         number: usize,
         lanes: u32,
-        (id, triangle): (TriangleId, &Triangle),
+        (id, triangle): (PrimId, &Triangle),
     ) -> Found {
         let mut found = Found::default();
         let PacketRays { bundles, headings, members, .. } = &mut *self.rays;
@@ -242,11 +280,14 @@ impl<S: Simd, Q: Query, C: Counters> PacketContext<'_, S, Q, C> {
             let at = number * LANES + lane;
             let index = members[at] as usize;
             let t_min = self.batch.rays()[index].t_min();
-            let criteria = HitCriteria { t_min, index, filter: self.batch.filter() };
+            let criteria = HitCriteria::new(t_min, index, self.batch.filter());
             let (t, u, v) = (hits_of.t[lane], hits_of.u[lane], hits_of.v[lane]);
             let query = &mut self.queries[at];
             let before = query.t_max();
-            if query.offer(&criteria, ClosestHit { t, u, v, triangle: id }).is_break() {
+            if query
+                .offer(&criteria, ClosestHit { t, u, v, triangle: TriangleId::unplaced(id) })
+                .is_break()
+            {
                 bundle.end_at(lane, f32::NEG_INFINITY);
                 found.ended |= 1 << lane;
                 found.count += 1;

@@ -8,7 +8,7 @@ use crate::camera::Projection;
 impl Report<'_> {
     /// The report as a JSON object.
     pub fn to_json(&self) -> String {
-        let (scene, survey) = (self.scene, self.survey);
+        let (scene, survey, memory) = (self.scene, self.survey, self.memory);
         let bounds = (!self.bounds.is_empty()).then(
             || json!({ "min": self.bounds.min.to_array(), "max": self.bounds.max.to_array() }),
         );
@@ -42,9 +42,13 @@ impl Report<'_> {
             "meshes_without_normals": survey.faceted.len(),
             "bounds": bounds,
             "memory": {
-                "meshes": survey.mesh_bytes,
-                "textures": survey.texture_bytes,
-                "structure_estimate": self.structure_bytes(),
+                "meshes": memory.mesh_bytes,
+                "placements": memory.placement_bytes,
+                "textures": memory.texture_bytes,
+                "structure_of_meshes": memory.structure.triangles,
+                "structure_of_placements": memory.structure.placements,
+                "structure_estimate": memory.structure.total(),
+                "total": memory.total(),
             },
             "scenes": scene.contents.scenes,
             "environment": environment,

@@ -13,15 +13,16 @@ use crate::cli::flags::Quiet;
 use crate::cli::text::print;
 use crate::formats::{self, LoadOptions, MissingTexture};
 use crate::part::is_part;
-use crate::scene::Survey;
 use crate::scene::defaults::bounds;
+use crate::scene::{SceneMemory, Survey};
 use report::Report;
 
 /// Report what a scene holds, what of it is not honoured, and what looks like a mistake; or what is
 /// in a part of a picture.
 ///
 /// The scene is loaded as for a render; textures that cannot be read are magenta. Memory is that of
-/// meshes and decoded textures, and an estimate for the structure that `render` builds over them.
+/// meshes, their placements and decoded textures, and an estimate for the structure that `render`
+/// builds over meshes, each once, and over placements.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -61,8 +62,14 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode, CliError> {
     let survey = Survey::of(&scene);
     let faults = survey.find_faults(&scene);
     let file = args.scene_file.display().to_string();
-    let report =
-        Report { file: &file, bounds: bounds(&scene), scene: &scene, survey: &survey, faults };
+    let report = Report {
+        file: &file,
+        bounds: bounds(&scene),
+        scene: &scene,
+        survey: &survey,
+        memory: SceneMemory::of(&scene),
+        faults,
+    };
     print(&if args.json { report.to_json() } else { report.to_text() })?;
     Ok(ExitCode::SUCCESS)
 }

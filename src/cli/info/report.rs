@@ -3,7 +3,7 @@
 use crate::camera::Projection;
 use crate::light::{Punctual, PunctualKind};
 use crate::math::{Aabb, Vec3};
-use crate::scene::{AlphaMode, Material, MaterialLayers, Scene, Survey};
+use crate::scene::{AlphaMode, Material, MaterialLayers, Scene, SceneMemory, Survey};
 use crate::texture::ColorSpace;
 
 /// All that there is to report.
@@ -12,15 +12,8 @@ pub struct Report<'a> {
     pub bounds: Aabb,
     pub scene: &'a Scene,
     pub survey: &'a Survey,
+    pub memory: SceneMemory,
     pub faults: Vec<(&'static str, String)>,
-}
-
-impl Report<'_> {
-    /// About how much the default structure takes, in bytes: `mbvh8` over a refined tree takes 68
-    /// to 71 bytes a triangle on scenes of 69 to 770 thousand (`dapple trace --json`).
-    pub fn structure_bytes(&self) -> u64 {
-        70 * self.survey.placed_triangles
-    }
 }
 
 pub fn kind_of_light(light: &Punctual) -> &'static str {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::report::{Report, kind_of_camera, kind_of_light, name_of_space, traits, unit_of_light};
 use crate::camera::Projection;
-use crate::cli::text::format_figure;
+use crate::cli::text::{format_bytes, format_figure};
 
 /// The most lines of a list.
 const MOST_LINES: usize = 40;
@@ -34,12 +34,7 @@ impl Report<'_> {
         }
         line(
             "memory",
-            format!(
-                "meshes {}, textures {}, structure about {}",
-                format_bytes(survey.mesh_bytes),
-                format_bytes(survey.texture_bytes),
-                format_bytes(self.structure_bytes())
-            ),
+            format!("about {}: {}", format_bytes(self.memory.total()), self.memory_by_part()),
         );
         if survey.emitting_triangles > 0 {
             line("emitters", format!("{} triangles", survey.emitting_triangles));
@@ -65,6 +60,12 @@ impl Report<'_> {
         let faults: Vec<_> = self.faults.iter().map(|(_, message)| message.clone()).collect();
         push_list(&mut text, "to look at", &faults);
         text
+    }
+
+    fn memory_by_part(&self) -> String {
+        let parts = self.memory.parts();
+        let parts = parts.map(|(name, bytes)| format!("{name} {}", format_bytes(bytes)));
+        parts.join(", ")
     }
 
     fn list_cameras_and_lights(&self, text: &mut String) {
@@ -133,16 +134,6 @@ fn push_list(text: &mut String, heading: &str, lines: &[String]) {
     }
 }
 
-/// As people say it.
-fn format_bytes(count: u64) -> String {
-    match count {
-        0..1_000 => format!("{count} B"),
-        1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
-        1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
-        _ => format!("{:.2} GB", count as f64 / 1e9),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,11 +146,5 @@ mod tests {
         push_list(&mut text, "many", &vec!["a".to_owned(); 50]);
         assert_eq!(text.lines().count(), 42);
         assert!(text.ends_with("… and 10 more (--json)\n"));
-    }
-
-    #[test]
-    fn sizes_are_rounded() {
-        let sizes = [999, 1_500, 2_340_000, 7_200_000_000].map(format_bytes);
-        assert_eq!(sizes, ["999 B", "1.5 kB", "2.3 MB", "7.20 GB"]);
     }
 }

@@ -12,7 +12,7 @@ use crate::cli::progress::say;
 use crate::cli::settings::parse_long::{Every, Resume};
 use crate::cli::settings::{RenderArgs, Table};
 use crate::files::{self, Flush};
-use crate::part::{Difference, Head, Part, PartError, PartWriter, list_differences};
+use crate::part::{Difference, EncodedTile, Head, Part, PartError, PartWriter, list_differences};
 use crate::render::{Film, Tile};
 
 /// Between checkpoints, if no one says.
@@ -69,7 +69,7 @@ pub fn write(path: &Path, head: &Head, film: &Film) -> io::Result<()> {
     head.render_s = film.elapsed().as_secs_f64();
     files::write(path, Flush::ToDisk, |file| {
         let mut part = PartWriter::new(file, &head)?;
-        film.try_for_each_tile(|tile| part.add(tile))?;
+        film.try_for_each_tile(EncodedTile::new, |tile| part.add(&tile))?;
         part.finish()
     })
 }

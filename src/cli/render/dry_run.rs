@@ -8,18 +8,20 @@ use serde_json::json;
 
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
-use crate::cli::text;
-use crate::files::memory;
+use crate::cli::memory;
+use crate::cli::text::{self, format_bytes};
+use crate::files::memory::limit;
 use crate::film::Window;
 use crate::render::{Control, Settings, film_bytes, render};
-use crate::scene::Survey;
+use crate::scene::SceneMemory;
 
 /// Paths that are followed to estimate what one takes: some tenths of a second.
 const PATHS: u64 = 1 << 15;
 
-/// Builds the structure, follows a few paths, and prints the estimate.
+/// Estimates memory, builds the structure, follows a few paths, and prints what that tells.
 pub fn run(job: &Job) -> Result<ExitCode, CliError> {
     job.on_threads(|| {
+        let scene = SceneMemory::of(&job.first.world.scene);
         let start = Instant::now();
         let accel = job.build(&job.first.world)?;
         let build_s = start.elapsed().as_secs_f64();
@@ -30,16 +32,11 @@ pub fn run(job: &Job) -> Result<ExitCode, CliError> {
         let path_s = tried.elapsed.as_secs_f64() / tried.paths.max(1) as f64;
         let paths = job.settings.crop.area() as u64 * job.settings.spp;
 
-        let survey = Survey::of(&job.first.world.scene);
-        let bytes = [
-            ("meshes", survey.mesh_bytes),
-            ("textures", survey.texture_bytes.min(job.textures.limit())),
-            ("structure", accel.memory().total() as u64),
-            ("picture", film_bytes(&job.settings)),
-        ];
         let estimate = Estimate {
             job,
-            bytes: &bytes,
+            scene,
+            bytes: &memory::parts(&scene, film_bytes(&job.settings)),
+            built_bytes: accel.memory().total() as u64,
             build_s,
             render_s: path_s * paths as f64,
             paths,
@@ -63,7 +60,11 @@ fn thin_out(settings: &Settings) -> Settings {
 
 struct Estimate<'a> {
     job: &'a Job,
+    scene: SceneMemory,
+    /// What each part takes by estimate.
     bytes: &'a [(&'static str, u64)],
+    /// What the structure takes.
+    built_bytes: u64,
     build_s: f64,
     render_s: f64,
     paths: u64,
@@ -76,9 +77,10 @@ impl Estimate<'_> {
     }
 
     fn to_text(&self) -> String {
-        let mega = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
+        let parts = self.bytes.iter();
         let parts: Vec<String> =
-            self.bytes.iter().map(|&(name, bytes)| format!("{name} {}", mega(bytes))).collect();
+            parts.map(|&(name, bytes)| format!("{name} {}", format_bytes(bytes))).collect();
+        let SceneMemory { unique_triangles, placed_triangles, placements, .. } = self.scene;
         let (width, height) = self.job.settings.resolution;
         let each = match self.moments {
             1 => String::new(),
@@ -87,32 +89,43 @@ impl Estimate<'_> {
         let threads = rayon::current_num_threads();
         format!(
             "{}: {width}x{height}, {} samples a pixel, {:.1} M paths\n\
-             memory  about {} of {:.0} MB ({})\n\
-             time    load {:.2} s, build {:.2} s{each}, render about {} on {threads} thread{}\n",
+             scene   {unique_triangles} triangles unique, {placed_triangles} placed (placements: \
+             {placements})\n\
+             memory  about {} of {} ({})\n\
+             time    load {:.2} s, build {:.2} s{each} (to {}), render about {} on \
+             {threads} thread{}\n",
             self.job.args.scene_file.display(),
             self.job.settings.spp,
             self.paths as f64 * 1e-6,
-            mega(self.total()),
-            memory::limit() as f64 * 1e-6,
+            format_bytes(self.total()),
+            format_bytes(self.job.args.memory.unwrap_or_else(limit)),
             parts.join(", "),
             self.job.first.elapsed.as_secs_f64(),
             self.build_s,
+            format_bytes(self.built_bytes),
             format_duration(self.render_s),
             if threads == 1 { "" } else { "s" },
         )
     }
 
     fn to_json(&self) -> String {
-        let bytes: serde_json::Map<String, serde_json::Value> =
-            self.bytes.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect();
+        let bytes: serde_json::Map<String, serde_json::Value> = self
+            .bytes
+            .iter()
+            .map(|&(name, bytes)| (name.replace(' ', "_"), bytes.into()))
+            .collect();
         let json = json!({
             "scene": self.job.args.scene_file,
             "resolution": [self.job.settings.resolution.0, self.job.settings.resolution.1],
             "spp": self.job.settings.spp,
             "paths": self.paths,
+            "unique_triangles": self.scene.unique_triangles,
+            "placed_triangles": self.scene.placed_triangles,
+            "placements": self.scene.placements,
             "bytes": bytes,
             "bytes_total": self.total(),
-            "bytes_limit": memory::limit(),
+            "bytes_limit": self.job.args.memory.unwrap_or_else(limit),
+            "structure_built_bytes": self.built_bytes,
             "load_s": self.job.first.elapsed.as_secs_f64(),
             "build_s": self.build_s,
             "moments": self.moments,

@@ -145,8 +145,8 @@ pub fn describe_textures(figures: &TextureFigures) -> String {
         bytes => format!(" ({} of it in memory: there is no room for the file)", mega(bytes)),
     };
     format!(
-        "{whole}; {tiled} in tiles, {} in a temporary file{in_memory}; tiles: {} decoded, \
-         {} found, {} evicted, {} at most of {}",
+        "{whole}; {tiled} in tiles, {} in a temporary file{in_memory}; tiles: {} decoded, {} \
+         found, {} evicted, {} at most of {}",
         mega(cache.stored),
         cache.decoded,
         cache.found,

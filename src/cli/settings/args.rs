@@ -103,6 +103,8 @@ pub struct RenderArgs {
     pub threads: usize,
     pub accel: AccelSpec,
     pub isa: Isa,
+    /// Bytes.
+    pub memory: Option<u64>,
     /// Bytes that textures may take.
     pub texture_memory: Option<u64>,
 

@@ -11,7 +11,8 @@
 //! | `output`, `watch`, `image`, `light`, `camera` | the entries |
 //! | `long`, `input`, `speed`, `messages` | more of them |
 //! | `args` | the values of all settings, typed |
-//! | `parse`, `parse_long`, `parse_watch`, `to_toml` | values from words, and values as TOML |
+//! | `parse`, `parse_long`, `parse_size`, `parse_watch` | values from words |
+//! | `to_toml` | values as TOML |
 //! | `table` | the entries together: defaults, rules, TOML |
 //! | `command` | the entries as flags, and what was typed |
 //! | `resolve`, `origin` | what was typed over what a file says: a scene, or `--from` a picture |
@@ -34,6 +35,7 @@ mod origin;
 mod output;
 pub mod parse;
 pub mod parse_long;
+mod parse_size;
 pub mod parse_watch;
 pub mod pose;
 mod resolve;

@@ -10,7 +10,6 @@ use clap::builder::PossibleValue;
 use crate::film::Window;
 use crate::light::Preetham;
 use crate::math::Vec3;
-use crate::names;
 
 /// A kind of camera that no scene file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -164,14 +163,6 @@ pub(super) fn field_of_view(text: &str) -> Result<f32, String> {
     if degrees < 180.0 { Ok(degrees) } else { Err("must be below 180 degrees".to_owned()) }
 }
 
-/// A size in bytes, at least one.
-pub(super) fn bytes(text: &str) -> Result<u64, String> {
-    match names::parse_bytes(text) {
-        Some(bytes) if bytes > 0 => Ok(bytes),
-        _ => Err(format!("`{text}` is no size: expected one as in 512MiB or 2G")),
-    }
-}
-
 /// A number of threads; 0: one per core.
 pub fn threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().map_err(|_| "not a number of threads".to_owned())?;
@@ -246,8 +237,6 @@ mod tests {
         assert_eq!((not_negative("0"), not_negative("2.5")), (Ok(0.0), Ok(2.5)));
         assert!(not_negative("-1").is_err() && not_negative("nan").is_err());
         assert!(positive("0").is_err() && field_of_view("180").is_err());
-        assert_eq!(bytes("512MiB"), Ok(512 << 20));
-        assert!(bytes("0").is_err() && bytes("much").is_err());
         assert!(threads("4097").is_err() && threads("-1").is_err());
     }
 

@@ -1,6 +1,7 @@
 //! Settings: what a render uses of the machine.
 
-use super::parse::{bytes, from_str, threads};
+use super::parse::{from_str, threads};
+use super::parse_size::size;
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 use crate::accel::AccelSpec;
@@ -43,6 +44,18 @@ pub static SPEED: &[Setting] = &[
         ..SETTING
     },
     Setting {
+        name: "memory",
+        value: "SIZE",
+        otherwise: "all that there is",
+        example: "2GB",
+        help: "Refuses a scene that by estimate takes more, before its structure is built",
+        details: "The estimate is what `dapple info` tells: meshes, placements, textures, and the \
+                  structure over meshes and placements; and the picture. The exit code is 5.",
+        read: Reader::Text(|word| assign(size(word), |args| &mut args.memory)),
+        write: |args| args.memory.to_toml(),
+        ..SETTING
+    },
+    Setting {
         name: "texture-memory",
         value: "SIZE",
         otherwise: "half of the memory",
@@ -52,7 +65,7 @@ pub static SPEED: &[Setting] = &[
                   the system's temporary folder (TMPDIR) and are read back when a ray asks for \
                   them. The picture is the same, whatever the size. Units are KiB, MiB, GiB (or \
                   K, M, G) and kB, MB, GB.",
-        read: Reader::Text(|word| assign(bytes(word), |args| &mut args.texture_memory)),
+        read: Reader::Text(|word| assign(size(word), |args| &mut args.texture_memory)),
         write: |args| args.texture_memory.to_toml(),
         ..SETTING
     },

@@ -3,6 +3,7 @@
 //! All that can be judged without the bytes is judged here: afterwards no range within a buffer
 //! view can be past its end, and no arithmetic on them can overflow.
 
+pub use super::element::{Component, Shape};
 use super::json::{Fault, Object};
 use super::meshopt::Packed;
 use super::notices::Notices;
@@ -29,92 +30,6 @@ impl View {
     }
 }
 
-/// How one number is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Component {
-    /// Signed byte.
-    I8,
-    /// Byte.
-    U8,
-    /// Signed, two bytes.
-    I16,
-    /// Two bytes.
-    U16,
-    /// Four bytes.
-    U32,
-    /// IEEE 754 binary32.
-    F32,
-}
-
-impl Component {
-    fn of(code: u64) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
-    }
-
-    /// Bytes per number.
-    pub fn size(self) -> u64 {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-}
-
-/// How many numbers make an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
-    /// One.
-    Scalar,
-    /// Two to four.
-    Vector(u64),
-    /// A square matrix of two to four columns, each aligned to four bytes.
-    Matrix(u64),
-}
-
-impl Shape {
-    fn of(name: &str) -> Option<Self> {
-        Some(match name {
-            "SCALAR" => Self::Scalar,
-            "VEC2" => Self::Vector(2),
-            "VEC3" => Self::Vector(3),
-            "VEC4" => Self::Vector(4),
-            "MAT2" => Self::Matrix(2),
-            "MAT3" => Self::Matrix(3),
-            "MAT4" => Self::Matrix(4),
-            _ => return None,
-        })
-    }
-
-    /// Bytes per element, without those after it.
-    fn size(self, component: Component) -> u64 {
-        match self {
-            Self::Scalar => component.size(),
-            Self::Vector(count) => count * component.size(),
-            Self::Matrix(columns) => {
-                let column = columns * component.size();
-                (columns - 1) * column.next_multiple_of(4) + column
-            }
-        }
-    }
-
-    /// Bytes from one element to the next where they are packed tightly.
-    fn packed_stride(self, component: Component) -> u64 {
-        match self {
-            Self::Scalar | Self::Vector(_) => self.size(component),
-            Self::Matrix(_) => self.size(component).next_multiple_of(4),
-        }
-    }
-}
-
 /// Elements that replace some of the others.
 #[derive(Clone, Debug)]
 pub struct Sparse {
@@ -124,6 +39,15 @@ pub struct Sparse {
     pub indices: (usize, u64, Component),
     /// View and offset of what replaces them, packed tightly.
     pub values: (usize, u64),
+}
+
+/// A part of a mesh that is packed by Draco.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Part {
+    /// The buffer view that holds the mesh.
+    pub view: usize,
+    /// The number of an attribute; none: the corners of the triangles.
+    pub attribute: Option<u32>,
 }
 
 /// An array of numbers, vectors or matrices.
@@ -145,12 +69,58 @@ pub struct Accessor {
     pub stride: u64,
     /// What is replaced.
     pub sparse: Option<Sparse>,
+    /// Where its elements come from instead.
+    pub part: Option<Part>,
 }
 
 impl Accessor {
+    /// An array that is a part of a packed mesh, of which nothing is known but its type.
+    pub fn of_part(part: Part, place: String, component: Component, shape: Shape) -> Self {
+        Self {
+            place,
+            base: None,
+            component,
+            shape,
+            normalized: false,
+            count: 0,
+            stride: shape.packed_stride(component),
+            sparse: None,
+            part: Some(part),
+        }
+    }
+
+    /// A part of a packed mesh that is declared as this accessor is.
+    pub fn as_part(&self, part: Part, place: String) -> Self {
+        let Self { component, shape, normalized, count, .. } = *self;
+        Self { normalized, count, ..Self::of_part(part, place, component, shape) }
+    }
+
+    /// The buffer views that it reads.
+    pub fn views(&self) -> impl Iterator<Item = usize> {
+        let sparse = self.sparse.iter().flat_map(|sparse| [sparse.indices.0, sparse.values.0]);
+        let (base, part) = (self.base.map(|(view, _)| view), self.part.map(|part| part.view));
+        base.into_iter().chain(sparse).chain(part)
+    }
+
+    /// Lets its elements be those that fill a buffer view.
+    pub fn fill(&mut self, view: usize, component: Component, shape: Shape, count: u64) {
+        self.base = Some((view, 0));
+        (self.component, self.shape, self.count) = (component, shape, count);
+        self.stride = shape.packed_stride(component);
+    }
+
     /// Whether its elements are vectors of so many numbers.
     pub fn is_vector(&self, numbers: u64) -> bool {
         self.shape == Shape::Vector(numbers)
+    }
+
+    /// How many numbers make an element; of a matrix none.
+    pub fn numbers(&self) -> u64 {
+        match self.shape {
+            Shape::Scalar => 1,
+            Shape::Vector(count) => count,
+            Shape::Matrix(_) => 0,
+        }
     }
 
     /// Bytes per element, without those between elements.
@@ -249,6 +219,7 @@ fn accessor(object: &Object, views: &[View], notices: &mut Notices) -> Result<Ac
         count,
         stride,
         sparse,
+        part: None,
     })
 }
 

@@ -17,18 +17,35 @@ pub struct Animation {
     channels: Vec<Channel>,
 }
 
-/// A property of a node over time.
+/// What a pointer leads to, at a time.
+pub struct Pointed<'a> {
+    /// The pointer to the sampler.
+    pub place: String,
+    /// What is animated (KHR_animation_pointer).
+    pub pointer: &'a str,
+    /// Its numbers.
+    pub numbers: Vec<f64>,
+}
+
+/// A property over time.
 #[derive(Clone, Debug)]
 struct Channel {
     /// The pointer to its sampler.
     place: String,
-    node: usize,
-    property: Property,
+    target: Target,
     interpolation: Interpolation,
     /// The accessor of its times, seconds.
     times: usize,
     /// The accessor of its values.
     values: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Target {
+    /// A property of a node.
+    Node(usize, Property),
+    /// Whatever a pointer into the document leads to.
+    Pointer(String),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +80,14 @@ pub fn read(
         for channel in object.objects("channels")? {
             let sampler = channel.required_reference("sampler", "sampler", samplers.len())?;
             let target = channel.object("target")?.ok_or_else(|| channel.absent("target"))?;
+            if let Some(extension) = target.extension("KHR_animation_pointer")? {
+                let pointer = extension.text("pointer")?;
+                let pointer = pointer.ok_or_else(|| extension.absent("pointer"))?.to_owned();
+                let (place, interpolation, times, values) = samplers[sampler].clone();
+                let target = Target::Pointer(pointer);
+                channels.push(Channel { place, target, interpolation, times, values });
+                continue;
+            }
             let Some(node) = target.reference("node", "node", nodes)? else { continue };
             let property = match target.text("path")?.ok_or_else(|| target.absent("path"))? {
                 "translation" => Property::Translation,
@@ -75,7 +100,8 @@ pub fn read(
                 }
             };
             let (place, interpolation, times, values) = samplers[sampler].clone();
-            channels.push(Channel { place, node, property, interpolation, times, values });
+            let target = Target::Node(node, property);
+            channels.push(Channel { place, target, interpolation, times, values });
         }
         Ok(Animation { name: object.name()?, channels })
     };
@@ -106,6 +132,23 @@ impl Animation {
         self.channels.iter().flat_map(|channel| [channel.times, channel.values])
     }
 
+    /// What its pointers lead to, at a `time`, seconds.
+    ///
+    /// # Errors
+    /// As [`Animation::pose`].
+    pub fn pointed(&self, time: f64, storage: &Storage) -> Result<Vec<Pointed<'_>>, Fault> {
+        let pointed = self.channels.iter().filter_map(|channel| match &channel.target {
+            Target::Pointer(pointer) => Some((channel, pointer)),
+            Target::Node(..) => None,
+        });
+        pointed
+            .map(|(channel, pointer)| {
+                let (place, numbers) = (channel.place.clone(), channel.at(time, storage)?);
+                Ok(Pointed { place, pointer, numbers })
+            })
+            .collect()
+    }
+
     /// Moves the nodes to where they are at a `time`, seconds; before the first and after the last
     /// of a channel's times it holds still.
     ///
@@ -114,10 +157,11 @@ impl Animation {
     pub fn pose(&self, nodes: &mut [Node], time: f64, storage: &Storage) -> Result<(), Fault> {
         let mut moved: BTreeMap<usize, Parts> = BTreeMap::new();
         for channel in &self.channels {
+            let Target::Node(number, property) = channel.target else { continue };
             let value = channel.at(time, storage)?;
-            let node = &mut nodes[channel.node];
-            let parts = moved.entry(channel.node).or_insert(node.parts);
-            match (channel.property, &value[..]) {
+            let node = &mut nodes[number];
+            let parts = moved.entry(number).or_insert(node.parts);
+            match (property, &value[..]) {
                 (Property::Translation, &[x, y, z]) => parts.translation = DVec3::new(x, y, z),
                 (Property::Scale, &[x, y, z]) => parts.scale = DVec3::new(x, y, z),
                 (Property::Rotation, &[x, y, z, w]) => {
@@ -140,6 +184,34 @@ impl Animation {
 }
 
 impl Channel {
+    /// The property that it is interpolated as: of what is pointed to, weights are as all else.
+    fn property(&self) -> Property {
+        match &self.target {
+            Target::Node(_, property) => *property,
+            Target::Pointer(to) if to.starts_with("/nodes/") && to.ends_with("/rotation") => {
+                Property::Rotation
+            }
+            Target::Pointer(_) => Property::Weights,
+        }
+    }
+
+    /// The numbers of all its keys.
+    fn values(&self, storage: &Storage) -> Result<Vec<f32>, Fault> {
+        let is_pointed = matches!(self.target, Target::Pointer(_));
+        let width = match self.property() {
+            Property::Translation | Property::Scale => 3,
+            Property::Rotation => 4,
+            Property::Weights if is_pointed => storage.accessor(self.values).numbers(),
+            Property::Weights => 1,
+        };
+        Ok(match width {
+            2 => storage.vectors::<2>(self.values)?.into_flattened(),
+            3 => storage.vectors::<3>(self.values)?.into_flattened(),
+            4 => storage.vectors::<4>(self.values)?.into_flattened(),
+            _ => storage.vectors::<1>(self.values)?.into_flattened(),
+        })
+    }
+
     fn fault(&self, message: impl Into<String>) -> Fault {
         Fault::new(self.place.clone(), message)
     }
@@ -147,19 +219,13 @@ impl Channel {
     /// The property's numbers at a time.
     fn at(&self, time: f64, storage: &Storage) -> Result<Vec<f64>, Fault> {
         let times = storage.vectors::<1>(self.times)?;
-        let values: Vec<f32> = match self.property {
-            Property::Translation | Property::Scale => {
-                storage.vectors::<3>(self.values)?.into_flattened()
-            }
-            Property::Rotation => storage.vectors::<4>(self.values)?.into_flattened(),
-            Property::Weights => storage.vectors::<1>(self.values)?.into_flattened(),
-        };
+        let values = self.values(storage)?;
         let times: Vec<f64> = times.iter().map(|&[time]| f64::from(time)).collect();
         if times.is_empty() || !times.is_sorted_by(|a, b| a < b) {
             return Err(self.fault("its times do not grow from one to the next"));
         }
         let sets = times.len() * if self.interpolation == Interpolation::Cubic { 3 } else { 1 };
-        let width = match self.property {
+        let width = match self.property() {
             Property::Translation | Property::Scale => 3,
             Property::Rotation => 4,
             Property::Weights => (values.len() / sets).max(1),
@@ -200,7 +266,7 @@ impl Channel {
             };
             return (0..width).map(at).collect();
         }
-        if self.property == Property::Rotation {
+        if self.property() == Property::Rotation {
             let quaternion = |q: &[f64]| DQuat::from_xyzw(q[0], q[1], q[2], q[3]).normalize();
             return quaternion(&a).slerp(quaternion(&b), t).to_array().to_vec();
         }
@@ -213,8 +279,8 @@ mod tests {
     use super::*;
 
     fn channel(property: Property, interpolation: Interpolation) -> Channel {
-        let place = String::new();
-        Channel { place, node: 0, property, interpolation, times: 0, values: 0 }
+        let (place, target) = (String::new(), Target::Node(0, property));
+        Channel { place, target, interpolation, times: 0, values: 0 }
     }
 
     #[test]

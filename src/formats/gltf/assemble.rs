@@ -15,6 +15,7 @@ use super::read::Storage;
 use super::resources;
 use super::select::{Selection, select};
 use crate::formats::{LoadError, LoadOptions};
+use crate::light::Environment;
 use crate::scene::{Material, Scene};
 use crate::texture::Texture;
 
@@ -27,9 +28,12 @@ pub fn assemble(
     notices: &mut Notices,
 ) -> Result<Scene, LoadError> {
     let selection = select(&mut document, path, options, notices)?;
-    let loaded = load(&mut document, &selection, binary, path, options, notices)?;
-    build(document, selection, &loaded, options, notices)
-        .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))
+    let mut loaded = load(&mut document, &selection, binary, path, options, notices)?;
+    let environment = loaded.environment.take();
+    let mut scene = build(document, selection, &loaded, options, notices)
+        .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
+    scene.environment = environment;
+    Ok(scene)
 }
 
 /// What a selection needs, in memory.
@@ -37,6 +41,7 @@ struct Loaded<'a> {
     storage: Storage<'a>,
     /// One a slot; `None` is what holds no colours and is left out.
     textures: Vec<Option<Texture>>,
+    environment: Option<Environment>,
 }
 
 /// Reads buffers and images. All that is missing is found before any of it is reported.
@@ -61,6 +66,7 @@ fn load<'a>(
     if broken.is_empty() {
         storage
             .unpack(&selection.views)
+            .and_then(|()| storage.unpack_meshes(&selection.views, notices))
             .map_err(|fault| LoadError::invalid(path, fault.place, fault.message))?;
     }
     let textures = resources::load_textures(
@@ -73,10 +79,15 @@ fn load<'a>(
         &mut broken,
         notices,
     );
+    let images = &document.images;
+    let environment = selection
+        .light
+        .as_ref()
+        .and_then(|light| light.load(images, &storage, path, options, &mut broken, notices));
     if !broken.is_empty() {
         return Err(LoadError::References { file: path.display().to_string(), broken });
     }
-    Ok(Loaded { storage, textures })
+    Ok(Loaded { storage, textures, environment })
 }
 
 /// Poses the nodes, and places meshes, cameras and lights.
@@ -87,7 +98,7 @@ fn build(
     options: &LoadOptions,
     notices: &mut Notices,
 ) -> Result<Scene, Fault> {
-    let Loaded { storage, textures } = loaded;
+    let Loaded { storage, textures, .. } = loaded;
     let Selection { roots, mut placed, animation, palette, .. } = selection;
     let mut nodes = document.nodes;
     if let (Some(animation), Some(time)) = (animation, options.time) {
@@ -99,7 +110,7 @@ fn build(
         worlds[at.node] = Some(at.to_world);
     }
     let mut builder = Builder::new(storage, &palette, &document.skins, worlds);
-    for at in &placed {
+    for at in placed.iter().filter(|at| at.visible) {
         let node = &nodes[at.node];
         let Some(mesh) = node.mesh else { continue };
         builder.place_node(&document.meshes[mesh], node, at, notices)?;
@@ -135,7 +146,7 @@ fn place_cameras_and_lights(
                 None => notices.add(place(), "its camera looks nowhere and is left out"),
             }
         }
-        if let Some(light) = node.light {
+        if let Some(light) = node.light.filter(|_| at.visible) {
             match lights[light].place(&at.to_world) {
                 Some(placed) => scene.lights.push(placed),
                 None => notices.add(place(), "its light shines nowhere and is left out"),

@@ -15,7 +15,7 @@ use super::primitive;
 use super::read::Storage;
 use super::skin::{self, Skin};
 use crate::math::{Aabb, MaterialId, MeshId};
-use crate::scene::placement::{self, MAX_INSTANCES};
+use crate::scene::placement;
 use crate::scene::{Instance, Scene, Transform};
 
 /// Makes a scene of nodes and meshes.
@@ -79,14 +79,20 @@ impl<'a> Builder<'a> {
                 let message = "copies of what a skin moves stand where it does: there is one alone";
                 notices.add(format!("/nodes/{}", at.node), message);
             }
-            let at = Placed { node: at.node, to_world: DAffine3::IDENTITY };
+            let at = Placed { to_world: DAffine3::IDENTITY, ..*at };
             return self.place(mesh, &at, &pose, notices);
         }
         let Some(copies) = &node.copies else { return self.place(mesh, at, &pose, notices) };
-        let most = MAX_INSTANCES - self.scene.instances.len();
-        for placement in copies.placements(self.storage, most)? {
-            let to_world = at.to_world * placement;
-            self.place(mesh, &Placed { node: at.node, to_world }, &pose, notices)?;
+        let copies = copies.copies(self.storage)?;
+        if copies.count == 0 {
+            return Ok(());
+        }
+        let parts = self.parts(mesh, &pose, notices)?;
+        let count = copies.count.saturating_mul(parts.len() as u64);
+        self.make_room(count, copies.place)?;
+        for number in 0..copies.count as usize {
+            let to_world = at.to_world * copies.placement(number)?;
+            self.put(&parts, &Placed { to_world, ..*at })?;
         }
         Ok(())
     }
@@ -102,7 +108,7 @@ impl<'a> Builder<'a> {
         Ok(matrices)
     }
 
-    /// Places all primitives of a mesh.
+    /// Places a mesh once.
     fn place(
         &mut self,
         mesh: &MeshDeclaration,
@@ -110,11 +116,20 @@ impl<'a> Builder<'a> {
         pose: &Pose,
         notices: &mut Notices,
     ) -> Result<(), Fault> {
-        let node = || format!("/nodes/{}", at.node);
-        if self.scene.instances.len() + mesh.primitives.len() > MAX_INSTANCES {
-            let message = format!("there are more than {MAX_INSTANCES} placed meshes");
-            return Err(Fault::new(node(), message));
-        }
+        let parts = self.parts(mesh, pose, notices)?;
+        self.make_room(parts.len() as u64, &format!("/nodes/{}", at.node))?;
+        self.put(&parts, at)
+    }
+
+    /// What a mesh puts wherever it is placed: of each primitive with triangles its mesh, its
+    /// material and its box.
+    fn parts(
+        &mut self,
+        mesh: &MeshDeclaration,
+        pose: &Pose,
+        notices: &mut Notices,
+    ) -> Result<Vec<(MeshId, MaterialId, Aabb)>, Fault> {
+        let mut parts = Vec::with_capacity(mesh.primitives.len());
         for primitive in &mesh.primitives {
             let material = self.palette.id(primitive);
             let (id, bounds) = match pose.weights {
@@ -123,16 +138,29 @@ impl<'a> Builder<'a> {
                 }
                 None => self.mesh(primitive, material, pose, &mesh.name, notices)?,
             };
-            if bounds.is_empty() {
-                continue; // has no triangles
+            if !bounds.is_empty() {
+                self.note_missing_sets(primitive, id, material, notices);
+                parts.push((id, material, bounds));
             }
+        }
+        Ok(parts)
+    }
+
+    fn make_room(&mut self, more: u64, place: &str) -> Result<(), Fault> {
+        self.storage.reserve_placements(place, more)?;
+        placement::make_room(&mut self.scene.instances, more)
+            .map_err(|error| Fault::new(place, error.to_string()))
+    }
+
+    /// Places what a mesh is made of; there is room for it.
+    fn put(&mut self, parts: &[(MeshId, MaterialId, Aabb)], at: &Placed) -> Result<(), Fault> {
+        let transform = Transform::new(placement::narrow(&at.to_world));
+        for &(mesh, material, bounds) in parts {
             if !placement::stays_finite(&at.to_world, bounds) {
                 let message = "places its mesh beyond the range of 32-bit floats";
-                return Err(Fault::new(node(), message));
+                return Err(Fault::new(format!("/nodes/{}", at.node), message));
             }
-            self.note_missing_sets(primitive, id, material, notices);
-            let transform = Transform::new(placement::narrow(&at.to_world));
-            self.scene.instances.push(Instance { mesh: id, material, transform });
+            self.scene.instances.push(Instance { mesh, material, transform });
         }
         Ok(())
     }

@@ -5,7 +5,9 @@ use serde_json::Value;
 use super::accessor::{self, Accessor, View};
 use super::animation::{self, Animation};
 use super::camera::{self, CameraDeclaration};
+use super::compressed;
 use super::extensions;
+use super::image_light::{self, ImageLight};
 use super::json::{Fault, Object};
 use super::light::{self, LightDeclaration};
 use super::material;
@@ -26,6 +28,8 @@ pub struct SceneDeclaration {
     pub name: String,
     /// Nodes without parents.
     pub roots: Vec<usize>,
+    /// What shines from all around.
+    pub image_light: Option<usize>,
 }
 
 /// Everything that the document declares.
@@ -59,6 +63,8 @@ pub struct Document {
     pub cameras: Vec<CameraDeclaration>,
     /// Lights.
     pub lights: Vec<LightDeclaration>,
+    /// Lights from all around.
+    pub image_lights: Vec<ImageLight>,
     /// Scenes.
     pub scenes: Vec<SceneDeclaration>,
     /// The scene to show if none is asked for.
@@ -101,7 +107,7 @@ impl Document {
         let buffers = resources::buffers(&root)?;
         let lengths: Vec<u64> = buffers.iter().map(|buffer| buffer.length).collect();
         let views = accessor::views(&root, &lengths, notices)?;
-        let accessors = accessor::accessors(&root, &views, notices)?;
+        let mut accessors = accessor::accessors(&root, &views, notices)?;
         let images = texture::images(&root, views.len())?;
         let textures = texture::textures(&root, images.len())?;
         let mut slots = Slots::new(textures.len());
@@ -109,23 +115,26 @@ impl Document {
         let variants = variants::names(&root)?;
         let shown = choose_variant(&variants, variant)?;
         let choice = Variants { count: variants.len(), materials: materials.len(), shown };
-        let meshes = mesh::read(&root, accessors.len(), choice, notices)?;
+        let declared = accessors.len();
+        let mut meshes = mesh::read(&root, declared, choice, notices)?;
+        compressed::link(&root, &mut meshes, &mut accessors, views.len())?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
         let nodes_count = root.array("nodes")?.len();
-        let skins = skin::read(&root, nodes_count, accessors.len())?;
-        let animations = animation::read(&root, nodes_count, accessors.len(), notices)?;
+        let skins = skin::read(&root, nodes_count, declared)?;
+        let animations = animation::read(&root, nodes_count, declared, notices)?;
         let counts = Counts {
             nodes: nodes_count,
             meshes: meshes.len(),
-            accessors: accessors.len(),
+            accessors: declared,
             cameras: cameras.len(),
             lights: lights.len(),
             skins: skins.len(),
         };
         let nodes = nodes::read(&root, counts, notices)?;
         let parents = nodes::parents(&nodes)?;
-        let scenes = scenes(&root, &parents)?;
+        let image_lights = image_light::read(&root, images.len())?;
+        let scenes = scenes(&root, &parents, image_lights.len())?;
         let default_scene = root.reference("scene", "scene", scenes.len())?;
         let roots = (0..nodes.len()).filter(|&node| parents[node].is_none()).collect();
         Ok(Self {
@@ -143,6 +152,7 @@ impl Document {
             animations,
             cameras,
             lights,
+            image_lights,
             scenes,
             default_scene,
             variants,
@@ -162,13 +172,23 @@ impl Document {
     /// The roots of the scene called `wanted` or else of that number; if none is asked for those
     /// of the default scene, else of the first, else all there are. None: there is no such scene.
     pub fn scene_roots(&self, wanted: Option<&str>) -> Option<&[usize]> {
-        let Some(wanted) = wanted else {
-            let scene = self.scenes.get(self.default_scene.unwrap_or(0));
-            return Some(scene.map_or(&self.roots, |scene| &scene.roots));
-        };
-        let number =
-            find_by_name_or_number(self.scenes.iter().map(|scene| scene.name.as_str()), wanted)?;
-        Some(&self.scenes[number].roots)
+        match (self.scene(wanted), wanted) {
+            (Some(scene), _) => Some(&scene.roots),
+            (None, None) => Some(&self.roots),
+            (None, Some(_)) => None,
+        }
+    }
+
+    /// What shines from all around in that scene.
+    pub fn image_light(&self, wanted: Option<&str>) -> Option<&ImageLight> {
+        Some(&self.image_lights[self.scene(wanted)?.image_light?])
+    }
+
+    fn scene(&self, wanted: Option<&str>) -> Option<&SceneDeclaration> {
+        let names = self.scenes.iter().map(|scene| scene.name.as_str());
+        let default = || Some(self.default_scene.unwrap_or(0));
+        let number = wanted.map_or_else(default, |wanted| find_by_name_or_number(names, wanted))?;
+        self.scenes.get(number)
     }
 }
 
@@ -205,7 +225,11 @@ fn check_version(root: &Object) -> Result<(), Fault> {
     }
 }
 
-fn scenes(root: &Object, parents: &[Option<usize>]) -> Result<Vec<SceneDeclaration>, Fault> {
+fn scenes(
+    root: &Object,
+    parents: &[Option<usize>],
+    lights: usize,
+) -> Result<Vec<SceneDeclaration>, Fault> {
     let mut listed_by = vec![usize::MAX; parents.len()];
     let mut scene = |(number, object): (usize, &Object)| {
         let roots = object.references("nodes", "node", parents.len())?;
@@ -219,7 +243,8 @@ fn scenes(root: &Object, parents: &[Option<usize>]) -> Result<Vec<SceneDeclarati
                 return Err(Fault::new(place(), format!("node {node} is listed twice")));
             }
         }
-        Ok(SceneDeclaration { name: object.name()?, roots })
+        let image_light = image_light::of_scene(object, lights)?;
+        Ok(SceneDeclaration { name: object.name()?, roots, image_light })
     };
     root.objects("scenes")?.iter().enumerate().map(&mut scene).collect()
 }

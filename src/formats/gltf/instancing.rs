@@ -5,6 +5,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use super::json::{Fault, Object};
 use super::notices::Notices;
 use super::read::Storage;
+use super::rows::Rows;
 
 /// The accessors of the copies' placements, relative to the node; those that are absent change
 /// nothing.
@@ -48,56 +49,66 @@ impl Instancing {
         [self.translations, self.rotations, self.scales].into_iter().flatten()
     }
 
-    /// Where the copies stand, relative to the node.
+    /// The copies, in the file's buffers.
     ///
     /// # Errors
-    /// Attributes of different lengths, numbers that are not finite, more than `most` copies.
-    pub fn placements(&self, storage: &Storage, most: usize) -> Result<Vec<DAffine3>, Fault> {
+    /// Attributes of different lengths, or of another type than the extension asks for.
+    pub fn copies<'s>(&'s self, storage: &'s Storage) -> Result<Copies<'s>, Fault> {
         let counts = || self.accessors().map(|index| storage.accessor(index).count);
         let count = counts().next().unwrap_or(0);
         if counts().any(|other| other != count) {
             let message = "its attributes have different numbers of elements";
             return Err(Fault::new(self.place.clone(), message));
         }
-        if count > most as u64 {
-            let message = format!("{count} copies are too many; {most} more at most");
-            return Err(Fault::new(self.place.clone(), message));
-        }
-        storage.reserve(&self.place, count * size_of::<DAffine3>() as u64)?;
-        let translations = vectors(storage, self.translations, [0.0; 3], count)?;
-        let rotations = vectors(storage, self.rotations, [0.0, 0.0, 0.0, 1.0], count)?;
-        let scales = vectors(storage, self.scales, [1.0; 3], count)?;
-        let parts = translations.into_iter().zip(rotations).zip(scales).enumerate();
-        parts
-            .map(|(number, ((translation, rotation), scale))| {
-                let turn = DQuat::from_array(rotation.map(f64::from));
-                let length = turn.length();
-                let placement = DAffine3::from_scale_rotation_translation(
-                    DVec3::from_array(scale.map(f64::from)),
-                    turn * (1.0 / length),
-                    DVec3::from_array(translation.map(f64::from)),
-                );
-                if length < 1e-6 || !placement.is_finite() {
-                    let message = format!(
-                        "copy {number} has no place: a number is not finite, or \
-                        its rotation is zero"
-                    );
-                    return Err(Fault::new(self.place.clone(), message));
-                }
-                Ok(placement)
-            })
-            .collect()
+        Ok(Copies {
+            place: &self.place,
+            count,
+            translations: rows(storage, self.translations, [0.0; 3])?,
+            rotations: rows(storage, self.rotations, [0.0, 0.0, 0.0, 1.0])?,
+            scales: rows(storage, self.scales, [1.0; 3])?,
+        })
     }
 }
 
-fn vectors<const N: usize>(
-    storage: &Storage,
+/// Where the copies of a node stand, read from the file's buffers one by one.
+#[derive(Debug)]
+pub struct Copies<'s> {
+    /// The pointer to the attributes.
+    pub place: &'s str,
+    /// How many there are.
+    pub count: u64,
+    translations: Rows<'s, 3>,
+    rotations: Rows<'s, 4>,
+    scales: Rows<'s, 3>,
+}
+
+impl Copies<'_> {
+    /// Where a copy stands, relative to the node.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a rotation that is none.
+    pub fn placement(&self, number: usize) -> Result<DAffine3, Fault> {
+        let turn = DQuat::from_array(self.rotations.get(number).map(f64::from));
+        let length = turn.length();
+        let placement = DAffine3::from_scale_rotation_translation(
+            DVec3::from_array(self.scales.get(number).map(f64::from)),
+            turn * (1.0 / length),
+            DVec3::from_array(self.translations.get(number).map(f64::from)),
+        );
+        if length < 1e-6 || !placement.is_finite() {
+            let message = format!(
+                "copy {number} has no place: a number is not finite, or its rotation is zero"
+            );
+            return Err(Fault::new(self.place, message));
+        }
+        Ok(placement)
+    }
+}
+
+fn rows<'s, const N: usize>(
+    storage: &'s Storage,
     accessor: Option<usize>,
     default: [f32; N],
-    count: u64,
-) -> Result<Vec<[f32; N]>, Fault> {
-    match accessor {
-        Some(accessor) => storage.vectors::<N>(accessor),
-        None => Ok(vec![default; count as usize]),
-    }
+) -> Result<Rows<'s, N>, Fault> {
+    accessor.map_or(Ok(Rows::Constant(default)), |accessor| storage.rows(accessor))
 }

@@ -170,9 +170,7 @@ impl<'a> Object<'a> {
 
     /// A member that is an array of indices; absent: empty.
     pub fn references(&self, key: &str, what: &str, count: usize) -> Result<Vec<usize>, Fault> {
-        let elements = self.array(key)?.iter().enumerate();
-        let place = |i| format!("{}/{i}", self.at(key));
-        elements.map(|(i, value)| checked_index(value, what, count, || place(i))).collect()
+        self.value(key).map_or(Ok(Vec::new()), |value| indices(value, &self.at(key), what, count))
     }
 
     /// A member that is a number within the range of f32.
@@ -201,6 +199,16 @@ impl<'a> Object<'a> {
         }
         Ok(Some(numbers))
     }
+}
+
+/// The indices of an array at `place`, into an array of `count` things called `what`.
+pub fn indices(value: &Value, place: &str, what: &str, count: usize) -> Result<Vec<usize>, Fault> {
+    let Value::Array(elements) = value else {
+        return Err(mismatch(place.to_owned(), "an array", value));
+    };
+    let place = |i| format!("{place}/{i}");
+    let checked = |(i, value)| checked_index(value, what, count, || place(i));
+    elements.iter().enumerate().map(checked).collect()
 }
 
 fn checked_index(

@@ -232,12 +232,10 @@ impl Reader<'_, '_> {
             let angle = transform.number("rotation")?.unwrap_or(0.0);
             reference.rotation = Vec2::new(libm::cosf(angle), libm::sinf(angle));
         }
-        if set > 1 {
-            let message = "only two sets of texture coordinates are supported; the first is used";
-            self.notices.add(info.at("texCoord"), message);
-            set = 0;
-        }
-        reference.uv_set = set as u8;
+        // Which of the mesh's sets is which of those that a mesh keeps is told by the palette.
+        reference.uv_set = u8::try_from(set).map_err(|_| {
+            info.fault_at("texCoord", format!("{set} is beyond all sets of coordinates (255)"))
+        })?;
         Ok(reference)
     }
 }

@@ -41,7 +41,7 @@ pub struct Geometry {
     pub normals: Option<usize>,
     /// TANGENT.
     pub tangents: Option<usize>,
-    /// TEXCOORD_0 and TEXCOORD_1.
+    /// Two sets of texture coordinates, TEXCOORD_0 and TEXCOORD_1 unless the material needs others.
     pub uvs: [Option<usize>; 2],
     /// COLOR_0.
     pub colors: Option<usize>,
@@ -81,6 +81,8 @@ pub struct Primitive {
     pub geometry: Geometry,
     /// Which material; none: the default one.
     pub material: Option<usize>,
+    /// TEXCOORD_n, as many as there are.
+    pub uv_sets: Vec<Option<usize>>,
     /// The accessors of all its morph targets.
     morphs: Vec<Displacements>,
 }
@@ -89,6 +91,12 @@ impl Primitive {
     /// All accessors that it may read, however it is posed.
     pub fn accessors(&self) -> impl Iterator<Item = usize> {
         self.geometry.accessors().chain(self.morphs.iter().flatten().copied().flatten())
+    }
+
+    /// Keeps those sets of texture coordinates that a material looks up.
+    pub fn keep_sets(&mut self, sets: [Option<u8>; 2]) {
+        let set = |number: u8| self.uv_sets.get(usize::from(number)).copied().flatten();
+        self.geometry.uvs = sets.map(|number| number.and_then(set));
     }
 
     /// The same with other weights of its morph targets, as a node may ask.
@@ -175,31 +183,43 @@ fn primitive(
         return Ok(None);
     };
     let normals = attribute("NORMAL")?;
+    let uv_sets = uv_sets(&attributes, accessors)?;
     let geometry = Geometry {
         mode,
         positions,
         normals,
         // Without normals tangents are to be ignored (3.7.2.1).
         tangents: if normals.is_some() { attribute("TANGENT")? } else { None },
-        uvs: [attribute("TEXCOORD_0")?, attribute("TEXCOORD_1")?],
+        uvs: [0, 1].map(|set| uv_sets.get(set).copied().flatten()),
         colors: attribute("COLOR_0")?,
         indices,
         joints,
         targets: weigh_morphs(&morphs, weights),
     };
-    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material, morphs }))
+    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material, uv_sets, morphs }))
 }
 
 /// Says which attributes are not looked at. Those of applications, with an underscore, are theirs.
 fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
     let message = match name.split_once('_') {
         Some(("COLOR", set)) if set != "0" => "only the first colours of vertices are supported",
-        Some(("TEXCOORD", set)) if set != "0" && set != "1" => {
-            "only two sets of texture coordinates are supported"
-        }
         _ => return,
     };
     notices.add(attributes.at(name), message);
+}
+
+/// The sets of texture coordinates by their numbers, up to 255.
+fn uv_sets(attributes: &Object, accessors: usize) -> Result<Vec<Option<usize>>, Fault> {
+    let mut sets = Vec::new();
+    for (name, _) in attributes.members() {
+        let number = name.strip_prefix("TEXCOORD_").and_then(|set| set.parse::<u8>().ok());
+        let Some(number) = number.map(usize::from) else { continue };
+        if sets.len() <= number {
+            sets.resize(number + 1, None);
+        }
+        sets[number] = attributes.reference(name, "accessor", accessors)?;
+    }
+    Ok(sets)
 }
 
 /// Pairs of joints and weights, as many as there are.

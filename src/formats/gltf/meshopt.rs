@@ -1,7 +1,12 @@
-//! Buffer views that are packed (EXT_meshopt_compression).
+//! Buffer views that are packed: EXT_meshopt_compression, and KHR_meshopt_compression, which has a
+//! second version of attributes and a filter for colours.
 
+use meshoptimizer_rs::Error;
 use meshoptimizer_rs::Workspace;
-use meshoptimizer_rs::codec::{BufferView, Filter, Mode};
+use meshoptimizer_rs::codec::{
+    BufferView, Filter, Mode, decode_filter_color, decode_filter_exp, decode_filter_oct,
+    decode_filter_quat, decode_vertex_buffer,
+};
 
 use super::json::{Fault, Object};
 use crate::files::memory;
@@ -22,6 +27,33 @@ pub struct Packed {
     /// How many come out.
     unpacked: u64,
     layout: BufferView,
+    /// Of attributes of KHR_meshopt_compression what they are.
+    attributes: Option<Attributes>,
+}
+
+/// Attributes of either version.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Attributes {
+    count: usize,
+    size: usize,
+    /// What is done to them; none: they are colours.
+    filter: Option<Filter>,
+}
+
+impl Attributes {
+    fn decode(self, packed: &[u8]) -> Result<Vec<u8>, Error> {
+        let Self { count, size, filter } = self;
+        let workspace = &mut Workspace::default();
+        let mut bytes = decode_vertex_buffer(count, size, packed, workspace)?;
+        match filter {
+            Some(Filter::None) => {}
+            Some(Filter::Octahedral) => decode_filter_oct(&mut bytes, count, size, workspace)?,
+            Some(Filter::Quaternion) => decode_filter_quat(&mut bytes, count, size, workspace)?,
+            Some(Filter::Exponential) => decode_filter_exp(&mut bytes, count, size, workspace)?,
+            None => decode_filter_color(&mut bytes, count, size, workspace)?,
+        }
+        Ok(bytes)
+    }
 }
 
 impl Packed {
@@ -33,7 +65,13 @@ impl Packed {
         length: u64,
         stride: Option<u64>,
     ) -> Result<Option<Self>, Fault> {
-        let Some(packed) = view.extension("EXT_meshopt_compression")? else { return Ok(None) };
+        let khr = view.extension("KHR_meshopt_compression")?;
+        let is_khr = khr.is_some();
+        let ext = view.extension("EXT_meshopt_compression")?;
+        if khr.is_some() && ext.is_some() {
+            return Err(view.fault("is packed in two ways"));
+        }
+        let Some(packed) = khr.or(ext) else { return Ok(None) };
         let buffer = packed.required_reference("buffer", "buffer", buffers.len())?;
         let offset = packed.whole("byteOffset")?.unwrap_or(0);
         let bytes = packed.required_whole("byteLength")?;
@@ -48,7 +86,8 @@ impl Packed {
             other => return Err(packed.fault_at("mode", format!("{other:?} is no mode"))),
         };
         let filter = packed.text("filter")?.unwrap_or("NONE");
-        let filter = Filter::parse(filter)
+        let is_color = is_khr && filter == "COLOR";
+        let filter = Filter::parse(if is_color { "NONE" } else { filter })
             .map_err(|_| packed.fault_at("filter", format!("{filter:?} is no filter")))?;
         let (count, size) = (packed.required_whole("count")?, packed.required_whole("byteStride")?);
         if count.checked_mul(size) != Some(length) || stride.is_some_and(|stride| stride != size) {
@@ -59,10 +98,18 @@ impl Packed {
             let message = format!("{length} bytes cannot come out of {bytes}");
             return Err(packed.fault_at("byteLength", message));
         }
+        if is_color && (mode != Mode::Attributes || ![4, 8].contains(&size)) {
+            return Err(packed.fault_at("filter", "colours are attributes of 4 or 8 bytes"));
+        }
+        let attributes = (is_khr && mode == Mode::Attributes).then_some(Attributes {
+            count: count as usize,
+            size: size as usize,
+            filter: (!is_color).then_some(filter),
+        });
         let layout = BufferView::new(mode, filter, count as usize, size as usize);
         let layout =
             layout.map_err(|error| packed.fault(format!("cannot be unpacked: {error}")))?;
-        Ok(Some(Self { buffer, offset, length: bytes, unpacked: length, layout }))
+        Ok(Some(Self { buffer, offset, length: bytes, unpacked: length, layout, attributes }))
     }
 
     /// The view's bytes.
@@ -71,7 +118,10 @@ impl Packed {
     /// What is wrong with the packed ones, or that memory is short.
     pub fn unpack(&self, packed: &[u8]) -> Result<Vec<u8>, String> {
         memory::claim(self.unpacked).map_err(|error| format!("unpacked it {error}"))?;
-        let unpacked = self.layout.decode(packed, &mut Workspace::default());
+        let unpacked = match self.attributes {
+            Some(attributes) => attributes.decode(packed),
+            None => self.layout.decode(packed, &mut Workspace::default()),
+        };
         unpacked.map_err(|error| format!("cannot be unpacked: {error}"))
     }
 }

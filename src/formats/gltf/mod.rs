@@ -13,9 +13,13 @@ mod animation;
 mod assemble;
 mod build;
 mod camera;
+mod compressed;
 mod document;
+mod draco;
+mod element;
 mod extensions;
 mod glb;
+mod image_light;
 mod instancing;
 mod json;
 mod layers;
@@ -27,9 +31,11 @@ mod nodes;
 mod notices;
 mod palette;
 mod planes;
+mod pointers;
 mod primitive;
 mod read;
 mod resources;
+mod rows;
 mod select;
 mod skin;
 mod specular_glossiness;
@@ -39,6 +45,7 @@ mod variants;
 use std::path::Path;
 
 use self::document::{Document, Refusal};
+use self::draco::{Declared, Unpacked};
 use self::json::Fault;
 use self::notices::Notices;
 use super::{LoadError, LoadOptions, read_file};
@@ -74,6 +81,7 @@ pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, 
         (bytes, None)
     };
     let value = json::parse(json).map_err(in_file)?;
+    let value = pointers::pose(value, binary, path, options)?;
     let wanted = options.variant.as_deref();
     let document =
         Document::read(&value, wanted, &mut notices).map_err(|refusal| match refusal {
@@ -92,4 +100,17 @@ pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, 
     scene.notices = notices.finish(path);
     scene.contents = contents;
     Ok(scene)
+}
+
+/// Unpacks a mesh packed by Draco, and reads each of its parts: for tests of hostile files.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn check_draco(bytes: &[u8]) -> Result<(), LoadError> {
+    let declared = Declared { triangles: 1 << 16, vertices: 1 << 16, vertex_bytes: 64 };
+    let checked = Unpacked::decode(bytes, declared).and_then(|mesh| {
+        mesh.corners()?;
+        mesh.attributes().try_for_each(|id| mesh.attribute(id).map(drop))
+    });
+    checked.map_err(|message| LoadError::invalid(Path::new("fuzz.draco"), "", message))
 }

@@ -46,6 +46,8 @@ pub struct Node {
     pub camera: Option<usize>,
     /// A light that it carries.
     pub light: Option<usize>,
+    /// Whether it and what is below it are seen (KHR_node_visibility).
+    pub visible: bool,
     /// To its parent's space.
     pub local: DAffine3,
     /// What that is made of, as far as it can be told of a matrix.
@@ -76,6 +78,8 @@ pub struct Placed {
     pub node: usize,
     /// From its space to the world.
     pub to_world: DAffine3,
+    /// Whether it and all above it are seen: its mesh is there, its light shines.
+    pub visible: bool,
 }
 
 /// Reads all nodes.
@@ -88,6 +92,10 @@ fn node(object: &Object, counts: Counts, notices: &mut Notices) -> Result<Node, 
         Some(extension) => Some(extension.required_reference("light", "light", counts.lights)?),
         None => None,
     };
+    let visible = match object.extension("KHR_node_visibility")? {
+        Some(extension) => !extension.has("visible") || extension.flag("visible")?,
+        None => true,
+    };
     let (local, parts) = local(object, notices)?;
     Ok(Node {
         name: object.name()?,
@@ -98,6 +106,7 @@ fn node(object: &Object, counts: Counts, notices: &mut Notices) -> Result<Node, 
         copies: Instancing::read(object, counts.accessors, notices)?,
         camera: object.reference("camera", "camera", counts.cameras)?,
         light,
+        visible,
         local,
         parts,
     })
@@ -165,17 +174,17 @@ pub fn parents(nodes: &[Node]) -> Result<Vec<Option<usize>>, Fault> {
 /// parents and are told apart.
 pub fn place(nodes: &[Node], roots: &[usize]) -> Vec<Placed> {
     let mut placed = Vec::new();
-    let mut pending: Vec<Placed> =
-        roots.iter().rev().map(|&node| Placed { node, to_world: nodes[node].local }).collect();
+    let root = |&node: &usize| {
+        let Node { local, visible, .. } = nodes[node];
+        Placed { node, to_world: local, visible }
+    };
+    let mut pending: Vec<Placed> = roots.iter().rev().map(root).collect();
     while let Some(at) = pending.pop() {
         placed.push(at);
-        pending.extend(
-            nodes[at.node]
-                .children
-                .iter()
-                .rev()
-                .map(|&node| Placed { node, to_world: at.to_world * nodes[node].local }),
-        );
+        pending.extend(nodes[at.node].children.iter().rev().map(|&node| {
+            let Node { local, visible, .. } = nodes[node];
+            Placed { node, to_world: at.to_world * local, visible: at.visible && visible }
+        }));
     }
     placed
 }

@@ -87,7 +87,7 @@ fn touches(sides: &[Side], camera: &Camera, scene: &Scene) -> bool {
     let boxes: Vec<Aabb> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
     let mut looked_at = 0;
     scene.instances.iter().any(|instance| {
-        let to_camera = from_world * instance.transform.to_world;
+        let to_camera = from_world * instance.transform.to_world();
         let bounds = boxes[instance.mesh.index()];
         let corners = corners(bounds).map(|corner| to_camera.transform_point3(corner));
         if is_beyond(sides, &corners) {

@@ -5,7 +5,10 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use super::accessor::{Accessor, Component, Shape, View};
+use super::draco::{Declared, Unpacked};
 use super::json::Fault;
+use super::notices::Notices;
+use super::rows::{Rows, Stored};
 
 /// Memory that decoded arrays may always take.
 const FREE_BYTES: u64 = 1 << 30;
@@ -13,6 +16,16 @@ const FREE_BYTES: u64 = 1 << 30;
 /// Memory that they may take beyond, as a multiple of the buffers' length: bytes can become floats,
 /// and accessors can overlap, but a small file must not ask for gigabytes.
 const EXPANSION: u64 = 32;
+
+/// Placed meshes that there may always be.
+const FREE_PLACEMENTS: u64 = 1 << 22;
+
+/// Placed meshes that there may be beyond, for each byte of the buffers: a mesh of many parts is
+/// placed by each of a node's copies, which takes some bytes there.
+const PLACEMENTS_PER_BYTE: u64 = 8;
+
+/// The same for each byte of a mesh packed by Draco: large ones take one or two for a triangle.
+const MESH_EXPANSION: u64 = 256;
 
 /// The most elements of an accessor that has no buffer view: nothing pays for its zeros.
 const MAX_ZEROS: u64 = 1 << 22;
@@ -27,6 +40,8 @@ pub struct Storage<'a> {
     unpacked: BTreeMap<usize, Vec<u8>>,
     /// Bytes that may still be decoded.
     budget: Cell<u64>,
+    /// Meshes that may still be placed.
+    placement_budget: Cell<u64>,
 }
 
 impl<'a> Storage<'a> {
@@ -37,8 +52,11 @@ impl<'a> Storage<'a> {
         accessors: Vec<Accessor>,
     ) -> Self {
         let total: u64 = buffers.iter().flatten().map(|bytes| bytes.len() as u64).sum();
-        let budget = Cell::new(FREE_BYTES + total.saturating_mul(EXPANSION));
-        Self { buffers, views, accessors, unpacked: BTreeMap::new(), budget }
+        let allow =
+            |free: u64, each: u64| Cell::new(free.saturating_add(total.saturating_mul(each)));
+        let budget = allow(FREE_BYTES, EXPANSION);
+        let placement_budget = allow(FREE_PLACEMENTS, PLACEMENTS_PER_BYTE);
+        Self { buffers, views, accessors, unpacked: BTreeMap::new(), budget, placement_budget }
     }
 
     /// An accessor that the document has.
@@ -62,6 +80,81 @@ impl<'a> Storage<'a> {
         Ok(())
     }
 
+    /// Unpacks those of some views that hold meshes packed by Draco: their parts become views.
+    ///
+    /// # Errors
+    /// What is wrong with the packed bytes, or that there is far too much to unpack.
+    pub fn unpack_meshes(&mut self, views: &[usize], notices: &mut Notices) -> Result<(), Fault> {
+        let mut parts: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (index, accessor) in self.accessors.iter().enumerate() {
+            if let Some(part) = accessor.part.filter(|part| views.binary_search(&part.view).is_ok())
+            {
+                parts.entry(part.view).or_default().push(index);
+            }
+        }
+        for (view, parts) in parts {
+            self.unpack_mesh(view, &parts, notices)?;
+        }
+        Ok(())
+    }
+
+    /// Unpacks the mesh in a view for the accessors that are its parts.
+    fn unpack_mesh(
+        &mut self,
+        view: usize,
+        parts: &[usize],
+        notices: &mut Notices,
+    ) -> Result<(), Fault> {
+        let place = self.accessors[parts[0]].place.clone();
+        let declared = self.declare(parts);
+        let bytes = self.view(view)?;
+        let justified = (bytes.len() as u64).saturating_mul(MESH_EXPANSION);
+        self.budget.set(self.budget.get().saturating_add(justified));
+        self.reserve(&place, declared.bytes())?;
+        let mesh =
+            Unpacked::decode(bytes, declared).map_err(|message| Fault::new(place, message))?;
+        for &index in parts {
+            let accessor = &mut self.accessors[index];
+            let array = match accessor.part.and_then(|part| part.attribute) {
+                Some(id) => mesh.attribute(id),
+                None => mesh.corners(),
+            };
+            let array = array.map_err(|message| Fault::new(accessor.place.clone(), message))?;
+            if array.count == 0 {
+                return Err(Fault::new(accessor.place.clone(), "holds no triangles"));
+            }
+            if accessor.count != 0 && accessor.count != array.count {
+                let message = "holds another number of elements than its accessor declares";
+                notices.add(accessor.place.clone(), message);
+            }
+            let is_integer = |component| !matches!(component, Component::F32 | Component::U32);
+            let (from, to) = (is_integer(accessor.component), is_integer(array.component));
+            accessor.normalized = to && if from { accessor.normalized } else { array.normalized };
+            accessor.fill(self.views.len(), array.component, array.shape, array.count);
+            let length = array.bytes.len() as u64;
+            self.unpacked.insert(self.views.len(), array.bytes);
+            self.views.push(View { buffer: 0, offset: 0, length, stride: None, packed: None });
+        }
+        Ok(())
+    }
+
+    /// What the accessors that are parts of a packed mesh declare of it.
+    fn declare(&self, parts: &[usize]) -> Declared {
+        let mut declared = Declared::default();
+        for accessor in parts.iter().map(|&index| &self.accessors[index]) {
+            if accessor.part.is_some_and(|part| part.attribute.is_some()) {
+                declared.vertices = declared.vertices.max(accessor.count);
+                declared.vertex_bytes += accessor.element_size();
+            } else {
+                declared.triangles = declared.triangles.max(accessor.count / 3);
+            }
+        }
+        if declared.triangles == 0 {
+            declared.triangles = declared.vertices.saturating_mul(2);
+        }
+        declared
+    }
+
     /// The bytes of a buffer view; of a packed one only once it is unpacked.
     pub fn view(&self, index: usize) -> Result<&[u8], Fault> {
         if let Some(bytes) = self.unpacked.get(&index) {
@@ -83,16 +176,14 @@ impl<'a> Storage<'a> {
 
     /// Sets memory for decoded numbers aside.
     pub fn reserve(&self, place: &str, bytes: u64) -> Result<(), Fault> {
-        match self.budget.get().checked_sub(bytes) {
-            Some(left) => {
-                self.budget.set(left);
-                Ok(())
-            }
-            None => Err(Fault::new(
-                place,
-                "the geometry takes far more memory than the buffers' length can justify",
-            )),
-        }
+        let message = "the geometry takes far more memory than the buffers' length can justify";
+        spend(&self.budget, bytes).ok_or_else(|| Fault::new(place, message))
+    }
+
+    /// Accounts for so many placed meshes.
+    pub fn reserve_placements(&self, place: &str, count: u64) -> Result<(), Fault> {
+        let message = "there are far more placed meshes than the buffers' length can justify";
+        spend(&self.placement_budget, count).ok_or_else(|| Fault::new(place, message))
     }
 
     /// Vectors of `N` numbers, or scalars where `N` is 1.
@@ -109,6 +200,21 @@ impl<'a> Storage<'a> {
             }
             vector
         })
+    }
+
+    /// The same, each decoded when it is asked for.
+    pub fn rows<const N: usize>(&self, index: usize) -> Result<Rows<'_, N>, Fault> {
+        let accessor = &self.accessors[index];
+        let (Some((view, offset)), None) = (accessor.base, &accessor.sparse) else {
+            return self.vectors::<N>(index).map(Rows::Decoded);
+        };
+        Self::expect(accessor, N, "numbers")?;
+        Ok(Rows::Stored(Stored {
+            bytes: &self.view(view)?[offset as usize..],
+            stride: accessor.stride as usize,
+            size: accessor.component.size() as usize,
+            decode: decoder(accessor.component, accessor.normalized),
+        }))
     }
 
     /// Matrices of four columns, of floats.
@@ -194,6 +300,12 @@ impl<'a> Storage<'a> {
     }
 }
 
+/// Takes so much from a budget, if there is as much.
+fn spend(budget: &Cell<u64>, amount: u64) -> Option<()> {
+    budget.set(budget.get().checked_sub(amount)?);
+    Some(())
+}
+
 type Decode<T> = fn(&[u8]) -> T;
 
 /// Of one number's bytes, its value (glTF 2.0, 3.6.2.2 for the normalised ones).
@@ -224,87 +336,4 @@ fn index_decoder(component: Component) -> Option<Decode<u32>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::accessor::Sparse;
-    use super::*;
-
-    fn storage(bytes: &[u8], stride: Option<u64>, accessor: Accessor) -> Storage<'_> {
-        let view =
-            |offset, length, stride| View { buffer: 0, offset, length, stride, packed: None };
-        let all = bytes.len() as u64;
-        // View 0 is everything, view 1 the last six bytes.
-        let views = vec![view(0, all, stride), view(all - 6, 6, None)];
-        Storage::new(vec![Some(Cow::Borrowed(bytes))], views, vec![accessor])
-    }
-
-    fn plain(component: Component, shape: Shape, count: u64) -> Accessor {
-        Accessor {
-            place: "/accessors/0".to_owned(),
-            base: Some((0, 0)),
-            component,
-            shape,
-            normalized: false,
-            count,
-            stride: shape_size(component, shape),
-            sparse: None,
-        }
-    }
-
-    fn shape_size(component: Component, shape: Shape) -> u64 {
-        match shape {
-            Shape::Vector(n) => n * component.size(),
-            _ => component.size(),
-        }
-    }
-
-    #[test]
-    fn normalised_integers_reach_both_ends() {
-        let bytes = [0x80, 0x81, 0x7f, 0x00, 0, 0];
-        let mut accessor = plain(Component::I8, Shape::Vector(2), 2);
-        accessor.normalized = true;
-        let read = storage(&bytes, None, accessor).vectors::<2>(0).expect("reads");
-        assert_eq!(read, [[-1.0, -1.0], [1.0, 0.0]]);
-    }
-
-    #[test]
-    fn strides_skip_what_lies_between() {
-        let bytes = [1, 2, 99, 99, 3, 4, 99, 99, 5, 6];
-        let mut accessor = plain(Component::U8, Shape::Vector(2), 3);
-        accessor.stride = 4;
-        let read = storage(&bytes, Some(4), accessor).vectors::<2>(0).expect("reads");
-        assert_eq!(read, [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]);
-    }
-
-    #[test]
-    fn sparse_values_replace_zeros() {
-        // Indices 1 and 3, then their values 7 and 9, as u8; two bytes are left over.
-        let bytes = [1, 3, 7, 9, 0, 0];
-        let mut accessor = plain(Component::U8, Shape::Scalar, 4);
-        accessor.base = None;
-        accessor.sparse = Some(Sparse { count: 2, indices: (1, 0, Component::U8), values: (1, 2) });
-        let read = storage(&bytes, None, accessor.clone()).vectors::<1>(0).expect("reads");
-        assert_eq!(read, [[0.0], [7.0], [0.0], [9.0]]);
-
-        accessor.count = 3;
-        let fault = storage(&bytes, None, accessor).vectors::<1>(0).expect_err("3 of 3");
-        assert_eq!(fault.place, "/accessors/0/sparse/indices");
-    }
-
-    #[test]
-    fn a_small_file_cannot_ask_for_gigabytes() {
-        let mut accessor = plain(Component::F32, Shape::Vector(3), u64::MAX);
-        accessor.base = None;
-        assert!(storage(&[0; 6], None, accessor.clone()).vectors::<3>(0).is_err());
-        accessor.count = MAX_ZEROS + 1;
-        assert!(storage(&[0; 6], None, accessor).vectors::<3>(0).is_err());
-    }
-
-    #[test]
-    fn indices_are_unsigned() {
-        let bytes = [1, 0, 2, 0, 0, 0];
-        let accessor = plain(Component::U16, Shape::Scalar, 3);
-        assert_eq!(storage(&bytes, None, accessor).indices(0), Ok(vec![1, 2, 0]));
-        let accessor = plain(Component::I16, Shape::Scalar, 3);
-        assert!(storage(&bytes, None, accessor).indices(0).is_err());
-    }
-}
+mod tests;

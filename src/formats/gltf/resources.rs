@@ -88,7 +88,7 @@ fn display_uri(uri: &str) -> String {
 }
 
 /// What to call an image: the file that it is in, else what the document calls it.
-fn name_of(image: &ImageDeclaration) -> String {
+pub fn name_of(image: &ImageDeclaration) -> String {
     let file = match &image.source {
         ImageSource::Uri(uri) => display_uri(uri),
         ImageSource::View(_) => String::new(),
@@ -98,8 +98,8 @@ fn name_of(image: &ImageDeclaration) -> String {
 
 /// Makes the textures in `slots`, which are indices into `textures`. Each image is decoded once.
 /// What is missing or broken goes to `broken`, or is noted, and colours are magenta; `None` is what
-/// holds no colours, to be left out. Where a WebP image cannot be used, the one that the texture
-/// has for other programs is, and that is noted.
+/// holds no colours, to be left out. Where a WebP or KTX2 image cannot be used, the one that the
+/// texture has for other programs is, and that is noted.
 pub fn load_textures(
     slots: &[(usize, ColorSpace)],
     textures: &[TextureDeclaration],
@@ -147,11 +147,11 @@ pub fn load_textures(
         }
     }
     let mut texture = |(&(index, color_space), chosen): (&(usize, ColorSpace), &_)| {
-        let TextureDeclaration { place, compressed, wrap, filter, .. } = &textures[index];
+        let TextureDeclaration { place, avif, wrap, filter, .. } = &textures[index];
         let magenta = || (color_space == ColorSpace::Srgb).then(Texture::magenta);
         let Some((_, got)) = chosen else {
-            let reason = if *compressed {
-                "is of KTX2 alone (KHR_texture_basisu), which dapple does not read"
+            let reason = if *avif {
+                "is of AVIF alone (EXT_texture_avif), which dapple does not read"
             } else {
                 "has no image that dapple can read"
             };
@@ -165,7 +165,8 @@ pub fn load_textures(
     slots.iter().zip(&chosen).map(&mut texture).collect()
 }
 
-fn report(
+/// Says that an image is missing: in `broken`, or as a notice.
+pub fn report(
     name: String,
     place: &str,
     reason: &str,
@@ -186,7 +187,7 @@ fn report(
 }
 
 /// Decodes those images that are `used`.
-fn decode_images(
+pub fn decode_images(
     mut used: Vec<usize>,
     images: &[ImageDeclaration],
     storage: &Storage,

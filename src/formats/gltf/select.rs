@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::accessor::Accessor;
 use super::animation::Animation;
 use super::document::Document;
+use super::image_light::ImageLight;
 use super::instancing::Instancing;
 use super::mesh::Primitive;
 use super::nodes::{self, Node, Placed};
@@ -27,6 +27,8 @@ pub(super) struct Selection {
     pub palette: Palette,
     /// The textures that these need, each in a colour space.
     pub slots: Vec<(usize, ColorSpace)>,
+    /// What shines from all around.
+    pub light: Option<ImageLight>,
     /// The buffer views that all of that reads, in order.
     pub views: Vec<usize>,
 }
@@ -51,31 +53,47 @@ pub(super) fn select(
     let animation = choose_animation(document, options, path, notices)?;
 
     let materials = std::mem::take(&mut document.materials);
+    let mut palette = Palette::new(materials, drawn_primitives(document, &placed).into_iter());
+    if palette.has_too_many {
+        let message = "a material looks up more than two sets of texture coordinates: the first \
+                       stands in for the third and those after it";
+        notices.add("/materials", message);
+    }
+    for primitive in document.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        if let Some(sets) = palette.kept(primitive) {
+            primitive.keep_sets(sets);
+        }
+    }
     let primitives = drawn_primitives(document, &placed);
-    let mut palette = Palette::new(materials, primitives.iter().copied());
     let slots = document.slots.retain(&mut palette.materials);
-    let views = views_in_use(document, &placed, &primitives, animation.as_ref(), &slots);
-    Ok(Selection { roots, placed, animation, palette, slots, views })
+    let light = document.image_light(options.scene.as_deref());
+    let views = views_in_use(document, &placed, &primitives, animation.as_ref(), &slots, light);
+    let light = light.cloned();
+    Ok(Selection { roots, placed, animation, palette, slots, light, views })
 }
 
-/// The primitives of all meshes that nodes place, each once, in the document's order.
+/// The primitives of all meshes that nodes place and that are seen, each once, in the document's
+/// order.
 fn drawn_primitives<'d>(document: &'d Document, placed: &[Placed]) -> Vec<&'d Primitive> {
-    let mut drawn: Vec<usize> =
-        placed.iter().filter_map(|at| document.nodes[at.node].mesh).collect();
+    let seen = placed.iter().filter(|at| at.visible);
+    let mut drawn: Vec<usize> = seen.filter_map(|at| document.nodes[at.node].mesh).collect();
     drawn.sort_unstable();
     drawn.dedup();
     drawn.iter().flat_map(|&mesh| &document.meshes[mesh].primitives).collect()
 }
 
-/// The buffer views of images, of primitives, of copies and skins, and of the animation.
+/// The buffer views of images and a light, of primitives, of copies and skins, and of the
+/// animation.
 fn views_in_use(
     document: &Document,
     placed: &[Placed],
     primitives: &[&Primitive],
     animation: Option<&Animation>,
     slots: &[(usize, ColorSpace)],
+    light: Option<&ImageLight>,
 ) -> Vec<usize> {
     let images = slots.iter().filter_map(|&(texture, _)| document.textures[texture].image);
+    let images = images.chain(light.iter().flat_map(|light| light.faces));
     let of_images = images.filter_map(|image| match document.images[image].source {
         ImageSource::View(view) => Some(view),
         ImageSource::Uri(_) => None,
@@ -88,7 +106,7 @@ fn views_in_use(
     });
     let accessors =
         of_primitives.chain(of_nodes).chain(animation.into_iter().flat_map(Animation::accessors));
-    let of_accessors = accessors.flat_map(|index| views_of(&document.accessors[index]));
+    let of_accessors = accessors.flat_map(|index| document.accessors[index].views());
     let mut views: Vec<usize> = of_images.chain(of_accessors).collect();
     views.sort_unstable();
     views.dedup();
@@ -122,10 +140,4 @@ fn choose_animation(
         (Some(_), _) => {}
     }
     Ok(options.time.and(document.animations.get(wanted).cloned()))
-}
-
-/// The buffer views that an accessor reads.
-fn views_of(accessor: &Accessor) -> impl Iterator<Item = usize> {
-    let sparse = accessor.sparse.iter().flat_map(|sparse| [sparse.indices.0, sparse.values.0]);
-    accessor.base.map(|(view, _)| view).into_iter().chain(sparse)
 }

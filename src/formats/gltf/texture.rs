@@ -81,10 +81,10 @@ pub struct TextureDeclaration {
     pub place: String,
     /// Which image; none where only an extension names one that is not supported.
     pub image: Option<usize>,
-    /// Which image if that is not there: the one for programs without EXT_texture_webp.
+    /// Which image if that is not there: the one for programs without such extensions.
     pub fallback: Option<usize>,
-    /// Whether it has one of KHR_texture_basisu.
-    pub compressed: bool,
+    /// Whether it has one of EXT_texture_avif, which is not read.
+    pub avif: bool,
     /// Beyond the edges, along u and v.
     pub wrap: [Wrap; 2],
     /// Between texels.
@@ -114,14 +114,15 @@ pub fn textures(root: &Object, images: usize) -> Result<Vec<TextureDeclaration>,
         let sampler = object.reference("sampler", "sampler", samplers.len())?;
         let (wrap, filter) = sampler.map(|sampler| samplers[sampler]).unwrap_or_default();
         let plain = object.reference("source", "image", images)?;
-        let webp = match object.extension("EXT_texture_webp")? {
-            Some(webp) => webp.reference("source", "image", images)?,
-            None => None,
+        let other = |name| match object.extension(name)? {
+            Some(other) => other.reference("source", "image", images),
+            None => Ok(None),
         };
-        let (image, fallback) = (webp.or(plain), webp.and(plain));
-        let compressed = object.extension("KHR_texture_basisu")?.is_some();
+        let packed = other("KHR_texture_basisu")?.or(other("EXT_texture_webp")?);
+        let (image, fallback) = (packed.or(plain), packed.and(plain));
+        let avif = other("EXT_texture_avif")?.is_some();
         let place = object.place().to_owned();
-        Ok(TextureDeclaration { place, image, fallback, compressed, wrap, filter })
+        Ok(TextureDeclaration { place, image, fallback, avif, wrap, filter })
     };
     root.objects("textures")?.iter().map(texture).collect()
 }

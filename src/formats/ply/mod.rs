@@ -15,6 +15,7 @@
 
 mod faces;
 mod header;
+mod points;
 mod values;
 mod vertices;
 
@@ -23,6 +24,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub use header::is_ply;
+pub use points::Points;
 
 use self::faces::Faces;
 use self::header::{Encoding, Header};
@@ -102,15 +104,7 @@ fn mesh(
                 if element.count > 0 {
                     notices.add(format!("elements {name} are not honoured"));
                 }
-                // Without properties they take no room, however many there are.
-                let rows = if element.properties.is_empty() { 0 } else { element.count };
-                for row in 0..rows {
-                    let mut kinds = element.properties.iter().map(|property| property.kind);
-                    kinds
-                        .try_for_each(|kind| values::skip(&mut values, kind))
-                        .map_err(|problem| values.error(file, name, row, &problem))?;
-                    values.end_row();
-                }
+                values::skip_rows(&mut values, element, file)?;
             }
         }
     }

@@ -53,6 +53,24 @@ pub(super) fn skip(values: &mut impl Values, kind: Kind) -> Result<(), Problem> 
     }
 }
 
+/// Passes over an element.
+pub(super) fn skip_rows(
+    values: &mut impl Values,
+    element: &Element,
+    file: &Path,
+) -> Result<(), LoadError> {
+    // Without properties they take no room, however many there are.
+    let rows = if element.properties.is_empty() { 0 } else { element.count };
+    for row in 0..rows {
+        let mut kinds = element.properties.iter().map(|property| property.kind);
+        kinds
+            .try_for_each(|kind| skip(values, kind))
+            .map_err(|problem| values.error(file, &element.name, row, &problem))?;
+        values.end_row();
+    }
+    Ok(())
+}
+
 /// How many rows there can be at most of those that an element declares, if their lists have at
 /// least `items` numbers: what follows in the file limits them. No more memory than that is set
 /// aside.

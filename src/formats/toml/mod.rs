@@ -1,8 +1,10 @@
-//! TOML scenes: glTF, OBJ and PLY files placed together, with a camera, light and settings.
+//! TOML scenes: glTF, OBJ and PLY files, and other TOML scenes, placed together, with a camera,
+//! light and settings.
 //!
 //! - `[[place]]`: `file`; `translate`, `rotate` (degrees about X, then Y, then Z; or a quaternion),
-//!   `scale`, or a `matrix` by columns; `scene`, `variant`, `animation`, `time` (at which it then
-//!   stands still under `--shutter`); `material."name"`.
+//!   `scale`, or a `matrix` by columns; `copies`, a file or a list of points or of tables with the
+//!   same keys; `scene`, `variant`, `animation`, `time` (at which it then stands still under
+//!   `--shutter`); `material."name"`.
 //! - `[material."name"]`: changes of materials of that name in all files; `"*"`: of all materials.
 //! - `[[camera]]`: `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name`.
 //! - `[environment]`: `file` or `color`; `scale`, `rotate`.
@@ -15,30 +17,40 @@
 //!
 //! Angles are in degrees, lengths in metres, directions need not be of unit length. Paths are
 //! relative to the file and stay in its folder. A key that none of these is, is an error.
+//!
+//! A file is loaded once, however often it is placed, by this scene or by scenes within it. A
+//! placed scene brings its meshes, lights and cameras, not its surroundings and settings.
 
 mod camera;
+mod copies;
+mod library;
 mod light;
 mod material;
 mod place;
+mod placement;
 mod reader;
 mod root;
 mod settings;
+mod transform;
 
 use std::path::Path;
 
 use self::camera::CameraDeclaration;
+use self::library::Library;
 use self::light::Surroundings;
 use self::material::Overrides;
-use self::place::{Placement, Stage};
+use self::place::Stage;
+use self::placement::Placement;
 use self::reader::Table;
 pub use self::reader::unknown_key;
 use self::root::with_root;
 pub use self::settings::{Setting, SettingValue, settings, settings_of_text};
+use super::model::load_model;
 use super::{LoadError, LoadOptions, read_file};
 use crate::light::{Environment, Punctual, Sun};
 use crate::math::Vec3;
 use crate::scene::defaults::bounds;
-use crate::scene::{NamedCamera, Scene};
+use crate::scene::{NamedCamera, Notice, Scene};
 
 /// Whether a file is a TOML scene, by its ending.
 pub fn is_toml(path: &Path) -> bool {
@@ -58,9 +70,23 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
 /// # Errors
 /// [`LoadError`] with the line; all files that are missing at once.
 pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, LoadError> {
+    let mut library = Library::default();
+    library.open(path).map_err(|message| LoadError::invalid(path, "", message))?;
+    parse_within(path, bytes, options, &mut library)
+}
+
+/// Reads a scene that the library has open.
+fn parse_within(
+    path: &Path,
+    bytes: &[u8],
+    options: &LoadOptions,
+    library: &mut Library,
+) -> Result<Scene, LoadError> {
     options.refuse_choices(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    with_root(path, bytes, |root| Declarations::read(root, folder)?.compose(path, folder, options))
+    with_root(path, bytes, |root| {
+        Declarations::read(root, folder)?.compose(path, folder, options, library)
+    })
 }
 
 /// Reads the text of a file alone, without those that it names: what a fuzzer calls.
@@ -119,11 +145,14 @@ impl<'d> Declarations<'d> {
         path: &Path,
         folder: &Path,
         options: &LoadOptions,
+        library: &mut Library,
     ) -> Result<Scene, LoadError> {
-        let mut stage = Stage::new(folder, options);
+        let mut stage = Stage::new(folder, options, library);
         stage.broken.extend(self.surroundings.iter().filter_map(Surroundings::broken).cloned());
         for placement in &self.placements {
-            stage.load(placement)?;
+            let Some(part) = stage.find(placement) else { continue };
+            let loaded = load_placed(placement, &part.0, options, stage.library);
+            stage.keep(part, loaded)?;
         }
         if !stage.broken.is_empty() {
             let (file, broken) = (path.display().to_string(), stage.broken);
@@ -138,10 +167,7 @@ impl<'d> Declarations<'d> {
             stage.place(placement, &self.overrides)?;
         }
         let mut scene = stage.scene;
-        let bounds = bounds(&scene);
-        let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
-        let own: Vec<NamedCamera> =
-            self.cameras.iter().map(|camera| camera.place(centre)).collect::<Result<_, _>>()?;
+        let own = self.own_cameras(&scene)?;
         scene.cameras.splice(0..0, own);
         scene.lights.extend(self.lights);
         if let Some(surroundings) = &self.surroundings {
@@ -154,8 +180,41 @@ impl<'d> Declarations<'d> {
             let behind = behind.unwrap_or_else(|| Environment::constant(Vec3::ZERO));
             scene.environment = Some(behind.with_sun(sun));
         }
+        if scene.environment.is_none() && !library.is_within() {
+            scene.notices.extend(library.without_surroundings.iter().map(|placed| Notice {
+                place: path.display().to_string(),
+                message: format!("the surroundings of {} are left out", placed.display()),
+            }));
+        }
         Ok(scene)
     }
+
+    /// The cameras that the file tells itself.
+    fn own_cameras(&self, scene: &Scene) -> Result<Vec<NamedCamera>, LoadError> {
+        if self.cameras.is_empty() {
+            return Ok(Vec::new());
+        }
+        let bounds = bounds(scene);
+        let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
+        self.cameras.iter().map(|camera| camera.place(centre)).collect()
+    }
+}
+
+/// Loads a file that is placed.
+fn load_placed(
+    placement: &Placement,
+    path: &Path,
+    options: &LoadOptions,
+    library: &mut Library,
+) -> Result<Scene, LoadError> {
+    let options = placement.options(options);
+    if !is_toml(path) {
+        return load_model(path, &options);
+    }
+    library.open(path).map_err(|message| placement.table.fault_at("file", message))?;
+    let scene = parse_within(path, &read_file(path)?, &options, library);
+    library.close();
+    scene
 }
 
 /// The environment or the sky, and a sun before it.
@@ -179,3 +238,5 @@ fn surroundings(
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_of_copies;

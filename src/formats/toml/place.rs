@@ -1,108 +1,37 @@
-//! Files that a TOML scene places, and where.
+//! What TOML scenes place, put together.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::DAffine3;
 
+use super::copies::Copies;
+use super::library::{Library, Loaded};
 use super::material::Overrides;
-use super::reader::Table;
-use crate::formats::model::load_model;
+use super::placement::{Part, Placement};
+use crate::files::memory;
+use crate::formats::copies::CopiesFile;
 use crate::formats::{Broken, LoadError, LoadOptions, uri};
 use crate::geom::Mesh;
-use crate::math::{Aabb, MaterialId, MeshId, TextureId};
-use crate::scene::placement::{MAX_INSTANCES, narrow, rigid, stays_finite};
+use crate::light::Punctual;
+use crate::math::{MaterialId, MeshId, TextureId};
+use crate::scene::placement::{make_room, narrow, rigid, stays_finite};
 use crate::scene::{Instance, Material, Scene, Transform};
 
-/// A file, where it stands and what is changed of it.
-pub struct Placement<'d> {
-    table: Table<'d>,
-    name: &'d str,
-    scene: Option<String>,
-    variant: Option<String>,
-    animation: Option<String>,
-    time: Option<f32>,
-    to_world: DAffine3,
-    overrides: Overrides,
-}
-
-impl<'d> Placement<'d> {
-    pub fn read(table: Table<'d>) -> Result<Self, LoadError> {
-        let name = table.required_text("file")?;
-        if ending_of(Path::new(name)).as_deref() == Some("toml") {
-            let message = "is a TOML scene, which cannot be placed: place the files that it places";
-            return Err(table.fault_at("file", message));
-        }
-        let owned = |key| Ok::<_, LoadError>(table.text(key)?.map(str::to_owned));
-        let (scene, variant) = (owned("scene")?, owned("variant")?);
-        let animation = owned("animation")?;
-        let time = table.number_in("time", -f32::MAX..=f32::MAX)?;
-        let to_world = transform(&table)?;
-        let overrides = match table.table("material")? {
-            Some(tables) => Overrides::read(&tables)?,
-            None => Overrides::default(),
-        };
-        table.finish()?;
-        Ok(Self { table, name, scene, variant, animation, time, to_world, overrides })
-    }
-
-    fn part(&self, path: PathBuf, options: &LoadOptions) -> Part {
-        let time = self.time.or(options.time).map(f32::to_bits);
-        (path, [&self.scene, &self.variant, &self.animation].map(Clone::clone), time)
-    }
-}
-
-fn ending_of(path: &Path) -> Option<String> {
-    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-}
-
-/// A matrix by columns, or else scale, then rotation, then translation.
-fn transform(table: &Table) -> Result<DAffine3, LoadError> {
-    let translate = table.numbers::<3>("translate")?.map(DVec3::from_array);
-    let rotate = table.one_of_numbers::<3, 4>("rotate")?;
-    let scale = table.scale("scale")?.map(DVec3::from_array);
-    if let Some(columns) = table.numbers::<16>("matrix")? {
-        if translate.is_some() || rotate.is_some() || scale.is_some() {
-            return Err(table.fault("has both a matrix and translate, rotate or scale"));
-        }
-        let matrix = DMat4::from_cols_array(&columns);
-        if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
-            let message = "its columns must end in 0, 0, 0 and 1: the translation comes last";
-            return Err(table.fault_at("matrix", message));
-        }
-        return Ok(DAffine3::from_mat4(matrix));
-    }
-    let rotation = match rotate {
-        None => DQuat::IDENTITY,
-        Some(Ok(degrees)) => {
-            let [x, y, z] = degrees.map(f64::to_radians);
-            DQuat::from_rotation_z(z) * DQuat::from_rotation_y(y) * DQuat::from_rotation_x(x)
-        }
-        Some(Err(quaternion)) => {
-            let quaternion = DQuat::from_array(quaternion);
-            if quaternion.length() < 1e-6 {
-                return Err(table.fault_at("rotate", "is no rotation: its length is 0"));
-            }
-            quaternion.normalize()
-        }
-    };
-    let (scale, translate) = (scale.unwrap_or(DVec3::ONE), translate.unwrap_or_default());
-    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translate))
-}
-
-/// What of a file is loaded: its path, one of its scenes, one of its variants, one of its
-/// animations, and the bits of the time that it is posed at.
-type Part = (PathBuf, [Option<String>; 3], Option<u32>);
-
-/// A scene that parts are added to; each file is loaded once.
+/// A scene that parts are added to.
 pub struct Stage<'a> {
     folder: &'a Path,
     options: &'a LoadOptions,
-    /// Each with the boxes of its meshes.
-    parts: HashMap<Part, (Scene, Vec<Aabb>)>,
-    /// Of a part where its meshes and textures begin.
-    bases: HashMap<Part, (usize, usize)>,
+    /// What has been loaded, here and by the scenes around this one.
+    pub library: &'a mut Library,
+    /// What of it this one places.
+    parts: Vec<Part>,
+    /// Of each mesh its number; parts may share it.
+    meshes: HashMap<*const Mesh, MeshId>,
+    /// Of a part its meshes, and where its textures begin.
+    bases: HashMap<Part, (Rc<[MeshId]>, usize)>,
     /// Of parts with the overrides made where their materials begin.
     materials: Vec<(Part, Overrides, usize)>,
     /// All that is missing.
@@ -113,11 +42,13 @@ pub struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// An empty one for files in a folder.
-    pub fn new(folder: &'a Path, options: &'a LoadOptions) -> Self {
+    pub fn new(folder: &'a Path, options: &'a LoadOptions, library: &'a mut Library) -> Self {
         Self {
             folder,
             options,
-            parts: HashMap::new(),
+            library,
+            parts: Vec::new(),
+            meshes: HashMap::new(),
             bases: HashMap::new(),
             materials: Vec::new(),
             broken: Vec::new(),
@@ -125,48 +56,47 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Loads the file of a placement; what is missing is kept for later.
-    pub fn load(&mut self, at: &Placement) -> Result<(), LoadError> {
-        let place = at.table.place();
-        let mut missing = |name: &str, place: String, reason: String, texture| {
-            self.broken.push(Broken { name: name.to_owned(), place, reason, texture });
-        };
-        let path = match uri::file(self.folder, at.name) {
-            Ok(path) => path,
-            Err(reason) => {
-                missing(at.name, place, reason, false);
-                return Ok(());
-            }
-        };
-        let part = at.part(path.clone(), self.options);
-        if self.parts.contains_key(&part) {
-            return Ok(());
+    /// What of which file a placement needs, if that is still to be loaded; what is missing is kept
+    /// for later.
+    pub fn find(&mut self, at: &Placement) -> Option<Part> {
+        if let Copies::InFile(name) = at.copies {
+            self.file(at, name);
         }
-        let options = LoadOptions {
-            strict: false,
-            scene: at.scene.clone(),
-            variant: at.variant.clone(),
-            animation: at.animation.clone(),
-            time: at.time.or(self.options.time),
-            ..self.options.clone()
+        let path = self.file(at, at.name)?;
+        let part = at.part(path, self.options);
+        self.parts.push(part.clone());
+        (!self.library.parts.contains_key(&part)).then_some(part)
+    }
+
+    /// The file of such a name, which is there.
+    fn file(&mut self, at: &Placement, name: &str) -> Option<PathBuf> {
+        let broken = |reason| {
+            let (name, place) = (name.to_owned(), at.table.place());
+            self.broken.push(Broken { name, place, reason, texture: false });
         };
-        match load_model(&path, &options) {
+        uri::file(self.folder, name).map_err(broken).ok()
+    }
+
+    /// Keeps what has been loaded of a file; what is missing of it is kept for later.
+    pub fn keep(&mut self, part: Part, loaded: Result<Scene, LoadError>) -> Result<(), LoadError> {
+        let loaded = match loaded {
             Ok(mut scene) => {
                 self.scene.notices.append(&mut scene.notices);
-                let points = |mesh: &Arc<Mesh>| Aabb::of_points(mesh.positions.iter().copied());
-                let bounds = scene.meshes.iter().map(points).collect();
-                self.parts.insert(part, (scene, bounds));
+                if scene.environment.take().is_some() {
+                    self.library.without_surroundings.push(part.0.clone());
+                }
+                Loaded::new(scene)
             }
             Err(LoadError::References { broken, .. }) => {
-                for one in broken {
-                    let place = format!("{}: {}", path.display(), one.place);
-                    missing(&one.name, place, one.reason, one.texture);
-                }
-                // Its failure is told once.
-                self.parts.insert(part, (Scene::default(), Vec::new()));
+                self.broken.extend(broken.into_iter().map(|one| Broken {
+                    place: format!("{}: {}", part.0.display(), one.place),
+                    ..one
+                }));
+                Loaded::default()
             }
             Err(error) => return Err(error),
-        }
+        };
+        self.library.parts.insert(part, Rc::new(loaded));
         Ok(())
     }
 
@@ -174,61 +104,166 @@ impl<'a> Stage<'a> {
     pub fn place(&mut self, at: &Placement, common: &Overrides) -> Result<(), LoadError> {
         let Ok(path) = uri::file(self.folder, at.name) else { return Ok(()) };
         let part = at.part(path, self.options);
-        let Some((source, bounds)) = self.parts.get(&part) else { return Ok(()) };
+        let Some(loaded) = self.library.parts.get(&part).cloned() else { return Ok(()) };
+        let source = &loaded.scene;
         let names: Vec<String> = source.materials.iter().map(|m| m.name.clone()).collect();
         if let Some((name, line)) = at.overrides.find_unmatched(&names) {
             let wanted = crate::formats::choice::absent("material", name, &names);
             let message = format!("{wanted} ({})", at.name);
             return Err(at.table.fault_on(line, message));
         }
-        if self.scene.instances.len() + source.instances.len() > MAX_INSTANCES {
-            return Err(at.table.fault(format!("more than {MAX_INSTANCES} meshes are placed")));
+        let (meshes, textures) = self.add_meshes_and_textures(&part, source);
+        let materials = self.add_materials(part, source, textures, common.merge(&at.overrides));
+        let mut copier = Copier { loaded: &loaded, meshes, materials, scene: &mut self.scene };
+        let fault = |message: String| at.table.fault(message);
+        match &at.copies {
+            Copies::None => {
+                copier.make_room(1).map_err(fault)?;
+                copier.copy(&at.to_world).map_err(fault)?;
+                copier.place_cameras(&at.to_world).map_err(fault)
+            }
+            Copies::Listed(all) => {
+                copier.make_room(all.len() as u64).map_err(fault)?;
+                let mut numbered = all.iter().enumerate();
+                numbered.try_for_each(|(number, stands)| {
+                    let copied = copier.copy(&(at.to_world * stands));
+                    copied.map_err(|message| fault(format!("copy {number} {message}")))
+                })
+            }
+            Copies::InFile(name) => {
+                let Ok(path) = uri::file(self.folder, name) else { return Ok(()) };
+                let file = CopiesFile::read(&path)?;
+                copier.make_room(file.most()).map_err(fault)?;
+                file.each(&mut |stands| copier.copy(&(at.to_world * stands)))
+            }
+        }
+    }
+
+    /// Adds what a part has of both, once; meshes that other parts share are there already.
+    fn add_meshes_and_textures(&mut self, part: &Part, source: &Scene) -> (Rc<[MeshId]>, usize) {
+        if let Some(known) = self.bases.get(part) {
+            return known.clone();
         }
         let scene = &mut self.scene;
-        let (meshes, textures) = *self.bases.entry(part.clone()).or_insert_with(|| {
-            let bases = (scene.meshes.len(), scene.textures.len());
-            scene.meshes.extend(source.meshes.iter().cloned());
-            scene.textures.extend(source.textures.iter().cloned());
-            bases
-        });
-        let overrides = common.merge(&at.overrides);
-        let known = self.materials.iter().find(|known| known.0 == part && known.1 == overrides);
-        let materials = if let Some(known) = known {
-            known.2
-        } else {
-            let first = scene.materials.len();
-            let changed =
-                source.materials.iter().map(|m| renumber_material(m, textures, &overrides));
-            scene.materials.extend(changed);
-            self.materials.push((part.clone(), overrides, first));
-            first
+        let mut number = |mesh: &Arc<Mesh>| {
+            *self.meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
+                scene.meshes.push(mesh.clone());
+                MeshId::from_index(scene.meshes.len() - 1)
+            })
         };
-        for instance in &source.instances {
-            let to_world = at.to_world * widen(&instance.transform);
-            let bounds = bounds[instance.mesh.index()];
-            if !bounds.is_empty() && !stays_finite(&to_world, bounds) {
-                let message = "places its meshes beyond the range of 32-bit floats";
-                return Err(at.table.fault(message));
-            }
-            scene.instances.push(Instance {
-                mesh: MeshId::from_index(meshes + instance.mesh.index()),
-                material: MaterialId::from_index(materials + instance.material.index()),
-                transform: Transform::new(narrow(&to_world)),
-            });
+        let meshes: Rc<[MeshId]> = source.meshes.iter().map(&mut number).collect();
+        let bases = (meshes, scene.textures.len());
+        scene.textures.extend(source.textures.iter().cloned());
+        self.bases.insert(part.clone(), bases.clone());
+        bases
+    }
+
+    /// Where the materials of a part with some overrides begin, which are added once.
+    fn add_materials(
+        &mut self,
+        part: Part,
+        source: &Scene,
+        textures: usize,
+        overrides: Overrides,
+    ) -> usize {
+        let mut known = self.materials.iter();
+        if let Some(known) = known.find(|known| known.0 == part && known.1 == overrides) {
+            return known.2;
         }
-        place_lights_and_cameras(source, at, scene)
+        let first = self.scene.materials.len();
+        let changed = source.materials.iter().map(|m| renumber_material(m, textures, &overrides));
+        self.scene.materials.extend(changed);
+        self.materials.push((part, overrides, first));
+        first
     }
 
     /// The names of all materials that have been loaded.
     pub fn material_names(&self) -> Vec<String> {
-        let mut names: Vec<String> = self
-            .parts
-            .values()
-            .flat_map(|(part, _)| part.materials.iter().map(|material| material.name.clone()))
+        let parts = self.parts.iter().filter_map(|part| self.library.parts.get(part));
+        let mut names: Vec<String> = parts
+            .flat_map(|part| part.scene.materials.iter().map(|material| material.name.clone()))
             .collect();
         names.sort_unstable();
         names.dedup();
         names
+    }
+}
+
+/// What a place without directions does.
+const NO_DIRECTIONS: &str = "leaves no directions to its lights and cameras";
+
+/// Puts copies of a part into a scene.
+struct Copier<'s> {
+    loaded: &'s Loaded,
+    meshes: Rc<[MeshId]>,
+    materials: usize,
+    scene: &'s mut Scene,
+}
+
+impl Copier<'_> {
+    /// Asks for the memory of so many copies.
+    ///
+    /// # Errors
+    /// What is the matter.
+    fn make_room(&mut self, copies: u64) -> Result<(), String> {
+        let source = &self.loaded.scene;
+        let of = |count: usize| copies.saturating_mul(count as u64);
+        make_room(&mut self.scene.instances, of(source.instances.len()))
+            .map_err(|error| error.to_string())?;
+        let lights = of(source.lights.len());
+        memory::claim(lights.saturating_mul(size_of::<Punctual>() as u64))
+            .map_err(|error| format!("{lights} lights: their list {error}"))
+    }
+
+    /// Puts a copy where it stands. Lights keep their strength whatever the scale, as at the nodes
+    /// of a glTF file.
+    ///
+    /// # Errors
+    /// What is the matter.
+    fn copy(&mut self, to_world: &DAffine3) -> Result<(), String> {
+        let (source, scene) = (&self.loaded.scene, &mut *self.scene);
+        for instance in &source.instances {
+            let to_world = *to_world * widen(&instance.transform);
+            let bounds = self.loaded.bounds[instance.mesh.index()];
+            if !bounds.is_empty() && !stays_finite(&to_world, bounds) {
+                return Err("places its meshes beyond the range of 32-bit floats".to_owned());
+            }
+            scene.instances.push(Instance {
+                mesh: self.meshes[instance.mesh.index()],
+                material: MaterialId::from_index(self.materials + instance.material.index()),
+                transform: Transform::new(narrow(&to_world)),
+            });
+        }
+        if source.lights.is_empty() {
+            return Ok(());
+        }
+        let turned = rigid(to_world).ok_or(NO_DIRECTIONS)?;
+        scene.lights.extend(source.lights.iter().map(|light| Punctual {
+            position: to_world.transform_point3(light.position.as_dvec3()).as_vec3(),
+            direction: turned.transform_vector3(light.direction.as_dvec3()).as_vec3(),
+            ..*light
+        }));
+        Ok(())
+    }
+
+    /// Puts the cameras where they stand; those that look nowhere stay away.
+    ///
+    /// # Errors
+    /// That all of them do.
+    fn place_cameras(&mut self, to_world: &DAffine3) -> Result<(), String> {
+        let cameras = &self.loaded.scene.cameras;
+        if !cameras.is_empty() && rigid(to_world).is_none() {
+            return Err(NO_DIRECTIONS.to_owned());
+        }
+        for named in cameras {
+            let mut named = named.clone();
+            let own =
+                DAffine3::from_cols_array(&named.camera.to_world.to_cols_array().map(f64::from));
+            let Some(stands) = rigid(&(*to_world * own)) else { continue };
+            named.camera.to_world = narrow(&stands);
+            self.scene.cameras.push(named);
+        }
+        Ok(())
     }
 }
 
@@ -242,33 +277,5 @@ fn renumber_material(material: &Material, textures: usize, overrides: &Overrides
 }
 
 fn widen(transform: &Transform) -> DAffine3 {
-    DAffine3::from_cols_array(&transform.to_world.to_cols_array().map(f64::from))
-}
-
-/// Lights keep their strength whatever the scale, as at the nodes of a glTF file.
-fn place_lights_and_cameras(
-    source: &Scene,
-    at: &Placement,
-    scene: &mut Scene,
-) -> Result<(), LoadError> {
-    if source.lights.is_empty() && source.cameras.is_empty() {
-        return Ok(());
-    }
-    let turned = rigid(&at.to_world);
-    let turned =
-        turned.ok_or_else(|| at.table.fault("leaves no directions to its lights and cameras"))?;
-    for light in &source.lights {
-        let mut light = *light;
-        light.position = at.to_world.transform_point3(light.position.as_dvec3()).as_vec3();
-        light.direction = turned.transform_vector3(light.direction.as_dvec3()).as_vec3();
-        scene.lights.push(light);
-    }
-    for named in &source.cameras {
-        let mut named = named.clone();
-        let own = DAffine3::from_cols_array(&named.camera.to_world.to_cols_array().map(f64::from));
-        let Some(to_world) = rigid(&(at.to_world * own)) else { continue };
-        named.camera.to_world = narrow(&to_world);
-        scene.cameras.push(named);
-    }
-    Ok(())
+    DAffine3::from_cols_array(&transform.to_world().to_cols_array().map(f64::from))
 }

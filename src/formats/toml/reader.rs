@@ -13,6 +13,9 @@ use crate::names::near;
 /// So many numbers, or else so many others.
 type OneOf<const N: usize, const M: usize> = Result<[f64; N], [f64; M]>;
 
+/// Three numbers, or else a table.
+type PointOrTable<'d> = Result<[f64; 3], Table<'d>>;
+
 /// The text of a file, and where its lines begin.
 pub struct Source<'d> {
     path: &'d Path,
@@ -171,6 +174,30 @@ impl<'d> Table<'d> {
         })
     }
 
+    /// Whether a value is text.
+    pub fn is_text(&self, key: &'d str) -> bool {
+        matches!(self.value(key).map(Spanned::get_ref), Some(DeValue::String(_)))
+    }
+
+    /// The values of an array, each three finite numbers or else a table.
+    pub fn points_or_tables(&self, key: &'d str) -> Result<Vec<PointOrTable<'d>>, LoadError> {
+        let Some(array) = self.read(key, "a file's name, or […]", as_array)? else {
+            return Ok(Vec::new());
+        };
+        let one = |(number, value): (usize, &'d Spanned<DeValue<'d>>)| {
+            if let Some(point) = numbers(value.get_ref()) {
+                return Ok(Ok(point));
+            }
+            let (name, start) = (format!("{key} {number}"), value.span().start);
+            let entries = as_table(value.get_ref()).ok_or_else(|| {
+                let message = format!("{name}: must be […] of 3 finite numbers, or a table");
+                self.source.fault(start, message)
+            })?;
+            Ok(Err(Self::new(self.source, entries, name, start)))
+        };
+        array.iter().enumerate().map(one).collect()
+    }
+
     /// Text that must be there.
     pub fn required_text(&self, key: &'d str) -> Result<&'d str, LoadError> {
         self.text(key)?.ok_or_else(|| self.fault(format!("has no {key}")))
@@ -263,6 +290,13 @@ pub fn unknown_key(table: &str, key: &str, known: &[&str]) -> String {
     };
     let table = if table.is_empty() { String::new() } else { format!("{table}: ") };
     format!("{table}unknown key {key:?}; {advice}")
+}
+
+fn as_array<'d>(value: &'d DeValue<'d>) -> Option<&'d [Spanned<DeValue<'d>>]> {
+    match value {
+        DeValue::Array(array) => Some(array),
+        _ => None,
+    }
 }
 
 fn as_table<'d>(value: &'d DeValue<'d>) -> Option<&'d DeTable<'d>> {

@@ -44,7 +44,7 @@ fn a_file_is_placed_as_often_as_one_likes_and_kept_once() {
     // A quarter turn about Y takes +X to -Z.
     assert!(points[1].distance(Vec3::new(0.0, 0.0, 3.0)) < 1e-6, "{points:?}");
     assert_eq!(points[2], Vec3::new(8.0, 8.0, 9.0));
-    assert!(scene.instances[2].transform.mirrored && !scene.instances[1].transform.mirrored);
+    assert!(scene.instances[2].transform.mirrored() && !scene.instances[1].transform.mirrored());
     let (plain, changed) = (&scene.materials[0], &scene.materials[1]);
     assert_eq!((plain.roughness, plain.base_color), (0.5, Vec4::new(1.0, 0.0, 0.0, 1.0)));
     assert_eq!((changed.roughness, changed.base_color), (0.25, Vec4::new(0.0, 1.0, 0.0, 0.5)));
@@ -181,11 +181,7 @@ fn what_is_wrong_is_told_with_its_line() {
             "[[place]]\nfile = 'a.obj'\nscale = 2\nmatrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]",
             "s.toml:1: [[place]]: has both a matrix and translate, rotate or scale",
         ),
-        (
-            "[[place]]\nfile = 's.toml'",
-            "s.toml:2: file: is a TOML scene, which cannot be placed: \
-             place the files that it places",
-        ),
+        ("[[place]]\nfile = 's.toml'", "s.toml:2: file: a scene places itself: s.toml > s.toml"),
         (
             "[[place]]\nfile = 'a.obj'\n[place.material.rad]\nroughness = 1",
             "s.toml:3: no material \"rad\"; did you mean 0 (\"red\")? (a.obj)",

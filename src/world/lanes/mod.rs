@@ -26,7 +26,7 @@ impl World {
     /// The instance and the number of the triangle that was hit, and what class of BSDF it has.
     #[inline(always)]
     pub fn classify(&self, hit: &ClosestHit) -> (InstanceId, usize, BsdfClass) {
-        let (id, index) = self.triangles.locate(hit.triangle);
+        let (id, index) = (hit.triangle.instance, hit.triangle.index as usize);
         let instance = &self.scene.instances[id.index()];
         (id, index, self.materials[instance.material.index()].class)
     }

@@ -55,7 +55,7 @@ impl SurfaceRows {
         let instance = &world.scene.instances[id.index()];
         let mesh = &*world.scene.meshes[instance.mesh.index()];
         let transform = &instance.transform;
-        let point = Interpolation::new(mesh, index, transform.mirrored, hit.u, hit.v);
+        let point = Interpolation::new(mesh, index, transform.mirrored(), hit.u, hit.v);
         for (rows, corner) in self.corners.iter_mut().zip(point.corners) {
             let p = transform.point(mesh.positions[corner]);
             rows[lane] = [p.x, p.y, p.z, 0.0];

@@ -11,7 +11,7 @@ use crate::accel::narrowing::{Branches, Hierarchy, Step};
 use crate::accel::packet::{BUNDLES, EnteredRays, PacketContext};
 use crate::accel::{Counters, Event, Query};
 use crate::geom::{Shaft, TriangleBlock};
-use crate::math::{Aabb, TriangleId};
+use crate::math::{Aabb, PrimId};
 
 /// What waits: two children at most for each node on the way, of which one is taken up.
 const STACK: usize = sah::MAX_DEPTH + 2;
@@ -177,7 +177,7 @@ impl PacketWalk {
         let bundles = &self.order[usize::from(first)..usize::from(end)];
         let mut entered = EnteredRays { bundles, lanes: &mut self.entered };
         for (lane, &id) in block.ids.iter().enumerate() {
-            if id == TriangleId::NONE {
+            if id == PrimId::NONE {
                 break;
             }
             found += context.test_triangle((id, &block.triangle(lane)), &mut entered);

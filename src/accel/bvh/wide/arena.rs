@@ -12,7 +12,7 @@ use memmap2::{Advice, MmapMut};
 use super::octants;
 use crate::accel::bvh::link::Link;
 use crate::geom::{BlockRef, TriangleBlock};
-use crate::math::{Aabb, TriangleId, Vec3};
+use crate::math::{Aabb, PrimId, Vec3};
 
 /// Stripes of a node.
 pub const NODE: usize = 8;
@@ -34,7 +34,7 @@ pub struct Arena<const W: usize> {
 pub struct Stripes<'a, const W: usize> {
     floats: &'a [[f32; W]],
     bits: &'a [[u32; W]],
-    ids: &'a [[TriangleId; W]],
+    ids: &'a [[PrimId; W]],
 }
 
 impl<const W: usize> Arena<W> {
@@ -61,7 +61,7 @@ impl<const W: usize> Arena<W> {
         Stripes {
             floats: cast_slice::<u8, f32>(whole).as_chunks().0,
             bits: cast_slice::<u8, u32>(whole).as_chunks().0,
-            ids: cast_slice::<u8, TriangleId>(whole).as_chunks().0,
+            ids: cast_slice::<u8, PrimId>(whole).as_chunks().0,
         }
     }
 
@@ -116,11 +116,16 @@ pub fn write_block<const W: usize>(stripes: &mut [[f32; W]], block: &TriangleBlo
 }
 
 /// Puts ids into a stripe.
-pub fn write_ids<const W: usize>(stripes: &mut [[f32; W]], ids: &[TriangleId; W]) {
+pub fn write_ids<const W: usize>(stripes: &mut [[f32; W]], ids: &[PrimId; W]) {
     stripes[0] = ids.map(|id| f32::from_bits(id.0));
 }
 
 impl<'a, const W: usize> Stripes<'a, W> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.floats.len()
+    }
+
     /// A node's planes, lower and upper by axis, and its links.
     #[inline(always)]
     pub fn node(&self, link: Link) -> (&'a [[f32; W]; LINKS], &'a [u32; W]) {
@@ -145,7 +150,7 @@ impl<'a, const W: usize> Stripes<'a, W> {
 
     /// The ids of a leaf that does not store its triangles.
     #[inline(always)]
-    pub fn ids(&self, link: Link) -> &'a [TriangleId; W] {
+    pub fn ids(&self, link: Link) -> &'a [PrimId; W] {
         &self.ids[link.place()]
     }
 

@@ -77,14 +77,10 @@ where
     ) {
         let Some(root) = self.root else { return slice.answer_nothing() };
         let (simd, rays, stripes) = (slice.simd, slice.batch.rays(), self.arena.stripes());
-        let filter = slice.batch.filter();
-        let start = |index: usize, stack: usize| Flight {
-            ray: PreparedRay::new(&rays[index], index, filter),
-            query: Q::new(&rays[index]),
-            key: 1,
-            link: root,
-            top: 1,
-            stack,
+        let batch = slice.batch;
+        let start = |index: usize, stack: usize| {
+            let ray = PreparedRay::of_batch(&batch, index);
+            Flight { query: ray.ask(), ray, key: 1, link: root, top: 1, stack }
         };
         let Scratch { stacks, fetched, .. } = scratch;
         let mut next = rays.len().min(RAYS);

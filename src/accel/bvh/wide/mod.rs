@@ -9,18 +9,18 @@
 //! 15 % and gains 4 at most. Rays of a pinhole may go down together instead, sixteen at a time
 //! (`packet_walk`).
 
-mod arena;
+pub mod arena;
 mod beam;
 mod collapse;
 mod direct;
 mod flight;
-mod node;
+pub mod node;
 mod octants;
 mod packet;
 mod packet_walk;
 mod shape;
-mod stack;
+pub mod stack;
 mod variants;
-mod wide_bvh;
+pub mod wide_bvh;
 
-pub use variants::{AUTO, MBVH4, MBVH8, MBVH16};
+pub use variants::{AUTO, MBVH4, MBVH8, MBVH16, build_auto_tree};

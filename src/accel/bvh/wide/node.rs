@@ -6,6 +6,7 @@ use crate::accel::PreparedRay;
 use crate::simd::order::{BIAS, DISTANCE};
 use crate::simd::{Vectors, Width};
 
+/// A vector of `W` numbers.
 pub type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
 type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 
@@ -37,6 +38,21 @@ where
         exit = distance(axis, 1 - near, slab.inv_far[axis]).min(exit);
     }
     make_keys(simd, enter, exit)
+}
+
+/// The same for boxes whose ends are the first two vertices of triangles, as leaves have them.
+#[inline(always)]
+pub fn intersect_boxes<S: Simd, const W: usize>(
+    simd: S,
+    vertices: &[[f32; W]; 9],
+    prepared: &PreparedRay<'_>,
+    t_max: f32,
+) -> ([u32; W], u32)
+where
+    Width: Vectors<W>,
+{
+    let [ax, ay, az, bx, by, bz, ..] = vertices;
+    intersect_children(simd, &[*ax, *bx, *ay, *by, *az, *bz], prepared, t_max)
 }
 
 /// The same by where rays enter and leave the children.

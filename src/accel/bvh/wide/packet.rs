@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 use crate::accel::side_by_side::{LANES, Pairs, Questions};
 use crate::accel::{Counters, Query, SliceContext};
 use crate::geom::{BlockRef, PairHits, PairTriangle, RayLanes, Triangle};
-use crate::math::{TriangleId, Vec3};
+use crate::math::{PrimId, Vec3};
 
 /// Scratch of one thread.
 pub struct PacketScratch<const W: usize> {
@@ -24,7 +24,7 @@ impl<const W: usize> Default for PacketScratch<W> {
         let zeros = Triangle { a: Vec3::ZERO, b: Vec3::ZERO, c: Vec3::ZERO };
         Self {
             rays: RayLanes::EMPTY,
-            triangles: [PairTriangle::new(TriangleId::NONE, &zeros); W],
+            triangles: [PairTriangle::new(PrimId::NONE, &zeros); W],
             found: PairHits::default(),
             members: Vec::with_capacity(LANES),
         }
@@ -45,7 +45,7 @@ impl<const W: usize> PacketScratch<W> {
         let mut any = 0;
         for (number, lanes) in candidates.iter_mut().enumerate() {
             let id = block.ids[number];
-            *lanes = if id == TriangleId::NONE { 0 } else { *lanes & questions.open };
+            *lanes = if id == PrimId::NONE { 0 } else { *lanes & questions.open };
             if *lanes != 0 {
                 self.triangles[number] = PairTriangle::new(id, &block.triangle(number));
             }

@@ -9,7 +9,7 @@ use crate::accel::bvh::leaves::{fetch_triangles, pad_ids};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::sah;
 use crate::geom::TriangleSource;
-use crate::math::{Aabb, TriangleId};
+use crate::math::{Aabb, PrimId};
 
 /// A tree whose nodes have up to `W` children, as a builder hands it over.
 ///
@@ -52,7 +52,7 @@ pub struct Shape<const W: usize, S> {
     /// First place and number of triangles; those that a node links to stand together.
     leaves: Vec<(u32, u32)>,
     /// Triangles, leaf by leaf.
-    order: Vec<TriangleId>,
+    order: Vec<PrimId>,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
     pub parts: Option<Parts>,
     /// Its shape in figures, but for what its maker alone knows: triangles and phases.
@@ -89,7 +89,7 @@ struct Sums {
 
 impl<const W: usize, S: Source<W>> Shape<W, S> {
     /// Lays a tree out.
-    pub fn new(source: S, order: Vec<TriangleId>, parts: Option<Parts>) -> Self {
+    pub fn new(source: S, order: Vec<PrimId>, parts: Option<Parts>) -> Self {
         let report = BuildReport::default();
         // About as many as there are, so that growing copies little.
         let nodes = Vec::with_capacity(order.len() / (2 * W) + 1);
@@ -238,7 +238,7 @@ mod tests {
             let stripes = arena.stripes();
             if link.is_leaf() {
                 let ids = if inline { stripes.block(link).ids } else { stripes.ids(link) };
-                for id in ids.iter().filter(|&&id| id != TriangleId::NONE) {
+                for id in ids.iter().filter(|&&id| id != PrimId::NONE) {
                     assert!(!std::mem::replace(&mut seen[id.index()], true));
                 }
                 continue;

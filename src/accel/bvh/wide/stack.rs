@@ -9,7 +9,10 @@ use crate::simd::order::{store_keys, store_listed};
 /// Stripes of a stack. A level puts `W` aside and takes one of them, and the last store is a whole
 /// vector: with one stripe for the bottom, that is enough for any tree that builders make.
 const STRIPES: usize = 128;
-const _: () = assert!(sah::MAX_DEPTH + 2 < STRIPES);
+const _: () = assert!(sah::MAX_DEPTH < DEEPEST);
+
+/// The deepest that a walk may go, over all trees that it goes through.
+pub const DEEPEST: usize = STRIPES - 2;
 
 /// In which order a node's children go on the stack.
 #[derive(Clone, Copy)]
@@ -100,6 +103,14 @@ impl<const W: usize> Stack<W> {
         }
         self.push(simd, sorting, *keys, hits, links, top);
         Some(self.pop(top).1)
+    }
+
+    /// Puts one link on top.
+    #[inline(always)]
+    pub fn put(&mut self, key: u32, link: Link, top: &mut usize) {
+        let place = *top % Self::SIZE;
+        (self.keys.as_flattened_mut()[place], self.links.as_flattened_mut()[place]) = (key, link.0);
+        *top += 1;
     }
 
     /// Takes what is on top.

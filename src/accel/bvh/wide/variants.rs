@@ -54,14 +54,23 @@ pub const AUTO: Variant = Variant {
         if let Some(flat) = Flat::build(input) {
             return Ok(Box::new(flat));
         }
-        let options = Options::parse(MBVH8.id, MBVH8.options, "leaves=any");
-        let options = &options.expect("declared by its row");
-        let input = BuildInput { options, source: input.source.clone(), ..*input };
-        let mut tree = WideBvh::<8>::build(&input)?;
-        tree.side_by_side = true;
+        let mut tree = build_auto_tree(input)?;
+        tree.side_by_side = !input.source.are_boxes();
         Ok(Box::new(tree))
     },
 };
+
+/// The tree of [`AUTO`].
+pub fn build_auto_tree(input: &BuildInput<'_>) -> Result<WideBvh<8>, BuildError> {
+    let many_boxes = input.source.are_boxes() && input.source.len() > MANY_BOXES;
+    let choices = if many_boxes { "leaves=any,build=direct" } else { "leaves=any" };
+    let options = Options::parse(MBVH8.id, MBVH8.options, choices);
+    let options = &options.expect("declared by its row");
+    WideBvh::<8>::build(&BuildInput { options, source: input.source.clone(), ..*input })
+}
+
+/// More placements than this are put into a tree in one pass, which takes half the memory.
+const MANY_BOXES: usize = 1_000_000;
 
 const fn row(
     id: &'static str,

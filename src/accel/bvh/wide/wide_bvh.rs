@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::Simd;
+use fearless_simd::{Level, Simd};
 
 use super::arena::{Arena, BLOCK, Stripes};
 use super::packet::PacketScratch;
@@ -20,6 +20,7 @@ use crate::accel::{
     Query, RayContext, Structure,
 };
 use crate::geom::BlockRef;
+use crate::math::PrimId;
 use crate::simd::order::key_limit;
 use crate::simd::{Vectors, Width};
 
@@ -75,6 +76,35 @@ where
         let shape = collapse::collapse::<W>(tree);
         phases.end("collapse");
         Self::lay_out(input, &shape, phases)
+    }
+
+    /// Whether its leaves hold whole triangles, where they are.
+    pub fn stores_triangles(&self) -> bool {
+        self.fetch.is_none() && self.parts.is_none()
+    }
+
+    /// Gives all triangles other ids.
+    pub fn renumber(&mut self, id: impl Fn(PrimId) -> PrimId) {
+        let (first, leaves) = (self.first_leaf, self.built.report.leaves);
+        let stripes = self.arena.floats_mut();
+        for leaf in 0..leaves {
+            for bits in &mut stripes[first + leaf * BLOCK + BLOCK - 1] {
+                let old = PrimId(bits.to_bits());
+                if old != PrimId::NONE {
+                    *bits = f32::from_bits(id(old).0);
+                }
+            }
+        }
+    }
+
+    /// How it was built.
+    pub fn report(&self) -> &BuildReport {
+        &self.built.report
+    }
+
+    /// The instruction set to walk with.
+    pub fn level(&self) -> Level {
+        self.built.level
     }
 
     /// Writes a tree's nodes and leaves.

@@ -1,7 +1,7 @@
 //! Parts of a tree, to be joined.
 
 use crate::accel::kd::tree::{LeafId, Node, split_cell};
-use crate::math::{Aabb, NodeId, TriangleId};
+use crate::math::{Aabb, NodeId, PrimId};
 
 /// Nodes in depth-first order, with the lists of their leaves.
 #[derive(Clone, Debug, Default)]
@@ -9,14 +9,14 @@ pub struct Arena {
     /// The nodes, the part's root first.
     pub nodes: Vec<Node>,
     /// The lists of all leaves, one after the other.
-    pub ids: Vec<TriangleId>,
+    pub ids: Vec<PrimId>,
     /// Where each leaf's list ends.
     pub ends: Vec<usize>,
 }
 
 impl Arena {
     /// Adds a leaf.
-    pub fn add_leaf(&mut self, ids: impl Iterator<Item = TriangleId>) {
+    pub fn add_leaf(&mut self, ids: impl Iterator<Item = PrimId>) {
         let before = self.ids.len();
         self.ids.extend(ids);
         let is_empty = self.ids.len() == before;
@@ -66,7 +66,7 @@ impl Arena {
     }
 
     /// A leaf's list.
-    pub fn list(&self, leaf: LeafId) -> &[TriangleId] {
+    pub fn list(&self, leaf: LeafId) -> &[PrimId] {
         let begin = leaf.index().checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.ids[begin..self.ends[leaf.index()]]
     }

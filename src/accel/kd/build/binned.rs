@@ -36,11 +36,11 @@ pub fn find_best(references: &[Reference], cell: &Aabb, costs: &Costs) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{TriangleId, Vec3};
+    use crate::math::{PrimId, Vec3};
 
     fn reference(id: u32, min: f32, max: f32) -> Reference {
         let bounds = Aabb { min: Vec3::new(min, 0.0, 0.0), max: Vec3::new(max, 1.0, 1.0) };
-        Reference { bounds, id: TriangleId(id) }
+        Reference { bounds, id: PrimId(id) }
     }
 
     #[test]

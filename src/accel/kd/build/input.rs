@@ -6,7 +6,7 @@ use super::limits::Limits;
 use crate::accel::Options;
 use crate::accel::kd::slack::{Slack, find_bounds};
 use crate::geom::TriangleSource;
-use crate::math::{Aabb, TriangleId};
+use crate::math::{Aabb, PrimId};
 
 /// What a tree is built from.
 pub struct TreeInput<'a> {
@@ -25,7 +25,7 @@ impl<'a> TreeInput<'a> {
     pub fn new(source: &'a dyn TriangleSource, options: &Options) -> Self {
         let own = find_bounds(source);
         let mut limits = Limits::new(options, source.len());
-        let slack = Slack::new(&own).unwrap_or_else(|| {
+        let slack = Slack::new(&own, source.slack()).unwrap_or_else(|| {
             limits.depth = 0;
             Slack::NONE
         });
@@ -35,7 +35,7 @@ impl<'a> TreeInput<'a> {
     /// Makes a reference to each triangle, in order.
     pub fn references(&self) -> Vec<Reference> {
         let reference = |i| {
-            let id = TriangleId::from_index(i);
+            let id = PrimId::from_index(i);
             let bounds = self.source.triangle(id).bounds();
             Reference { bounds: self.slack.grow(&bounds), id }
         };
@@ -49,5 +49,5 @@ pub struct Reference {
     /// The box.
     pub bounds: Aabb,
     /// The triangle.
-    pub id: TriangleId,
+    pub id: PrimId,
 }

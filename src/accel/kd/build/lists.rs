@@ -8,7 +8,6 @@ use super::input::{Reference, TreeInput};
 use super::limits::{FORK_COUNT, FORK_LEVELS};
 use super::sah::{Costs, Plane};
 use crate::accel::kd::tree::split_cell;
-use crate::geom::clip_bounds;
 use crate::math::Aabb;
 
 /// Finds the best plane for a list of boxes in a cell.
@@ -85,7 +84,7 @@ impl Builder<'_> {
             if !(below && above) {
                 return Some(*reference);
             }
-            let bounds = clip_bounds(&self.input.source.triangle(reference.id), &grown)?;
+            let bounds = self.input.source.clip(reference.id, &grown)?;
             Some(Reference { bounds: self.input.slack.grow(&bounds), ..*reference })
         };
         references.iter().filter_map(on_side).collect()

@@ -35,7 +35,7 @@ pub fn find_best(references: &[Reference], cell: &Aabb, costs: &Costs) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{TriangleId, Vec3};
+    use crate::math::{PrimId, Vec3};
 
     #[test]
     fn counts_at_the_bounds_are_exact() {
@@ -46,7 +46,7 @@ mod tests {
             .iter()
             .map(|&(min, max)| Reference {
                 bounds: Aabb { min: Vec3::new(min, 0.0, 0.0), max: Vec3::new(max, 32.0, 32.0) },
-                id: TriangleId(0),
+                id: PrimId(0),
             })
             .collect();
         let costs = Costs { traversal_cost: 1.0, intersection_cost: 1.5, empty_bonus: 0.2 };

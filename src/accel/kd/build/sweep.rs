@@ -18,7 +18,6 @@ use super::input::{Reference, TreeInput};
 use super::limits::{FORK_COUNT, FORK_LEVELS, Limits};
 use super::sah::Plane;
 use crate::accel::kd::tree::split_cell;
-use crate::geom::clip_bounds;
 use crate::math::Aabb;
 
 /// Where a box begins or ends.
@@ -153,8 +152,8 @@ impl Builder<'_> {
                 }
                 let mut reference = *reference;
                 if straddles {
-                    let triangle = self.0.source.triangle(reference.id);
-                    let Some(bounds) = clip_bounds(&triangle, grown) else { continue };
+                    let clipped = self.0.source.clip(reference.id, grown);
+                    let Some(bounds) = clipped else { continue };
                     reference.bounds = self.0.slack.grow(&bounds);
                     side.new_events.extend(Event::of(place, &reference.bounds));
                 }
@@ -204,7 +203,7 @@ impl Side {
 mod tests {
     use super::*;
     use crate::accel::kd::build::sah::Costs;
-    use crate::math::{TriangleId, Vec3};
+    use crate::math::{PrimId, Vec3};
 
     #[test]
     fn the_sweep_finds_what_trying_all_planes_finds() {
@@ -219,7 +218,7 @@ mod tests {
                 .map(|i| {
                     let min = Vec3::new(random(), random(), random());
                     let max = min + Vec3::new(random(), random(), random()) + 0.5;
-                    Reference { bounds: Aabb { min, max }, id: TriangleId(i) }
+                    Reference { bounds: Aabb { min, max }, id: PrimId(i) }
                 })
                 .collect();
             let cell = Aabb { min: Vec3::splat(1.0), max: Vec3::splat(24.0) };

@@ -11,7 +11,7 @@ use super::sah::Costs;
 use crate::accel::Options;
 use crate::accel::kd::tree::{KdTree, Node};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
-use crate::math::{Aabb, TriangleId, Vec3};
+use crate::math::{Aabb, PrimId, Vec3};
 
 /// Triangles of very different sizes: rooms' walls beside small things in heaps.
 fn clutter(seed: u32, count: usize) -> Arc<dyn TriangleSource> {
@@ -79,7 +79,7 @@ fn of_two_trees_the_cheaper_is_kept() {
     let pruned = |arena: &Arena| Pruned::new(arena.clone(), &cube, &costs);
     let (cheap, same) = (make_halves(&[0, 1, 2], &[3, 4, 5]), make_halves(&[3, 4, 5], &[0, 1, 2]));
     let mut dear = Arena::default();
-    dear.add_leaf((0..6).map(TriangleId));
+    dear.add_leaf((0..6).map(PrimId));
     let kept = |a: &Arena, b: &Arena| pruned(a).or_cheaper(pruned(b)).arena.ids;
     assert_eq!(kept(&cheap, &dear), cheap.ids);
     assert_eq!(kept(&dear, &cheap), cheap.ids);
@@ -90,8 +90,7 @@ fn of_two_trees_the_cheaper_is_kept() {
 /// A cube in two, each half with those triangles.
 fn make_halves(below: &[u32], above: &[u32]) -> Arena {
     let mut arena = Arena::default();
-    let leaf =
-        |ids: &[u32], arena: &mut Arena| arena.add_leaf(ids.iter().map(|&id| TriangleId(id)));
+    let leaf = |ids: &[u32], arena: &mut Arena| arena.add_leaf(ids.iter().map(|&id| PrimId(id)));
     arena.add_inner(0, 0.5, false, |arena| leaf(below, arena), |arena| leaf(above, arena));
     arena
 }
@@ -105,6 +104,6 @@ fn a_split_that_does_not_pay_is_taken_back() {
     assert_eq!(Pruned::new(pays.clone(), &cube, &costs).arena.nodes, pays.nodes);
     let kept = Pruned::new(make_halves(&[0, 3, 2], &[3, 1, 2]), &cube, &costs).arena;
     let [Node::Leaf(leaf)] = kept.nodes[..] else { panic!("{kept:?}") };
-    assert_eq!(kept.list(leaf), [0, 1, 2, 3].map(TriangleId));
+    assert_eq!(kept.list(leaf), [0, 1, 2, 3].map(PrimId));
     assert_eq!(kept.ends, [4]);
 }

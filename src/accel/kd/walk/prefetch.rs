@@ -103,9 +103,8 @@ impl<Q: Query, C: Counters> Waiting<'_, Q, C> {
             let index = self.next;
             let ray = slice.batch.rays().get(index)?;
             self.next += 1;
-            let (prepared, kd_ray) =
-                (PreparedRay::new(ray, index, slice.batch.filter()), KdRay::new(ray));
-            let (query, counters) = (&mut Q::new(ray), &mut *slice.counters);
+            let (prepared, kd_ray) = (PreparedRay::of_batch(&slice.batch, index), KdRay::new(ray));
+            let (query, counters) = (&mut prepared.ask::<Q>(), &mut *slice.counters);
             let mut visit = Visit { base, ray: &prepared, kd_ray, leaf_test, query, counters };
             if !base.slack.is_tame(ray) {
                 robust::walk(&self.walk.layout, &mut visit, self.robust);
@@ -144,7 +143,7 @@ struct Flight<'a, Q> {
 impl<'a, Q: Query> Flight<'a, Q> {
     fn new(walk: &Prefetch, (ray, kd_ray, span): Start<'a>) -> Self {
         Self {
-            query: Q::new(&ray.ray),
+            query: ray.ask(),
             ray,
             kd_ray,
             span,
@@ -157,7 +156,7 @@ impl<'a, Q: Query> Flight<'a, Q> {
     /// Takes another ray in place of one that is done.
     #[inline(always)]
     fn restart(&mut self, walk: &Prefetch, (ray, kd_ray, span): Start<'a>) {
-        self.query = Q::new(&ray.ray);
+        self.query = ray.ask();
         (self.ray, self.kd_ray, self.span, self.at) = (ray, kd_ray, span, walk.layout.root());
         self.turn = Turn::Node;
         self.todo.clear();

@@ -10,8 +10,7 @@ use super::todo::LEVELS;
 use super::visit::Visit;
 use crate::accel::kd::layout::{Nodes, View};
 use crate::accel::{Counters, Event, Query, RayContext};
-use crate::geom::own_box;
-use crate::math::{NodeId, TriangleId, larger, smaller};
+use crate::math::{NodeId, PrimId, larger, smaller};
 use crate::simd::baseline;
 
 /// Nodes for later, with the spans to cross them.
@@ -89,10 +88,10 @@ pub fn walk<Q: Query, C: Counters>(
 fn test_all<Q: Query, C: Counters>(visit: &mut Visit<'_, Q, C>) -> ControlFlow<()> {
     let source = &*visit.base.source;
     for i in 0..source.len() {
-        let id = TriangleId::from_index(i);
+        let id = PrimId::from_index(i);
         let triangle = source.triangle(id);
         visit.counters.count(Event::BoxTest);
-        let (enter, exit) = visit.ray.slab.interval(&own_box(&triangle));
+        let (enter, exit) = visit.ray.slab.interval(&source.own_box(id));
         if enter <= exit && enter <= visit.query.t_max() {
             let Visit { ray, query, counters, .. } = visit;
             let (simd, query, counters) = (baseline(), &mut **query, &mut **counters);

@@ -1,0 +1,46 @@
+//! Two levels: one structure of each mesh, in its own space, and one over placements.
+//!
+//! A forest of a few trees placed a million times takes the memory of the trees and of a million
+//! boxes. Any row of the table may be at the bottom and any on top. The walks are the rows' own: to
+//! the structure above, placements are primitives that are boxes; to the one below, a ray comes in
+//! the mesh's space. Each asks a [`crate::accel::Verdict`] where it would ask the exact test.
+//!
+//! # Why hits are those of brute force, bit for bit
+//! 1. *One exact test.* In the end the exact test is asked about the ray as it is and the
+//!    triangle's vertices in the world, the same numbers as for a flat structure.
+//! 2. *One winner.* Hits name placement and triangle, ordered as the running number is, and the
+//!    smallest `(t, id)` wins on both levels.
+//! 3. *Above*, the box of a placement holds the own boxes of its triangles in the world
+//!    ([`placement::world_box`]), so that a hit lies in all boxes around it, as in a flat
+//!    hierarchy.
+//! 4. *Below*, boxes are grown by what the ways into the mesh's space may be off by, and the limit
+//!    behind which boxes do not matter is raised likewise ([`placement`]); blocks of triangles
+//!    filter with the same allowance ([`crate::geom::BlockRef::find_near`]). So all that the exact
+//!    test might accept is offered to it.
+//!
+//! What is placed once, has few triangles or can't be taken into its own space with a small error
+//! (it is singular, or rounded in the world to steps that are large for it) is flattened: one
+//! structure of world-space triangles beside the placements, asked first.
+//!
+//! Slices stay slices in the flat part and above; below, rays come one by one. Rows for packets
+//! walk placements as packets, and meshes with packets of one. Structures that are narrowed to
+//! regions are not, in two levels.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | [`placement`] | a mesh where it is placed: its box, a ray in its space, errors |
+//! | `levels` | how a scene is divided |
+//! | `sources` | what the structures are built over |
+//! | `verdict` | who says what is hit on each level |
+//! | `two_level` | both levels of any two rows |
+//! | `wide` | hierarchies of eight children on both levels, in flight |
+
+mod levels;
+pub mod placement;
+mod sources;
+mod two_level;
+mod verdict;
+mod wide;
+
+pub use sources::Placed;
+pub use two_level::TwoLevel;

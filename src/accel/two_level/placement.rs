@@ -1,0 +1,189 @@
+//! A mesh where it is placed: what holds it, and a ray in its space.
+//!
+//! # Errors
+//! The verdict is about vertices in the world, `M p + t` rounded, and about the ray as it is. Both
+//! are taken into the mesh's space by the inverse of `M` in f64; what is left of the error is
+//! bounded by one number a mesh, the slack, by which its structure's boxes are grown:
+//!
+//! - A vertex in the world is off by the last rounding, of the sum, and a few of `M p` before it;
+//!   its place in the mesh's space is off by `|M^-1|` times that. Where this is more than a small
+//!   part of the mesh, the placement is not kept apart ([`error_inside`]).
+//! - A ray begins where it enters the mesh's box, computed in f64, however far it has come. So its
+//!   rounded origin and direction are off by `2^-24` of the box's coordinates and size, and not of
+//!   the way to it. Where the way is longer than 2^24 boxes even f64 is too coarse: such a ray is
+//!   held against all triangles of the mesh.
+//!
+//! So the line that the verdict accepts meets the grown box of its triangle, and all around it, in
+//! the mesh's space as well. Along the line, `t` is the same in both spaces but for where it begins
+//! to count. What the verdict computes is off by a few of its own roundings, `2^-20 t` at most with
+//! room to spare, and by that much the limit is raised behind which boxes do not matter.
+
+use glam::{DMat3, DVec3};
+
+use crate::geom::Placements;
+use crate::math::{Aabb, Affine3A, MeshId, Ray};
+
+/// 2^-20: bounds the relative errors of hits' distances, and with room to spare those of vertices
+/// and boxes.
+const ROUNDING: f64 = 1.0 / 1_048_576.0;
+/// 2^-24, of f32: what a rounding takes.
+const HALF_ULP: f64 = 1.0 / 16_777_216.0;
+/// 2^-90, the least by which boxes are grown.
+const TINY: f64 = 1.0 / (1_u128 << 90) as f64;
+/// 2^24: a ray from further away, in sizes of the box, can't be placed.
+const FARTHEST: f64 = 16_777_216.0;
+/// The largest slack of a mesh that is kept apart, in its sizes.
+const MOST_SLACK: f64 = 1.0 / 32.0;
+
+/// What all placements of a mesh have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    centre: DVec3,
+    /// Half the box's size.
+    half: DVec3,
+    /// Radius around the centre.
+    radius: f64,
+    /// Largest magnitude of the coordinates along each axis.
+    reach: DVec3,
+}
+
+impl Shape {
+    /// The box and the radius of a mesh; `None` without triangles.
+    pub fn new(placements: &dyn Placements, mesh: MeshId) -> Option<Self> {
+        let bounds = placements.mesh_bounds(mesh);
+        if bounds.is_empty() {
+            return None;
+        }
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let centre = (min + max) * 0.5;
+        let triangles = placements.mesh_len(mesh) as u32;
+        let farthest = (0..triangles)
+            .flat_map(|index| placements.mesh_triangle(mesh, index).corners())
+            .map(|corner| corner.as_dvec3().distance_squared(centre))
+            .fold(0.0, f64::max);
+        let radius = farthest.sqrt() * (1.0 + ROUNDING);
+        let reach = min.abs().max(max.abs());
+        Some(Self { centre, half: (max - min) * 0.5, radius, reach })
+    }
+
+    fn size(&self) -> f64 {
+        2.0 * self.half.max_element()
+    }
+
+    /// By how much a structure of the mesh grows its boxes, where placements need `off` of it.
+    pub fn slack(&self, off: f32) -> f32 {
+        let rounding = 0.5 * ROUNDING * (self.reach.max_element() + 2.0 * self.size());
+        (f64::from(off) * (1.0 + ROUNDING) + rounding + TINY) as f32
+    }
+
+    /// The box of what a structure holds that is grown by `slack`, and once more by as much.
+    pub fn grown(&self, slack: f32) -> [DVec3; 2] {
+        let half = self.half + 2.0 * f64::from(slack);
+        [self.centre - half, self.centre + half]
+    }
+}
+
+/// The box in the world of what a placement holds: of the own boxes of its triangles.
+pub fn world_box(shape: &Shape, to_world: &Affine3A) -> Aabb {
+    let (matrix, translation) = widen(to_world);
+    let rows = matrix.transpose();
+    let magnitudes = magnitudes(&matrix);
+    let centre = matrix * shape.centre + translation;
+    let half = magnitudes * shape.half;
+    let lengths = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+    let half = half.min(lengths * shape.radius * (1.0 + ROUNDING));
+    let terms = magnitudes * shape.reach + translation.abs();
+    let grown = half + terms * ROUNDING + TINY;
+    Aabb { min: (centre - grown).as_vec3(), max: (centre + grown).as_vec3() }
+}
+
+/// How far off the vertices of a placement may be in its mesh's space, or `None` if that is too
+/// much for a structure of its own: it is singular, or far from the world's origin for its size.
+pub fn error_inside(shape: &Shape, to_world: &Affine3A) -> Option<f32> {
+    let (matrix, translation) = widen(to_world);
+    let inverse = matrix.inverse();
+    if !inverse.is_finite() || shape.size() <= 0.0 {
+        return None;
+    }
+    let turned = magnitudes(&matrix) * shape.reach;
+    let sum = turned + translation.abs();
+    let rounded = (turned * 4.0 + sum * 1.0625) * HALF_ULP + TINY;
+    let off = (magnitudes(&inverse) * rounded).max_element();
+    (shape.slack(off as f32) <= (MOST_SLACK * shape.size()) as f32).then_some(off as f32)
+}
+
+/// A ray in the space of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalRay {
+    /// The ray, from where it enters the mesh's box.
+    pub ray: Ray,
+    /// The world's `t` there.
+    pub shift: f64,
+}
+
+/// What becomes of a ray at a placement.
+pub enum Entered {
+    /// It does not meet the box.
+    Missed,
+    /// It goes on in the mesh's space.
+    Inside(LocalRay),
+    /// It can't be placed there.
+    Far,
+}
+
+/// From the world to a mesh's space.
+#[derive(Clone, Copy, Debug)]
+pub struct ToMesh {
+    inverse: DMat3,
+    translation: DVec3,
+}
+
+impl ToMesh {
+    /// The way back of a placement that has one.
+    #[inline(always)]
+    pub fn new(to_world: &Affine3A) -> Self {
+        let (matrix, translation) = widen(to_world);
+        Self { inverse: matrix.inverse(), translation }
+    }
+
+    /// Takes a ray into the space of a mesh whose box, grown, is `bounds`; hits beyond `t_max` do
+    /// not matter.
+    #[inline(always)]
+    pub fn enter(&self, bounds: &[DVec3; 2], ray: &Ray, t_max: f32) -> Entered {
+        let origin = self.inverse * (ray.origin().as_dvec3() - self.translation);
+        let direction = self.inverse * ray.direction().as_dvec3();
+        let reciprocal = direction.recip();
+        // Where a ray runs within a plane of the box there is no number: minimum and maximum leave
+        // it out, and so the ray in.
+        let (low, high) = ((bounds[0] - origin) * reciprocal, (bounds[1] - origin) * reciprocal);
+        let near = |axis: usize| low[axis].min(high[axis]);
+        let far = |axis: usize| low[axis].max(high[axis]);
+        let enter = near(0).max(near(1)).max(near(2)).max(0.0);
+        let exit = far(0).min(far(1)).min(far(2));
+        let beyond = f64::from(t_max) * (1.0 + ROUNDING);
+        if !(enter <= exit && enter <= beyond) {
+            return Entered::Missed;
+        }
+        let from = origin + direction * enter;
+        let size = (bounds[1] - bounds[0]).max_element();
+        let ray = Ray::new(from.as_vec3(), direction.as_vec3(), 0.0, limit(enter, t_max));
+        let is_placed = origin.abs().max_element() <= FARTHEST * size && ray.t_max() >= 0.0;
+        if is_placed { Entered::Inside(LocalRay { ray, shift: enter }) } else { Entered::Far }
+    }
+}
+
+/// What no box beyond matters in the mesh's space, once there is a hit at `t`.
+#[inline(always)]
+pub fn limit(shift: f64, t: f32) -> f32 {
+    let t = f64::from(t);
+    ((t - shift + t * ROUNDING) * (1.0 + ROUNDING)) as f32
+}
+
+fn widen(to_world: &Affine3A) -> (DMat3, DVec3) {
+    (to_world.matrix3.as_dmat3(), to_world.translation.as_dvec3())
+}
+
+/// The magnitudes of all entries.
+fn magnitudes(matrix: &DMat3) -> DMat3 {
+    DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
+}

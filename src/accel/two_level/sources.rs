@@ -1,0 +1,135 @@
+//! What the structures of two levels are built over.
+
+use std::sync::Arc;
+
+use super::placement::{Shape, world_box};
+use crate::geom::{Placements, Triangle, TriangleSource, own_box};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
+
+/// A scene's triangles, of which there are placements.
+#[derive(Clone)]
+pub struct Placed(Arc<dyn TriangleSource>);
+
+impl Placed {
+    /// `None` if its triangles are not of placed meshes.
+    pub fn new(source: Arc<dyn TriangleSource>) -> Option<Self> {
+        source.placements().is_some().then_some(Self(source))
+    }
+
+    /// How many triangles they have.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// The placements.
+    #[inline]
+    pub fn get(&self) -> &dyn Placements {
+        self.0.placements().expect("checked when it was made")
+    }
+}
+
+/// A mesh in its own space.
+pub struct MeshTriangles {
+    /// Whose mesh it is.
+    pub placed: Placed,
+    /// The mesh.
+    pub mesh: MeshId,
+    /// By how much its boxes are grown.
+    pub slack: f32,
+}
+
+impl TriangleSource for MeshTriangles {
+    fn len(&self) -> usize {
+        self.placed.get().mesh_len(self.mesh)
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        self.placed.get().mesh_triangle(self.mesh, prim.0)
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        let own = own_box(&self.triangle(prim));
+        Aabb { min: own.min - self.slack, max: own.max + self.slack }
+    }
+
+    fn slack(&self) -> f32 {
+        self.slack
+    }
+}
+
+/// The triangles of some placements in the world, one after the other.
+pub struct FlatTriangles {
+    placed: Placed,
+    placements: Vec<InstanceId>,
+    /// Of each placement its first number, and last how many there are.
+    first: Vec<u64>,
+}
+
+impl FlatTriangles {
+    /// The triangles of placements, which are in order.
+    pub fn new(placed: Placed, placements: Vec<InstanceId>) -> Self {
+        let mut first = Vec::with_capacity(placements.len() + 1);
+        let mut count = 0;
+        first.push(0);
+        for &placement in &placements {
+            count += placed.get().mesh_len(placed.get().mesh(placement)) as u64;
+            first.push(count);
+        }
+        Self { placed, placements, first }
+    }
+}
+
+impl TriangleSource for FlatTriangles {
+    fn len(&self) -> usize {
+        *self.first.last().expect("ends with how many there are") as usize
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        self.placed.get().placed_triangle(self.locate(prim))
+    }
+
+    fn locate(&self, prim: PrimId) -> TriangleId {
+        let number = u64::from(prim.0);
+        let at = self.first.partition_point(|&first| first <= number) - 1;
+        TriangleId { instance: self.placements[at], index: (number - self.first[at]) as u32 }
+    }
+}
+
+/// The boxes of placements in the world: what the upper structure is built over.
+pub struct PlacementBoxes {
+    /// Whose they are.
+    pub placed: Placed,
+    /// Which of them.
+    pub placements: Arc<[InstanceId]>,
+    /// Of each mesh that is kept apart.
+    pub shapes: Arc<[Option<Shape>]>,
+}
+
+impl PlacementBoxes {
+    fn world_box(&self, prim: PrimId) -> Aabb {
+        let placement = self.placements[prim.index()];
+        let placements = self.placed.get();
+        let to_world: Affine3A = placements.to_world(placement);
+        let shape = self.shapes[placements.mesh(placement).index()].as_ref();
+        world_box(shape.expect("its mesh is kept apart"), &to_world)
+    }
+}
+
+impl TriangleSource for PlacementBoxes {
+    fn len(&self) -> usize {
+        self.placements.len()
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        let Aabb { min, max } = self.world_box(prim);
+        Triangle { a: min, b: max, c: max }
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        self.world_box(prim)
+    }
+
+    fn are_boxes(&self) -> bool {
+        true
+    }
+}

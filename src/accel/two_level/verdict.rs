@@ -1,0 +1,185 @@
+//! Who says what is hit, on each level.
+
+use std::cell::RefCell;
+
+use fearless_simd::Simd;
+
+use super::levels::{Apart, Levels};
+use super::placement::{Entered, LocalRay, limit};
+use crate::accel::{
+    AnyHit, Batch, BlockFilter, ClosestHit, HitFilter, PreparedRay, Tracer, Verdict,
+};
+use crate::geom::{Placements, Triangle, intersect_triangle};
+use crate::math::{Affine3A, InstanceId, PrimId, Ray, TriangleId, Vec3};
+use crate::simd::baseline;
+
+/// A ray within a placement: what its triangles are in the world decides.
+#[derive(Clone, Copy)]
+pub struct Inside {
+    /// The placement.
+    pub placement: InstanceId,
+    /// The world's `t` where the ray begins in the mesh's space.
+    shift: f64,
+    /// How far off vertices may be in the mesh's space.
+    pub slack: f32,
+}
+
+impl Inside {
+    /// A ray that has entered a placement of a mesh that is kept apart, at `shift`.
+    #[inline(always)]
+    pub fn new(placement: InstanceId, apart: &Apart, shift: f64) -> Self {
+        Self { placement, shift, slack: apart.slack }
+    }
+
+    /// What the exact test says of a triangle of the mesh and the ray in the world.
+    #[inline(always)]
+    pub fn test<S: Simd>(
+        &self,
+        simd: S,
+        (to_world, world): (&Affine3A, &PreparedRay<'_>),
+        (prim, corners): (PrimId, &Triangle),
+        nearest: &ClosestHit,
+        any: bool,
+    ) -> Option<ClosestHit> {
+        let [a, b, c] = corners.corners().map(
+            #[inline(always)]
+            |p: Vec3| to_world.transform_point3(p),
+        );
+        let mirrored = to_world.matrix3.determinant() < 0.0;
+        let triangle = if mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } };
+        let [t, u, v] = intersect_triangle(simd, &world.slab, &world.shear, &triangle)?;
+        let triangle = TriangleId { instance: self.placement, index: prim.0 };
+        let hit = ClosestHit { t, u, v, triangle };
+        let counts = if any { t <= nearest.t } else { hit.is_before(nearest) };
+        (counts && world.criteria().accepts(&hit)).then_some(hit)
+    }
+
+    /// See [`Verdict::limit`].
+    #[inline(always)]
+    pub fn limit(&self, t: f32) -> f32 {
+        limit(self.shift, t)
+    }
+}
+
+/// Holds a ray against all triangles of a placement: for those that can't be taken into its space.
+pub fn nearest_of_all(
+    placements: &dyn Placements,
+    inside: &Inside,
+    world: &PreparedRay<'_>,
+    nearest: &ClosestHit,
+    any: bool,
+) -> Option<ClosestHit> {
+    let mesh = placements.mesh(inside.placement);
+    let to_world = placements.to_world(inside.placement);
+    let (mut nearest, mut found) = (*nearest, None);
+    for index in 0..placements.mesh_len(mesh) as u32 {
+        let corners = placements.mesh_triangle(mesh, index);
+        let hit =
+            inside.test(baseline(), (&to_world, world), (PrimId(index), &corners), &nearest, any);
+        if let Some(hit) = hit {
+            (nearest, found) = (hit, Some(hit));
+            if any {
+                break;
+            }
+        }
+    }
+    found
+}
+
+/// What a mesh's structure asks of a ray within a placement.
+struct Below<'a> {
+    inside: Inside,
+    to_world: Affine3A,
+    world: &'a PreparedRay<'a>,
+    /// The greatest `t` that counts.
+    t_max: f32,
+}
+
+impl Verdict for Below<'_> {
+    fn judge(
+        &self,
+        _: usize,
+        prim: (PrimId, &Triangle),
+        nearest: &ClosestHit,
+        any: bool,
+    ) -> Option<ClosestHit> {
+        self.inside.test(baseline(), (&self.to_world, self.world), prim, nearest, any)
+    }
+
+    fn filter(&self) -> BlockFilter {
+        BlockFilter::Near(self.inside.slack)
+    }
+
+    fn t_max(&self, _: &Ray) -> f32 {
+        self.t_max
+    }
+
+    fn limit(&self, t: f32) -> f32 {
+        self.inside.limit(t)
+    }
+}
+
+/// Rays among placements: what a placement holds is asked of its mesh's structure.
+pub struct Above<'a, 't> {
+    /// Both levels.
+    pub levels: &'a Levels,
+    /// The tracers of the meshes' structures, as far as they were asked yet.
+    pub tracers: &'a RefCell<Vec<Option<Box<dyn Tracer + 't>>>>,
+    /// Makes one.
+    pub make: &'a dyn Fn(usize) -> Box<dyn Tracer + 't>,
+    /// The rays of the batch.
+    pub rays: &'a [Ray],
+    /// The batch's filter.
+    pub filter: Option<&'a dyn HitFilter>,
+}
+
+impl Verdict for Above<'_, '_> {
+    fn judge(
+        &self,
+        ray: usize,
+        (prim, _): (PrimId, &Triangle),
+        nearest: &ClosestHit,
+        any: bool,
+    ) -> Option<ClosestHit> {
+        let (placement, to_world) = self.levels.placement(prim);
+        let mesh = self.levels.placed.get().mesh(placement).index();
+        let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
+        let world = &self.rays[ray];
+        let entered = self.levels.to_mesh(placement).enter(&apart.grown, world, nearest.t);
+        let world = &PreparedRay::new(world, ray, self.filter);
+        let inside = |shift| Inside::new(placement, apart, shift);
+        let (ray, shift) = match entered {
+            Entered::Missed => return None,
+            Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
+            Entered::Far => {
+                let placements = self.levels.placed.get();
+                return nearest_of_all(placements, &inside(0.0), world, nearest, any);
+            }
+        };
+        let below = Below { inside: inside(shift), to_world, world, t_max: nearest.t };
+        let rays = [ray];
+        let batch = Batch::new(&rays).with_verdict(&below);
+        let mut tracers = self.tracers.borrow_mut();
+        let tracer = tracers[mesh].get_or_insert_with(|| (self.make)(mesh));
+        if any {
+            let mut answer = [AnyHit(false)];
+            tracer.any_hits(&batch, &mut answer);
+            return answer[0].0.then_some(*nearest);
+        }
+        let mut hit = [ClosestHit::MISS];
+        tracer.closest_hits(&batch, &mut hit);
+        hit[0].is_before(nearest).then_some(hit[0])
+    }
+
+    fn filter(&self) -> BlockFilter {
+        BlockFilter::Boxes
+    }
+
+    fn t_max(&self, ray: &Ray) -> f32 {
+        ray.t_max()
+    }
+
+    fn limit(&self, t: f32) -> f32 {
+        t
+    }
+}

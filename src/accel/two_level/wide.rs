@@ -1,0 +1,343 @@
+//! Wide hierarchies on both levels, a slice of rays with sixteen of them in flight.
+//!
+//! As in [`crate::accel::bvh::wide`] each ray takes one step in turn and asks for what its next one
+//! needs. A step may lead into a placement: then the ray goes on below, in the mesh's space and
+//! nodes, on the same stack, where a key of zero marks the way back. So the memory of both levels
+//! is waited for together, and nothing is called through a table.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use fearless_simd::{Simd, f32x8};
+
+use super::levels::{Apart, Levels};
+use super::placement::{Entered, LocalRay};
+use super::verdict::{Inside, nearest_of_all};
+use crate::accel::bvh::link::Link;
+use crate::accel::bvh::wide::arena::Stripes;
+use crate::accel::bvh::wide::node;
+use crate::accel::bvh::wide::stack::{DEEPEST, Sorting, Stack};
+use crate::accel::bvh::wide::wide_bvh::{RAYS, WideBvh};
+use crate::accel::{
+    Built, Counters, Event, MemoryReport, PreparedRay, Query, SliceContext, Structure, Traverse,
+};
+use crate::geom::SlabRay;
+use crate::math::{InstanceId, PrimId};
+use crate::simd::order::key_limit;
+
+/// Lanes of a vector, children of a node.
+const W: usize = 8;
+
+/// A hierarchy of placements, and one of each mesh.
+pub struct WideLevels {
+    levels: Arc<Levels>,
+    above: WideBvh<W>,
+    below: Vec<Option<WideBvh<W>>>,
+    /// Places of leaves from here on are placements.
+    first_placement: usize,
+    built: Built,
+}
+
+impl WideLevels {
+    /// Both levels of trees that store what is in their leaves; hands them back if they can't be
+    /// walked together.
+    pub fn new(
+        levels: Arc<Levels>,
+        mut above: WideBvh<W>,
+        below: Vec<Option<WideBvh<W>>>,
+    ) -> Result<Self, (WideBvh<W>, Vec<Option<WideBvh<W>>>)> {
+        let deepest = below.iter().flatten().map(|tree| tree.report().max_depth).max();
+        // A level of its own each: the leaf of placements, and the way back.
+        let depth = above.report().max_depth + deepest.unwrap_or(0) + 2;
+        let first_placement = above.arena.stripes().len();
+        let placements = levels.placements.last().map_or(0, |last| last.index() + 1);
+        let in_place = below.iter().flatten().chain([&above]).all(WideBvh::stores_triangles);
+        if depth > DEEPEST || first_placement + placements >= Link::LIMIT || !in_place {
+            return Err((above, below));
+        }
+        above.renumber(|prim| PrimId(levels.placements[prim.index()].0));
+        let mut report = above.report().clone();
+        for tree in below.iter().flatten() {
+            report.nodes += tree.report().nodes;
+            report.leaves += tree.report().leaves;
+        }
+        let built = Built { level: above.level(), report };
+        Ok(Self { levels, above, below, first_placement, built })
+    }
+}
+
+/// A ray under way.
+struct Flight<'a, Q> {
+    world: PreparedRay<'a>,
+    /// The same where it is now: among placements, or in the space of a mesh.
+    here: PreparedRay<'a>,
+    stripes: Stripes<'a, W>,
+    /// The placement that it is in.
+    inside: Option<Inside>,
+    query: Q,
+    /// Taken off the stack for its next turn.
+    key: u32,
+    link: Link,
+    top: usize,
+    /// Which of the tracer's stacks is its own.
+    stack: usize,
+}
+
+/// The tree of placements, as a walk reads it.
+#[derive(Clone, Copy)]
+struct Above<'a> {
+    levels: &'a WideLevels,
+    stripes: Stripes<'a, W>,
+    root: Link,
+}
+
+impl WideLevels {
+    /// Traces a slice.
+    #[inline(always)]
+    fn fly<'a, S: Simd, Q: Query, C: Counters>(
+        &'a self,
+        slice: &mut SliceContext<'a, S, Q, C>,
+        stacks: &mut [Stack<W>],
+    ) {
+        let Some(root) = self.above.root else { return slice.answer_nothing() };
+        let above = Above { levels: self, stripes: self.above.arena.stripes(), root };
+        let count = slice.batch.rays().len();
+        let mut next = count.min(RAYS);
+        let mut flights: Vec<Flight<'_, Q>> =
+            (0..next).map(|index| above.start(slice, (index, index))).collect();
+        while !flights.is_empty() {
+            let mut turn = 0;
+            while turn < flights.len() {
+                let flight = &mut flights[turn];
+                let own = flight.stack;
+                let (simd, counters) = (slice.simd, &mut *slice.counters);
+                if above.take_turn(simd, counters, flight, &mut stacks[own]).is_continue() {
+                    turn += 1;
+                    continue;
+                }
+                slice.answers[flight.world.index] = flight.query.answer();
+                if next < count {
+                    flights[turn] = above.start(slice, (next, own));
+                    next += 1;
+                    turn += 1;
+                } else {
+                    flights.swap_remove(turn);
+                }
+            }
+        }
+    }
+}
+
+impl<'a> Above<'a> {
+    #[inline(always)]
+    fn start<Q: Query>(
+        &self,
+        slice: &SliceContext<'a, impl Simd, Q, impl Counters>,
+        (index, stack): (usize, usize),
+    ) -> Flight<'a, Q> {
+        let world = PreparedRay::of_batch(&slice.batch, index);
+        let (query, stripes, link) = (world.ask(), self.stripes, self.root);
+        Flight { world, here: world, stripes, inside: None, query, key: 1, link, top: 1, stack }
+    }
+
+    /// Goes one step, and asks for what the next one needs; `Break` when the answer is final.
+    #[inline(always)]
+    fn take_turn<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        counters: &mut C,
+        flight: &mut Flight<'a, Q>,
+        stack: &mut Stack<W>,
+    ) -> ControlFlow<()> {
+        let limit = key_limit(flight.query.t_max());
+        while flight.key > limit {
+            (flight.key, flight.link) = stack.pop(&mut flight.top);
+        }
+        if !flight.link.is_leaf() {
+            let Flight { here, query, stripes, link, top, .. } = flight;
+            counters.count(Event::InnerNode);
+            counters.count(Event::BoxTest);
+            let (planes, links) = stripes.node(*link);
+            let (keys, hits) = node::intersect_children(simd, planes, here, query.t_max());
+            stack.push(simd, sorting::<Q>(), keys, hits, links, top);
+        } else if flight.inside.is_some() {
+            if flight.key == 0 {
+                self.leave(flight);
+            } else {
+                self.test_leaf(simd, counters, flight)?;
+            }
+        } else if flight.key == 0 {
+            return ControlFlow::Break(());
+        } else if flight.link.place() < self.levels.first_placement {
+            self.open_leaf(simd, counters, flight, stack);
+        } else {
+            counters.count(Event::Restart);
+            self.enter(flight, stack)?;
+        }
+        (flight.key, flight.link) = stack.pop(&mut flight.top);
+        // Placements lie beyond all stripes: there is nothing to wait for.
+        let place = flight.link.place().min(flight.stripes.len());
+        flight.stripes.prefetch(Link::to_node(place));
+        ControlFlow::Continue(())
+    }
+
+    /// Puts those placements of a leaf on the stack whose boxes the ray enters.
+    #[inline(always)]
+    fn open_leaf<S: Simd, Q: Query>(
+        &self,
+        simd: S,
+        counters: &mut impl Counters,
+        flight: &mut Flight<'_, Q>,
+        stack: &mut Stack<W>,
+    ) {
+        counters.count(Event::Leaf);
+        counters.count(Event::BoxTest);
+        let block = self.stripes.block(flight.link);
+        let (ray, t_max) = (&flight.world, flight.query.t_max());
+        let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
+        // Lanes that are not used repeat a box.
+        let hits = hits & ((1 << block.len()) - 1);
+        let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
+        let first = self.levels.first_placement;
+        let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.index())).0);
+        stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
+    }
+
+    /// Takes a ray into a placement, if it meets its box.
+    #[inline(always)]
+    fn enter<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &mut Stack<W>) -> ControlFlow<()> {
+        let levels = &*self.levels.levels;
+        let placement = InstanceId::from_index(flight.link.place() - self.levels.first_placement);
+        let placements = levels.placed.get();
+        let mesh = placements.mesh(placement).index();
+        let (Some(apart), Some(tree)) = (&levels.meshes[mesh], &self.levels.below[mesh]) else {
+            return ControlFlow::Continue(());
+        };
+        let Some(root) = tree.root else { return ControlFlow::Continue(()) };
+        let to_mesh = levels.to_mesh(placement);
+        let t_max = flight.query.nearest().t;
+        let (ray, shift) = match to_mesh.enter(&apart.grown, &flight.world.ray, t_max) {
+            Entered::Missed => return ControlFlow::Continue(()),
+            Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
+            Entered::Far => return test_all(levels, flight, placement, apart),
+        };
+        flight.inside = Some(Inside::new(placement, apart, shift));
+        (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
+        flight.stripes = tree.arena.stripes();
+        flight.query.set_limit(ray.t_max());
+        stack.put(0, BACK, &mut flight.top);
+        stack.put(1, root, &mut flight.top);
+        ControlFlow::Continue(())
+    }
+
+    /// Takes a ray back among placements.
+    #[inline(always)]
+    fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>) {
+        flight.inside = None;
+        (flight.here.ray, flight.here.slab) = (flight.world.ray, flight.world.slab);
+        flight.stripes = self.stripes;
+        flight.query.set_limit(flight.query.nearest().t);
+    }
+
+    /// Tests the triangles of a leaf in a mesh.
+    #[inline(always)]
+    fn test_leaf<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        counters: &mut C,
+        flight: &mut Flight<'_, Q>,
+    ) -> ControlFlow<()> {
+        let Flight { world, here, query, link, stripes, inside, .. } = flight;
+        let Some(inside) = inside else { return ControlFlow::Continue(()) };
+        counters.count(Event::Leaf);
+        counters.count(Event::TriangleTest);
+        let block = stripes.block(*link);
+        let mut lanes =
+            block.find_near::<S, f32x8<S>>(simd, &here.ray, query.t_max(), inside.slack);
+        if lanes == 0 {
+            return ControlFlow::Continue(());
+        }
+        let to_world = self.levels.levels.placed.get().to_world(inside.placement);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % W;
+            lanes &= lanes - 1;
+            let prim = block.ids[lane];
+            if prim == PrimId::NONE {
+                continue;
+            }
+            counters.count(Event::ExactTest);
+            let triangle = block.triangle(lane);
+            let hit =
+                inside.test(simd, (&to_world, world), (prim, &triangle), &query.nearest(), Q::ANY);
+            if let Some(hit) = hit {
+                query.take(hit, inside.limit(hit.t))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// A link that no walk follows, since its key is zero; a leaf, so that it is no node either.
+const BACK: Link = Link(1 << 31);
+
+#[inline(always)]
+fn sorting<Q: Query>() -> Sorting {
+    if Q::ANY { Sorting::None } else { Sorting::ByDistance }
+}
+
+/// Holds a ray that can't be placed against all triangles of a placement.
+#[cold]
+#[inline(never)]
+fn test_all<Q: Query>(
+    levels: &Levels,
+    flight: &mut Flight<'_, Q>,
+    placement: InstanceId,
+    apart: &Apart,
+) -> ControlFlow<()> {
+    let placements = levels.placed.get();
+    let inside = Inside::new(placement, apart, 0.0);
+    let nearest = flight.query.nearest();
+    match nearest_of_all(placements, &inside, &flight.world, &nearest, Q::ANY) {
+        Some(hit) => flight.query.take(hit, hit.t),
+        None => ControlFlow::Continue(()),
+    }
+}
+
+impl Structure for WideLevels {
+    type Scratch = Box<[Stack<W>]>;
+
+    fn scratch(&self) -> Box<[Stack<W>]> {
+        let with_bottom = |_| {
+            let mut stack = Stack::new();
+            stack.put(0, BACK, &mut 0);
+            stack
+        };
+        (0..RAYS).map(with_bottom).collect()
+    }
+
+    fn built(&self) -> &Built {
+        &self.built
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let below = self.below.iter().flatten().map(|tree| tree.arena.bytes()).sum();
+        MemoryReport::new([("placements", self.above.arena.bytes()), ("meshes", below)])
+    }
+}
+
+impl Traverse for WideLevels {
+    #[inline(always)]
+    fn trace<S: Simd, Q: Query, C: Counters>(
+        &self,
+        slice: &mut SliceContext<'_, S, Q, C>,
+        stacks: &mut Box<[Stack<W>]>,
+    ) {
+        let slice = &mut SliceContext::<_, Q, _> {
+            simd: slice.simd,
+            batch: slice.batch,
+            answers: &mut *slice.answers,
+            counters: &mut *slice.counters,
+        };
+        self.fly(slice, stacks);
+    }
+}

@@ -1,0 +1,98 @@
+//! What a scene takes of memory, by its parts, before a structure is built.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use super::Scene;
+use crate::accel::Footprint;
+use crate::texture::Texture;
+
+/// Bytes of a scene's parts, and about how many its structure will take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneMemory {
+    /// Triangles of all meshes, each mesh once.
+    pub unique_triangles: u64,
+    /// Triangles of all placed meshes.
+    pub placed_triangles: u64,
+    /// Placed meshes.
+    pub placements: u64,
+    /// Bytes of meshes, each once.
+    pub mesh_bytes: u64,
+    /// Bytes of their places.
+    pub placement_bytes: u64,
+    /// Bytes of decoded images, each once.
+    pub texture_bytes: u64,
+    /// The estimate for the default structure.
+    pub structure: Footprint,
+}
+
+impl SceneMemory {
+    /// Adds up.
+    pub fn of(scene: &Scene) -> Self {
+        let meshes = || scene.meshes.iter();
+        let unique_triangles = meshes().map(|mesh| mesh.indices.len() as u64).sum();
+        let placements = scene.instances.len() as u64;
+        let placed =
+            |instance: &super::Instance| scene.meshes[instance.mesh.index()].indices.len() as u64;
+        let mut seen = HashSet::new();
+        let images = scene.textures.iter().map(Texture::image);
+        let images = images.filter(|image| seen.insert(Arc::as_ptr(image)));
+        Self {
+            unique_triangles,
+            placed_triangles: scene.instances.iter().map(placed).sum(),
+            placements,
+            mesh_bytes: meshes().map(|mesh| mesh.heap_bytes() as u64).sum(),
+            placement_bytes: size_of_val(&*scene.instances) as u64,
+            texture_bytes: images.map(|image| image.texel_bytes()).sum(),
+            structure: Footprint::estimate(unique_triangles, placements),
+        }
+    }
+
+    /// The parts by their names, level by level.
+    pub fn parts(&self) -> [(&'static str, u64); 5] {
+        [
+            ("meshes", self.mesh_bytes),
+            ("placements", self.placement_bytes),
+            ("textures", self.texture_bytes),
+            ("structure of meshes", self.structure.triangles),
+            ("structure of placements", self.structure.placements),
+        ]
+    }
+
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.parts().iter().fold(0, |sum, (_, bytes)| sum.saturating_add(*bytes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Instance, Transform};
+    use super::*;
+    use crate::geom::Mesh;
+    use crate::math::{Affine3A, MaterialId, MeshId, Vec3};
+
+    #[test]
+    fn a_mesh_counts_once_and_its_places_each() {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let mesh = Mesh { positions, indices: vec![[0, 1, 2]], ..Mesh::default() };
+        let instance = Instance {
+            mesh: MeshId::from_index(0),
+            material: MaterialId::from_index(0),
+            transform: Transform::new(Affine3A::IDENTITY),
+        };
+        let scene = Scene {
+            meshes: vec![Arc::new(mesh)],
+            instances: vec![instance; 1000],
+            ..Scene::default()
+        };
+        let memory = SceneMemory::of(&scene);
+        let counts = (memory.unique_triangles, memory.placed_triangles, memory.placements);
+        assert_eq!(counts, (1, 1000, 1000));
+        assert_eq!(memory.mesh_bytes, 3 * 12 + 12);
+        assert_eq!(memory.placement_bytes, 1000 * size_of::<Instance>() as u64);
+        assert_eq!(memory.structure, Footprint { triangles: 100, placements: 75_000 });
+        let sum = memory.parts().map(|(_, bytes)| bytes).iter().sum::<u64>();
+        assert_eq!(memory.total(), sum);
+    }
+}

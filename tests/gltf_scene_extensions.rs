@@ -1,0 +1,229 @@
+//! What extensions of nodes, scenes, animations and textures of glTF make of a scene.
+
+mod gltf_file;
+
+use std::fs;
+use std::path::Path;
+
+use dapple::formats::{LoadOptions, gltf};
+use dapple::math::{Vec2, Vec3};
+use dapple::scene::Scene;
+use gltf_file::{File, message};
+use serde_json::{Value, json};
+
+fn hidden() -> Value {
+    json!({"KHR_node_visibility": {"visible": false}})
+}
+
+#[test]
+fn what_is_below_a_hidden_node_is_not_seen() {
+    let mut file = File::square();
+    let light = json!({"lights": [{"type": "point"}]});
+    file.document["extensions"] = json!({"KHR_lights_punctual": light});
+    file.document["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_node_visibility"]);
+    let shines = json!({"KHR_lights_punctual": {"light": 0}});
+    file.push("nodes", json!({"mesh": 0, "children": [2], "extensions": hidden()}));
+    file.push("nodes", json!({"mesh": 0, "extensions": shines.clone()}));
+    file.push("nodes", json!({"extensions": shines}));
+    let scene = file.load().expect("loads");
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    assert_eq!((scene.instances.len(), scene.lights.len()), (1, 1));
+
+    file.document["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = json!(1);
+    assert!(message(file.load()).contains("must be true or false"));
+}
+
+/// The square with further coordinates, and a material that looks them up.
+fn with_sets(sets: &[u64]) -> File {
+    let mut file = File::square();
+    for set in 1..4_u8 {
+        let uvs = file.floats(&[[f32::from(set), 0.5]; 4], "VEC2");
+        let attributes = &mut file.document["meshes"][0]["primitives"][0]["attributes"];
+        attributes[format!("TEXCOORD_{set}")] = json!(uvs);
+    }
+    let white = "data:image/bmp;base64,Qk06AAAAAAAAADYAAAAoAAAAAQAAAAEAAAABABgAAAAAAAQAAAATCwAA\
+                 EwsAAAAAAAAAAAAA////AA==";
+    file.push("images", json!({"uri": white}));
+    file.push("textures", json!({"source": 0}));
+    let texture = |set: u64| json!({"index": 0, "texCoord": set});
+    let mut material = json!({"pbrMetallicRoughness": {"baseColorTexture": texture(sets[0])}});
+    if let Some(&set) = sets.get(1) {
+        material["emissiveTexture"] = texture(set);
+    }
+    if let Some(&set) = sets.get(2) {
+        material["normalTexture"] = texture(set);
+    }
+    file.document["materials"][0] = material;
+    file
+}
+
+#[test]
+fn a_mesh_keeps_the_sets_of_coordinates_that_its_material_looks_up() {
+    for (sets, kept) in [(&[3, 2][..], [3.0, 2.0]), (&[1, 3], [1.0, 3.0]), (&[2], [2.0, 2.0])] {
+        let mut scene = with_sets(sets).load().expect("loads");
+        assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+        let uvs = scene.meshes[0].uvs.clone();
+        for (texture, expected) in scene.materials[0].textures_mut().zip(kept) {
+            let found = uvs[usize::from(texture.uv_set)][0];
+            assert_eq!(found, Vec2::new(expected, 0.5), "{sets:?}");
+        }
+    }
+    let scene = with_sets(&[1, 2, 3]).load().expect("loads");
+    let said: Vec<&str> = scene.notices.iter().map(|notice| &*notice.message).collect();
+    assert!(said[0].contains("more than two sets"), "{said:?}");
+    assert!(message(with_sets(&[256]).load()).contains("beyond all sets"));
+}
+
+/// A cube of one texel a face, of that colour each, and alpha to divide by.
+fn surrounded(colors: [[u8; 4]; 6], rotation: &Value) -> Scene {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut file = File::square();
+    for (i, color) in colors.iter().enumerate() {
+        let face = image::RgbaImage::from_raw(1, 1, color.to_vec()).expect("one texel");
+        face.save(folder.path().join(format!("{i}.png"))).expect("written");
+        file.push("images", json!({"uri": format!("{i}.png")}));
+    }
+    let light = json!({"specularImages": [[0, 1, 2, 3, 4, 5]], "specularImageSize": 1,
+        "irradianceCoefficients": [], "intensity": 2, "rotation": rotation});
+    file.document["extensions"] = json!({"EXT_lights_image_based": {"lights": [light]}});
+    file.document["extensionsUsed"] = json!(["EXT_lights_image_based"]);
+    let shines = json!({"EXT_lights_image_based": {"light": 0}});
+    file.push("scenes", json!({"nodes": [0], "extensions": shines}));
+    let path = folder.path().join("a.gltf");
+    gltf::parse(&path, &file.text(), &LoadOptions::default()).expect("loads")
+}
+
+#[test]
+fn images_of_light_stand_around_the_scene() {
+    let (black, white) = ([0, 0, 0, 255], [255, 255, 255, 51]);
+    let mut colors = [black; 6];
+    (colors[0], colors[2]) = (white, [255, 0, 0, 255]);
+    let scene = surrounded(colors, &json!([0, 0, 0, 1]));
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    let light = scene.environment.expect("there is light");
+    assert!((light.radiance(Vec3::X) - Vec3::splat(10.0)).length() < 0.1);
+    assert_eq!(light.radiance(-Vec3::X), Vec3::ZERO);
+    assert!((light.radiance(Vec3::Y) - Vec3::new(2.0, 0.0, 0.0)).length() < 0.1);
+
+    // A quarter turn about Y takes +X to -Z.
+    let half = 0.5_f32.sqrt();
+    let turned = surrounded(colors, &json!([0, half, 0, half])).environment.expect("light");
+    assert!((turned.radiance(-Vec3::Z) - Vec3::splat(10.0)).length() < 0.1);
+    assert_eq!(turned.radiance(Vec3::X), Vec3::ZERO);
+}
+
+#[test]
+fn pointers_animate_materials_transforms_of_textures_and_visibility() {
+    let mut file = with_sets(&[0]);
+    file.push("nodes", json!({"mesh": 0}));
+    let times = file.floats(&[[0.0], [2.0]], "SCALAR");
+    let colors = file.floats(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.5, 0.0, 1.0]], "VEC4");
+    let offsets = file.floats(&[[0.0, 0.0], [1.0, 3.0]], "VEC2");
+    let shown = file.accessor(&[1, 0], 5121, 2, "SCALAR");
+    let places = file.floats(&[[0.0; 3], [4.0, 0.0, 0.0]], "VEC3");
+    let texture = "/materials/0/pbrMetallicRoughness/baseColorTexture/extensions";
+    let targets = [
+        ("/materials/0/pbrMetallicRoughness/baseColorFactor".to_owned(), colors, "LINEAR"),
+        (format!("{texture}/KHR_texture_transform/offset"), offsets, "LINEAR"),
+        ("/nodes/1/extensions/KHR_node_visibility/visible".to_owned(), shown, "STEP"),
+        ("/nodes/0/translation".to_owned(), places, "LINEAR"),
+    ];
+    let (mut samplers, mut channels) = (Vec::new(), Vec::new());
+    for (i, (pointer, values, how)) in targets.iter().enumerate() {
+        samplers.push(json!({"input": times, "output": values, "interpolation": how}));
+        let pointer = json!({"KHR_animation_pointer": {"pointer": pointer}});
+        let target = json!({"path": "pointer", "extensions": pointer});
+        channels.push(json!({"sampler": i, "target": target}));
+    }
+    file.push("animations", json!({"samplers": samplers, "channels": channels}));
+    file.document["extensionsUsed"] =
+        json!(["KHR_animation_pointer", "KHR_texture_transform", "KHR_node_visibility"]);
+    let at = |time: f32| {
+        let options = LoadOptions { time: Some(time), ..LoadOptions::default() };
+        file.load_with(&options).expect("loads")
+    };
+    let mut scene = at(1.0);
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    assert_eq!(scene.instances.len(), 2);
+    assert_eq!(scene.instances[0].transform.point(Vec3::ZERO), Vec3::new(2.0, 0.0, 0.0));
+    let texture = scene.materials[0].textures_mut().next().expect("one");
+    assert_eq!(texture.offset, Vec2::new(0.5, 1.5));
+    assert_eq!(scene.materials[0].base_color.truncate(), Vec3::new(0.5, 0.25, 0.0));
+    assert_eq!(at(2.0).instances.len(), 1);
+
+    let nowhere = json!({"KHR_animation_pointer": {"pointer": "/nodes/9/scale"}});
+    file.document["animations"][0]["channels"][0]["target"]["extensions"] = nowhere;
+    let options = LoadOptions { time: Some(1.0), ..LoadOptions::default() };
+    let said = message(file.load_with(&options));
+    assert_eq!(
+        said,
+        "a.gltf: /animations/0/samplers/0: animates \"/nodes/9/scale\", which leads nowhere"
+    );
+}
+
+/// A texture of KTX2, and of AVIF, which is not read, beside a plain one.
+fn with_texture(extension: &str, uri: &str, plain: bool) -> Result<Scene, String> {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = |kind: &str, name: &str| {
+        fs::copy(corpus.join(kind).join(name), folder.path().join(name)).expect("copied");
+    };
+    copy("ktx2", "ok-uastc.ktx2");
+    copy("image", "ok-rgb.png");
+    let mut file = File::square();
+    file.push("images", json!({"uri": uri}));
+    file.push("images", json!({"uri": "ok-rgb.png"}));
+    let mut texture = json!({"extensions": {extension: {"source": 0}}});
+    if plain {
+        texture["source"] = json!(1);
+    }
+    file.push("textures", texture);
+    file.document["extensionsUsed"] = json!([extension]);
+    file.document["materials"][0] =
+        json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    let path = folder.path().join("a.gltf");
+    let read = gltf::parse(&path, &file.text(), &LoadOptions::default());
+    read.map_err(|error| error.to_string())
+}
+
+#[test]
+fn packed_textures_come_before_plain_ones() {
+    for plain in [true, false] {
+        let scene = with_texture("KHR_texture_basisu", "ok-uastc.ktx2", plain).expect("loads");
+        assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+        assert_eq!(scene.textures[0].size(), [13, 10]);
+    }
+    let scene = with_texture("KHR_texture_basisu", "gone.ktx2", true).expect("loads");
+    assert_eq!(scene.textures[0].name(), "ok-rgb.png");
+    assert!(scene.notices[0].message.contains("gone.ktx2"));
+    let said = with_texture("KHR_texture_basisu", "gone.ktx2", false).expect_err("has none");
+    assert!(said.contains("gone.ktx2"), "{said}");
+}
+
+#[test]
+fn a_plain_texture_stands_in_for_avif() {
+    let scene = with_texture("EXT_texture_avif", "a.avif", true).expect("loads");
+    assert_eq!(scene.textures[0].name(), "ok-rgb.png");
+    assert!(scene.notices[0].message.contains("the texture's other image is used"));
+    let said = with_texture("EXT_texture_avif", "a.avif", false).expect_err("has none");
+    assert!(said.contains("is of AVIF alone"), "{said}");
+}
+
+/// Attributes by the second version of the codec, and colours of 8 and 16 bits, beside what the
+/// reference decoder makes of them.
+#[test]
+fn views_packed_by_meshopt_are_those_of_the_reference_decoder() {
+    let load = |name: &str| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/gltf");
+        dapple::load(folder.join(name), &LoadOptions::default()).expect(name)
+    };
+    let (packed, plain) = (load("ok-meshopt-khr.gltf"), load("ok-meshopt-khr-plain.gltf"));
+    assert!(packed.notices.is_empty(), "{:?}", packed.notices);
+    assert_eq!(plain.meshes.len(), 2);
+    for (packed, plain) in packed.meshes.iter().zip(&plain.meshes) {
+        assert_eq!(packed.positions, plain.positions);
+        assert_eq!(packed.normals, plain.normals);
+        assert_eq!(packed.colors, plain.colors);
+        assert_eq!(packed.indices, plain.indices);
+    }
+}

@@ -1,0 +1,80 @@
+//! KTX 2.0 files beside the same texels as the reference transcoder gives them, to the bit.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use dapple::texture::Image;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/ktx2")
+}
+
+fn read(name: &str) -> Vec<u8> {
+    fs::read(folder().join(name)).expect("is part of the project")
+}
+
+const KINDS: [&str; 6] =
+    ["ok-etc1s", "ok-etc1s-alpha", "ok-uastc", "ok-uastc-alpha", "ok-zstd", "ok-zstd-alpha"];
+
+#[test]
+fn texels_are_those_of_the_reference_transcoder() {
+    for kind in KINDS {
+        let (bytes, name) = (read(&format!("{kind}.ktx2")), format!("{kind}.ktx2"));
+        let image = Image::decode(&bytes, &name).expect(kind);
+        let expected = Image::decode(&read(&format!("{kind}-texels.png")), "").expect(kind);
+        assert!(image == expected, "{kind}");
+        assert_eq!(image.is_opaque(), !kind.ends_with("alpha"), "{kind}");
+        assert_eq!(Image::decoded_bytes(&bytes, &name).expect(kind), 13 * 10 * 4);
+    }
+}
+
+/// Whatever is cut off is missed, but for the levels that are not used: those come first.
+#[test]
+fn files_that_are_cut_are_refused() {
+    for kind in KINDS {
+        let bytes = read(&format!("{kind}.ktx2"));
+        for end in 0..bytes.len() {
+            assert!(Image::decode(&bytes[..end], "a.ktx2").is_err(), "{kind} cut at {end}");
+        }
+    }
+}
+
+/// A file with one number of its header changed.
+fn changed(at: usize, value: u32) -> String {
+    let mut bytes = read("ok-uastc.ktx2");
+    bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+    Image::decode(&bytes, "a.ktx2").expect_err("is refused").to_string()
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    assert!(changed(12, 37).contains("not those of Basis Universal"));
+    assert!(changed(28, 2).contains("not one flat image"));
+    assert!(changed(36, 6).contains("not one flat image"));
+    assert!(changed(44, 3).contains("unknown way (3)"));
+    assert!(changed(44, 1).contains("packed in a way that they cannot be"));
+    assert!(changed(40, 5).contains("5 levels, more than its size allows"));
+    assert!(changed(20, 64).contains("bytes and needs"));
+    assert!(changed(20, 1 << 20).contains("are too many"));
+    assert!(changed(80, u32::MAX).contains("past the end of the file"));
+}
+
+/// Of a picture that is too wide, a level that is not is used.
+#[test]
+fn a_smaller_level_stands_in_for_one_that_is_too_large() {
+    let mut bytes = read("ok-uastc.ktx2");
+    // As if it were 20000 texels wide: its second level, of 10000 by 5, has other bytes then.
+    bytes[20..24].copy_from_slice(&20000_u32.to_le_bytes());
+    let blocks = 10000_u32.div_ceil(4) * 2;
+    let (end, length) = (bytes.len() as u64, u64::from(blocks * 16));
+    let entry = 80 + 24;
+    for (at, value) in [(0, end), (8, length), (16, length)] {
+        bytes[entry + at..entry + at + 8].copy_from_slice(&value.to_le_bytes());
+    }
+    let block = read("ok-uastc.ktx2");
+    let block = &block[block.len() - 16..];
+    bytes.extend(block.repeat(blocks as usize));
+    let (image, notes) = Image::decode_noting(&bytes, "a.ktx2").expect("decodes");
+    assert_eq!((image.width(), image.height()), (10000, 5));
+    assert_eq!(notes, ["has more than 16384 texels a side: its level 1, of 10000 by 5, is used"]);
+}
