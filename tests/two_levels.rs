@@ -1,4 +1,4 @@
-//! Structures in two levels answer as brute force does, to the bit: copies that are mirrored, sheared,
+//! Structures in two levels answer as brute force does, to the bit: copies mirrored, sheared,
 //! tiny, huge, far from the origin, touching, coincident.
 
 use std::sync::Arc;
