@@ -122,7 +122,7 @@ pub fn write_ids<const W: usize>(stripes: &mut [[f32; W]], ids: &[PrimId; W]) {
 
 impl<'a, const W: usize> Stripes<'a, W> {
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.floats.len()
     }
 

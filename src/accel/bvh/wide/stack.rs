@@ -33,6 +33,12 @@ pub struct Stack<const W: usize> {
     links: [[u32; W]; STRIPES + 1],
 }
 
+impl<const W: usize> Default for Stack<W> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const W: usize> Stack<W> {
     /// Places, a power of two.
     const SIZE: usize = STRIPES * W;
