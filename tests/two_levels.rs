@@ -1,4 +1,4 @@
-//! Structures in two levels answer as brute force does, to the bit: copies that are mirrored, sheared,
+//! Structures in two levels answer as brute force does, to the bit: copies mirrored, sheared,
 //! tiny, huge, far from the origin, touching, coincident.
 
 use std::sync::Arc;
@@ -29,8 +29,9 @@ fn ball(rings: u32) -> Mesh {
         for side in 0..sides {
             let turn = std::f32::consts::TAU * side as f32 / sides as f32;
             let radius = if ring % rings == 0 { 1.0 } else { 1.0 + 0.1 * unit(ring, side) };
-            let (sine, cosine) = polar.sin_cos();
-            mesh.positions.push(Vec3::new(sine * turn.cos(), cosine, sine * turn.sin()) * radius);
+            let (sine, cosine) = libm::sincosf(polar);
+            mesh.positions
+                .push(Vec3::new(sine * libm::cosf(turn), cosine, sine * libm::sinf(turn)) * radius);
         }
     }
     for ring in 0..rings {
@@ -79,7 +80,7 @@ fn scenes() -> Vec<(&'static str, Arc<dyn TriangleSource>)> {
     let grid = |i: u32| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) * 2.0;
     let touching = (0..27).map(|i| Affine3A::from_translation(grid(i))).collect();
     let mixed = (0..40).map(|i| {
-        let scale = 10.0_f32.powf(6.0 * unit(i, 11) - 3.0);
+        let scale = libm::powf(10.0, 6.0 * unit(i, 11) - 3.0);
         transform(i, scale, 0.5, direction(i) * 30.0 * unit(i, 12))
     });
     let mut coincident = scattered(8, 1.0, 0.5, Vec3::ZERO);

@@ -27,7 +27,7 @@ pub enum Values {
     Integer(u64, u64),
     /// A number, both ends included.
     Number(f64, f64),
-    /// A size in bytes, at least; units are those of [`parse_bytes`].
+    /// A size in bytes, at least; units are those of `parse_bytes`.
     Bytes(u64),
 }
 

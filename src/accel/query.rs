@@ -182,7 +182,8 @@ impl Query for Closest {
 /// Whether there is a hit at all.
 #[derive(Clone, Copy, Debug)]
 pub struct Any {
-    t_max: f32,
+    /// Hits lie at or before this.
+    farthest: f32,
     limit: f32,
     found: bool,
 }
@@ -193,7 +194,7 @@ impl Query for Any {
 
     #[inline(always)]
     fn within(t: f32, limit: f32) -> Self {
-        Self { t_max: t, limit, found: false }
+        Self { farthest: t, limit, found: false }
     }
 
     #[inline(always)]
@@ -208,7 +209,7 @@ impl Query for Any {
 
     #[inline(always)]
     fn offer(&mut self, criteria: &HitCriteria<'_>, hit: ClosestHit) -> ControlFlow<()> {
-        if hit.t <= self.t_max && criteria.accepts(&hit) {
+        if hit.t <= self.farthest && criteria.accepts(&hit) {
             return self.take(hit, hit.t);
         }
         ControlFlow::Continue(())
@@ -216,7 +217,7 @@ impl Query for Any {
 
     #[inline(always)]
     fn nearest(&self) -> ClosestHit {
-        ClosestHit { t: self.t_max, ..ClosestHit::MISS }
+        ClosestHit { t: self.farthest, ..ClosestHit::MISS }
     }
 
     #[inline(always)]

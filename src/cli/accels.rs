@@ -50,7 +50,7 @@ fn to_text() -> String {
 
 /// What every structure takes besides.
 const OF_ALL: &str = "\nAll take, for meshes that are placed more than once:
-  instances=auto|flat|two-level: copy by copy in one structure, or one of each mesh and one of copies
+  instances=auto|flat|two-level: all in one structure, or one of each mesh and one of its copies
   top=ID: the structure of copies, if it is to be another
 ";
 

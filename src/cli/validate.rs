@@ -91,16 +91,14 @@ fn has_copies(source: &dyn TriangleSource) -> bool {
 /// The structures that a scene allows: where meshes are placed more than once, in two levels and
 /// flat, unless it was said which.
 fn in_all_ways(specs: Vec<AccelSpec>, source: &dyn TriangleSource) -> Vec<AccelSpec> {
-    let ways: &[Instances] = match has_copies(source) {
-        true => &[Instances::Flat, Instances::TwoLevel],
-        false => &[Instances::Auto],
-    };
+    let both: &[Instances] = &[Instances::Flat, Instances::TwoLevel];
+    let ways = if has_copies(source) { both } else { &[Instances::Auto] };
     let said = |spec: &AccelSpec| spec.instances != Instances::Auto;
-    let both = |spec: AccelSpec| {
+    let in_ways = |spec: AccelSpec| {
         let ways = if said(&spec) { vec![spec.instances] } else { ways.to_vec() };
         ways.into_iter().map(move |instances| AccelSpec { instances, ..spec.clone() })
     };
-    specs.into_iter().flat_map(both).collect()
+    specs.into_iter().flat_map(in_ways).collect()
 }
 
 type Build<'a> = dyn Fn(&AccelSpec) -> Result<Box<dyn Accel>, BuildError> + Sync + 'a;

@@ -53,7 +53,9 @@ pub fn decode<'b>(numbers: &mut [u64], mut bytes: &'b [u8]) -> Option<&'b [u8]> 
         let (values, rest) = rest.split_at_checked(usize::from(count))?;
         let (indices, rest) = rest.split_at_checked((numbers.len() * bits).div_ceil(8))?;
         if bits == 0 {
-            numbers.iter_mut().for_each(|number| *number |= u64::from(values[0]) << shift);
+            for number in numbers.iter_mut() {
+                *number |= u64::from(values[0]) << shift;
+            }
         } else {
             unpack(numbers, shift, bits, values, indices)?;
         }

@@ -17,9 +17,12 @@ pub fn with_ticks(tick: &(dyn Fn() + Sync), work: impl FnOnce() + Send) {
     std::thread::scope(|scope| {
         scope.spawn(|| {
             let mut over = lock(&finished);
-            while !*over {
-                let waited = wake.wait_timeout(over, Duration::from_millis(100));
-                over = waited.unwrap_or_else(PoisonError::into_inner).0;
+            loop {
+                // The work may be over before this thread is there to wait.
+                if !*over {
+                    let waited = wake.wait_timeout(over, Duration::from_millis(100));
+                    over = waited.unwrap_or_else(PoisonError::into_inner).0;
+                }
                 let is_over = *over;
                 drop(over);
                 tick();

@@ -127,6 +127,7 @@ fn reduction(words: &[String]) -> (&'static [(&'static str, &'static str)], bool
         ["golden", _] if words.get(2).is_some_and(|word| word == "golden") => {
             (&[("--only", "furnace")], false)
         }
+        ["generate", "forest"] => (&[("--triangles", "5000"), ("--copies", "60")], false),
         ["generate", _] => (&[("--triangles", "2000")], false),
         ["validate", ..] => (&[("--rays", "2000"), ("--brute-rays", "200")], true),
         ["bench", "accels"] => (&[("--rays", "300"), ("--rounds", "1")], true),

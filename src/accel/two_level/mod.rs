@@ -38,6 +38,7 @@
 mod levels;
 pub mod placement;
 mod sources;
+#[allow(clippy::module_inception)] // what a reader looks for
 mod two_level;
 mod verdict;
 mod wide;

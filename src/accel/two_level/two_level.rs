@@ -148,7 +148,8 @@ fn build_placed(
     let (above, below) = build_structures(levels, phases, tree, tree)?;
     Ok(match WideLevels::new(Arc::clone(levels), above, below) {
         Ok(both) => (Box::new(both), Vec::new()),
-        Err((above, below)) => {
+        Err(trees) => {
+            let (above, below) = *trees;
             let boxed = |tree| Box::new(tree) as Box<dyn Accel>;
             (boxed(above), below.into_iter().map(|tree| tree.map(boxed)).collect())
         }

@@ -38,6 +38,9 @@ pub struct WideLevels {
     built: Built,
 }
 
+/// The tree of placements, and those of meshes.
+pub type Trees = (WideBvh<W>, Vec<Option<WideBvh<W>>>);
+
 impl WideLevels {
     /// Both levels of trees that store what is in their leaves; hands them back if they can't be
     /// walked together.
@@ -45,15 +48,15 @@ impl WideLevels {
         levels: Arc<Levels>,
         mut above: WideBvh<W>,
         below: Vec<Option<WideBvh<W>>>,
-    ) -> Result<Self, (WideBvh<W>, Vec<Option<WideBvh<W>>>)> {
+    ) -> Result<Self, Box<Trees>> {
         let deepest = below.iter().flatten().map(|tree| tree.report().max_depth).max();
         // A level of its own each: the leaf of placements, and the way back.
         let depth = above.report().max_depth + deepest.unwrap_or(0) + 2;
-        let first_placement = above.arena.stripes().len();
+        let first_placement = above.arena.stripes().count();
         let placements = levels.placements.last().map_or(0, |last| last.index() + 1);
         let in_place = below.iter().flatten().chain([&above]).all(WideBvh::stores_triangles);
         if depth > DEEPEST || first_placement + placements >= Link::LIMIT || !in_place {
-            return Err((above, below));
+            return Err(Box::new((above, below)));
         }
         above.renumber(|prim| PrimId(levels.placements[prim.index()].0));
         let mut report = above.report().clone();
@@ -176,7 +179,7 @@ impl<'a> Above<'a> {
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
         // Placements lie beyond all stripes: there is nothing to wait for.
-        let place = flight.link.place().min(flight.stripes.len());
+        let place = flight.link.place().min(flight.stripes.count());
         flight.stripes.prefetch(Link::to_node(place));
         ControlFlow::Continue(())
     }

@@ -144,7 +144,7 @@ pub fn fern(triangles: u64, material: usize, seed: u64) -> Piece {
         let side = if number.is_multiple_of(2) { side } else { -side };
         let size = long * 0.3 * libm::pow(1.0 - share, 0.75) * (6.0 * share).min(1.0) + 0.01;
         let pointing = (side + along * 0.35 - DVec3::Y * 0.15).normalize() * size;
-        let wide = (0.7 * long / pairs as f64).clamp(0.008, 0.3 * size + 0.004);
+        let wide = (0.7 * long / pairs as f64).min(0.3 * size + 0.004);
         let tint = DVec3::new(0.4, 0.65, 0.25).lerp(DVec3::new(0.8, 1.0, 0.42), share);
         let tint = tint * random.between(0.85, 1.0);
         let whole = 2 * leaf + 1 < triangles;

@@ -113,7 +113,7 @@ impl Forest {
              [[place]]\nfile = {name}\n\n\
              [sky]\nturbidity = 3\nsun-elevation = {SUN_ELEVATION}\nsun-azimuth = {SUN_AZIMUTH}\n\
              ground-albedo = 0.15\n\n\
-             [render]\nexposure = 0.6\n"
+             [render]\nexposure = 0.9\n"
         )
     }
 }

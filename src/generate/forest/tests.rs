@@ -43,6 +43,20 @@ fn numbers_of_triangles_and_copies_are_met_exactly() {
 }
 
 #[test]
+fn kinds_have_their_triangles_however_many_these_are() {
+    for triangles in [4000, 5_000_000, *FOREST_TRIANGLES.end()] {
+        let (kinds, _) = kinds::kinds(triangles);
+        let small = |kind: &&Kind| kind.triangles < 1_000_000;
+        for kind in kinds.iter().filter(small) {
+            let pieces = kind.build(9);
+            let count: usize = pieces.iter().map(|piece| piece.indices.len()).sum();
+            let (count, most) = (count as u64, kind.triangles.max(20));
+            assert!(count == kind.triangles || !kind.is_exact() && count <= most, "{kind:?}");
+        }
+    }
+}
+
+#[test]
 fn files_are_functions_of_their_arguments_alone() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

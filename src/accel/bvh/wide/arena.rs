@@ -2,7 +2,7 @@
 //!
 //! All in one piece, so that a link's place is a stripe of it whatever it leads to, and a walk can
 //! ask for that place ahead of time without a branch. A node is eight stripes: the lower and the
-//! upper planes along x, y and z, the links, and the lists of [`super::octants`], or one to spare,
+//! upper planes along x, y and z, the links, and the lists of `octants`, or one to spare,
 //! which keeps nodes on cache lines. A leaf that stores its triangles is nine stripes of
 //! coordinates and one of ids; one that does not is its ids.
 
@@ -99,7 +99,7 @@ impl<const W: usize> NodeStripes<W> {
         self.0[LINKS][lane] = f32::from_bits(link.0);
     }
 
-    /// Puts in the orders of the children, see [`octants`].
+    /// Puts in the orders of the children, see `octants`.
     pub fn write_orders(&mut self) {
         let corner = |lane: usize, side: usize| {
             Vec3::from_array(std::array::from_fn(|axis| self.0[2 * axis + side][lane]))
@@ -122,7 +122,7 @@ pub fn write_ids<const W: usize>(stripes: &mut [[f32; W]], ids: &[PrimId; W]) {
 
 impl<'a, const W: usize> Stripes<'a, W> {
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.floats.len()
     }
 
@@ -134,7 +134,7 @@ impl<'a, const W: usize> Stripes<'a, W> {
         (planes, &self.bits[stripe + LINKS])
     }
 
-    /// A node's children by octants of directions, see [`octants`].
+    /// A node's children by octants of directions, see `octants`.
     #[inline(always)]
     pub fn orders(&self, link: Link) -> &'a [u32; W] {
         &self.bits[link.place() + ORDERS]

@@ -10,7 +10,7 @@ use crate::simd::{Vectors, Width};
 pub type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
 type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 
-/// The keys of those children that the ray enters before `t_max` (see [`crate::simd::order`]),
+/// The keys of those children that the ray enters before `t_max` (see `simd::order`),
 /// zero for the others, and a bit for each of the former. `planes` are a node's, lower and upper by
 /// axis.
 ///

@@ -1,4 +1,4 @@
-//! What waits for a ray: keys (see [`crate::simd::order`]) and links, farthest at the bottom.
+//! What waits for a ray: keys (see `simd::order`) and links, farthest at the bottom.
 
 use fearless_simd::Simd;
 
@@ -21,7 +21,7 @@ pub enum Sorting {
     None,
     /// The nearest uppermost.
     ByDistance,
-    /// The last of a list of lanes uppermost, see [`super::octants`].
+    /// The last of a list of lanes uppermost, see `octants`.
     Listed(u64),
 }
 
@@ -31,6 +31,12 @@ pub enum Sorting {
 pub struct Stack<const W: usize> {
     keys: [[u32; W]; STRIPES + 1],
     links: [[u32; W]; STRIPES + 1],
+}
+
+impl<const W: usize> Default for Stack<W> {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl<const W: usize> Stack<W> {
