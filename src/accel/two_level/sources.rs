@@ -58,11 +58,12 @@ impl TriangleSource for MeshTriangles {
 }
 
 /// The triangles of some placements in the world, one after the other.
+#[derive(Clone)]
 pub struct FlatTriangles {
     placed: Placed,
-    placements: Vec<InstanceId>,
+    placements: Arc<[InstanceId]>,
     /// Of each placement its first number, and last how many there are.
-    first: Vec<u64>,
+    first: Arc<[u64]>,
 }
 
 impl FlatTriangles {
@@ -75,7 +76,7 @@ impl FlatTriangles {
             count += placed.get().mesh_len(placed.get().mesh(placement)) as u64;
             first.push(count);
         }
-        Self { placed, placements, first }
+        Self { placed, placements: placements.into(), first: first.into() }
     }
 }
 
@@ -129,7 +130,46 @@ impl TriangleSource for PlacementBoxes {
         self.world_box(prim)
     }
 
-    fn are_boxes(&self) -> bool {
-        true
+    fn boxes(&self) -> usize {
+        self.len()
+    }
+}
+
+/// What is flattened, and behind it the boxes of placements, for one tree of both.
+pub struct Together {
+    /// The former.
+    pub flat: FlatTriangles,
+    /// The latter.
+    pub boxes: PlacementBoxes,
+}
+
+impl Together {
+    /// Whose a number is.
+    #[inline]
+    fn find(&self, prim: PrimId) -> (&dyn TriangleSource, PrimId) {
+        match prim.index().checked_sub(self.flat.len()) {
+            None => (&self.flat, prim),
+            Some(placement) => (&self.boxes, PrimId::from_index(placement)),
+        }
+    }
+}
+
+impl TriangleSource for Together {
+    fn len(&self) -> usize {
+        self.flat.len() + self.boxes.len()
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        let (source, prim) = self.find(prim);
+        source.triangle(prim)
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        let (source, prim) = self.find(prim);
+        source.own_box(prim)
+    }
+
+    fn boxes(&self) -> usize {
+        self.boxes.len()
     }
 }

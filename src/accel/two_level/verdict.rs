@@ -145,7 +145,7 @@ impl Verdict for Above<'_, '_> {
         let mesh = self.levels.placed.get().mesh(placement).index();
         let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
         let world = &self.rays[ray];
-        let entered = self.levels.to_mesh(placement).enter(&apart.grown, world, nearest.t);
+        let entered = self.levels.way(prim.index()).to_mesh.enter(&apart.grown, world, nearest.t);
         let world = &PreparedRay::new(world, ray, self.filter);
         let inside = |shift| Inside::new(placement, apart, shift);
         let (ray, shift) = match entered {
