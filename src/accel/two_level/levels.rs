@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use super::placement::{Shape, ToMesh, error_inside};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes, Together};
 use crate::accel::Phases;
-use crate::geom::Placements;
-use crate::math::{Affine3A, InstanceId, MeshId, PrimId};
+use crate::geom::{Placements, own_box};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,8 @@ pub struct Levels {
     /// The triangles of what is flattened.
     pub flat: FlatTriangles,
     shapes: Arc<[Option<Shape>]>,
+    /// The boxes of placements, if there is time to look at all triangles.
+    boxes: Arc<[Aabb]>,
 }
 
 /// A mesh of fewer triangles is flattened: a placement costs as much.
@@ -107,9 +109,11 @@ impl Levels {
         let meshes = shapes.iter().zip(&off).map(keep).collect();
         let few = if apart.len() <= MOST_WAYS { &*apart } else { &[] };
         let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
+        let boxes = find_boxes(placements, &apart).into();
         let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
-        Self { placements: apart.into(), ways, meshes, flat, shapes: shapes.into(), placed }
+        let (placements, shapes) = (apart.into(), shapes.into());
+        Self { placements, ways, meshes, flat, shapes, boxes, placed }
     }
 
     /// The way into a placement, by its number in the upper structure.
@@ -131,7 +135,8 @@ impl Levels {
     /// The boxes of placements, for the upper structure.
     pub fn boxes(&self) -> PlacementBoxes {
         let (placements, shapes) = (Arc::clone(&self.placements), Arc::clone(&self.shapes));
-        PlacementBoxes { placed: self.placed.clone(), placements, shapes }
+        let known = Arc::clone(&self.boxes);
+        PlacementBoxes { placed: self.placed.clone(), placements, shapes, known }
     }
 
     /// The triangles of a mesh that is kept apart.
@@ -160,4 +165,23 @@ fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
         (small[mesh], room) = (true, left);
     }
     small
+}
+
+/// Boxes are found from all triangles of placements if these are no more; it takes some 10 ms a
+/// million. They are a good deal smaller than those found from a turned mesh's box.
+const MOST_LOOKED_AT: usize = 1 << 23;
+
+/// The boxes of placements by their triangles; none if that takes too long.
+fn find_boxes(placements: &dyn Placements, apart: &[InstanceId]) -> Vec<Aabb> {
+    let len = |&placement: &InstanceId| placements.mesh_len(placements.mesh(placement));
+    let total = apart.iter().map(len).try_fold(0, usize::checked_add);
+    if total.is_none_or(|total| total > MOST_LOOKED_AT) {
+        return Vec::new();
+    }
+    let find = |&instance: &InstanceId| {
+        let triangles = (0..placements.mesh_len(placements.mesh(instance)) as u32)
+            .map(|index| placements.placed_triangle(TriangleId { instance, index }));
+        triangles.map(|triangle| own_box(&triangle)).fold(Aabb::EMPTY, Aabb::union)
+    };
+    apart.par_iter().map(find).collect()
 }

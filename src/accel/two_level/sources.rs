@@ -104,10 +104,15 @@ pub struct PlacementBoxes {
     pub placements: Arc<[InstanceId]>,
     /// Of each mesh that is kept apart.
     pub shapes: Arc<[Option<Shape>]>,
+    /// Those that are known already: all, or none.
+    pub known: Arc<[Aabb]>,
 }
 
 impl PlacementBoxes {
     fn world_box(&self, prim: PrimId) -> Aabb {
+        if let Some(known) = self.known.get(prim.index()) {
+            return *known;
+        }
         let placement = self.placements[prim.index()];
         let placements = self.placed.get();
         let to_world: Affine3A = placements.to_world(placement);
