@@ -6,10 +6,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::placement::{Shape, ToMesh, error_inside};
-use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes, Together};
+use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use crate::accel::Phases;
-use crate::geom::{Placements, own_box};
-use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
+use crate::geom::Placements;
+use crate::math::{Affine3A, InstanceId, MeshId, PrimId};
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
 #[derive(Clone, Copy, Debug)]
@@ -52,8 +52,6 @@ pub struct Levels {
     /// The triangles of what is flattened.
     pub flat: FlatTriangles,
     shapes: Arc<[Option<Shape>]>,
-    /// The boxes of placements, if there is time to look at all triangles.
-    boxes: Arc<[Aabb]>,
 }
 
 /// A mesh of fewer triangles is flattened: a placement costs as much.
@@ -109,11 +107,9 @@ impl Levels {
         let meshes = shapes.iter().zip(&off).map(keep).collect();
         let few = if apart.len() <= MOST_WAYS { &*apart } else { &[] };
         let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
-        let boxes = find_boxes(placements, &apart).into();
         let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
-        let (placements, shapes) = (apart.into(), shapes.into());
-        Self { placements, ways, meshes, flat, shapes, boxes, placed }
+        Self { placements: apart.into(), ways, meshes, flat, shapes: shapes.into(), placed }
     }
 
     /// The way into a placement, by its number in the upper structure.
@@ -132,11 +128,18 @@ impl Levels {
         (placement, self.placed.get().to_world(placement))
     }
 
-    /// The boxes of placements, for the upper structure.
+    /// The boxes of placements by those of their meshes, for the upper structure.
     pub fn boxes(&self) -> PlacementBoxes {
         let (placements, shapes) = (Arc::clone(&self.placements), Arc::clone(&self.shapes));
-        let known = Arc::clone(&self.boxes);
-        PlacementBoxes { placed: self.placed.clone(), placements, shapes, known }
+        PlacementBoxes { placed: self.placed.clone(), placements, shapes }
+    }
+
+    /// Whether there is time to look at all triangles of placements that are kept apart.
+    pub fn are_few_triangles(&self) -> bool {
+        let placements = self.placed.get();
+        let len = |&placement: &InstanceId| placements.mesh_len(placements.mesh(placement));
+        let total = self.placements.iter().map(len).try_fold(0, usize::checked_add);
+        total.is_some_and(|total| total <= MOST_LOOKED_AT)
     }
 
     /// The triangles of a mesh that is kept apart.
@@ -144,21 +147,21 @@ impl Levels {
         let slack = self.meshes[mesh].as_ref()?.slack;
         Some(MeshTriangles { placed: self.placed.clone(), mesh: MeshId::from_index(mesh), slack })
     }
-
-    /// What is flattened and the boxes of placements, for one tree of both.
-    pub fn together(&self) -> Together {
-        Together { flat: self.flat.clone(), boxes: self.boxes() }
-    }
 }
 
+/// So many triangles are flattened of meshes that are placed more than once: 150 MB.
+const MOST_FLATTENED: u64 = 1 << 21;
+
 /// Which meshes are small enough to be flattened however often they are placed: from the smallest
-/// on, while all copies so made have no more triangles than the meshes. For twice the memory rays
-/// enter fewer placements, and those of small parts of a machine lie within each other's boxes.
+/// on, while all copies so made have no more than twice the triangles of all meshes. Small parts
+/// lie within the boxes of others: a ray enters many, and that takes as long as some ten nodes. In
+/// a hall of robots rays entered half as many placements, and took four fifths of the time.
 fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
     let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
     let mut copied: Vec<usize> = (0..uses.len()).filter(|&mesh| uses[mesh] > 1).collect();
     copied.sort_by_key(|&mesh| len(mesh));
-    let mut room: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
+    let unique: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
+    let mut room = MOST_FLATTENED.min(2 * unique);
     let mut small = vec![false; uses.len()];
     for mesh in copied {
         let Some(left) = room.checked_sub(len(mesh) * u64::from(uses[mesh])) else { break };
@@ -167,21 +170,5 @@ fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
     small
 }
 
-/// Boxes are found from all triangles of placements if these are no more; it takes some 10 ms a
-/// million. They are a good deal smaller than those found from a turned mesh's box.
+/// All triangles of placements are looked at if these are no more; it takes some 10 ms a million.
 const MOST_LOOKED_AT: usize = 1 << 23;
-
-/// The boxes of placements by their triangles; none if that takes too long.
-fn find_boxes(placements: &dyn Placements, apart: &[InstanceId]) -> Vec<Aabb> {
-    let len = |&placement: &InstanceId| placements.mesh_len(placements.mesh(placement));
-    let total = apart.iter().map(len).try_fold(0, usize::checked_add);
-    if total.is_none_or(|total| total > MOST_LOOKED_AT) {
-        return Vec::new();
-    }
-    let find = |&instance: &InstanceId| {
-        let triangles = (0..placements.mesh_len(placements.mesh(instance)) as u32)
-            .map(|index| placements.placed_triangle(TriangleId { instance, index }));
-        triangles.map(|triangle| own_box(&triangle)).fold(Aabb::EMPTY, Aabb::union)
-    };
-    apart.par_iter().map(find).collect()
-}

@@ -104,15 +104,11 @@ pub struct PlacementBoxes {
     pub placements: Arc<[InstanceId]>,
     /// Of each mesh that is kept apart.
     pub shapes: Arc<[Option<Shape>]>,
-    /// Those that are known already: all, or none.
-    pub known: Arc<[Aabb]>,
 }
 
 impl PlacementBoxes {
-    fn world_box(&self, prim: PrimId) -> Aabb {
-        if let Some(known) = self.known.get(prim.index()) {
-            return *known;
-        }
+    /// The box of a placement.
+    pub fn world_box(&self, prim: PrimId) -> Aabb {
         let placement = self.placements[prim.index()];
         let placements = self.placed.get();
         let to_world: Affine3A = placements.to_world(placement);
@@ -140,12 +136,34 @@ impl TriangleSource for PlacementBoxes {
     }
 }
 
-/// What is flattened, and behind it the boxes of placements, for one tree of both.
+/// Boxes of parts of placements.
+pub struct Boxes(pub Vec<Aabb>);
+
+impl TriangleSource for Boxes {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        let Aabb { min, max } = self.0[prim.index()];
+        Triangle { a: min, b: max, c: max }
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        self.0[prim.index()]
+    }
+
+    fn boxes(&self) -> usize {
+        self.len()
+    }
+}
+
+/// What is flattened, and behind it boxes of placements, for one tree of both.
 pub struct Together {
     /// The former.
     pub flat: FlatTriangles,
     /// The latter.
-    pub boxes: PlacementBoxes,
+    pub boxes: Box<dyn TriangleSource>,
 }
 
 impl Together {
@@ -154,7 +172,7 @@ impl Together {
     fn find(&self, prim: PrimId) -> (&dyn TriangleSource, PrimId) {
         match prim.index().checked_sub(self.flat.len()) {
             None => (&self.flat, prim),
-            Some(placement) => (&self.boxes, PrimId::from_index(placement)),
+            Some(number) => (&*self.boxes, PrimId::from_index(number)),
         }
     }
 }
