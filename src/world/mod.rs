@@ -11,6 +11,7 @@ mod light_sampler;
 mod lights;
 mod lookup;
 mod prepared_material;
+mod relight;
 mod sample_light;
 mod shading_normal;
 mod surface;

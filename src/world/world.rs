@@ -33,6 +33,8 @@ pub struct World {
     /// Bounds how far off an exact test in f64 may put a plane of the scene, metres: some 2000
     /// units in the last place of the scene's size.
     pub(super) slack: f32,
+    /// Half of the scene's diagonal, metres: as far as lights without extent must reach.
+    pub(super) radius: f32,
     pub(super) form: BsdfForm,
     see_through: bool,
     has_levels: bool,
@@ -81,7 +83,8 @@ impl World {
             materials[material.index()].opaque = false;
         }
         let extent = bounds(&scene).extent().max(Vec3::ZERO);
-        let lights = Lights::new(&scene, &triangles, 0.5 * extent.length(), kind);
+        let radius = 0.5 * extent.length();
+        let lights = Lights::new(&scene, &triangles, radius, kind);
         let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
         let has_levels = scene.textures.iter().any(Texture::has_levels);
@@ -91,7 +94,17 @@ impl World {
             textured.for_each(|material| material.class = BsdfClass::Other);
         }
         let slack = extent.max_element() * SLACK;
-        Ok(Self { scene, triangles, lights, materials, slack, form, see_through, has_levels })
+        Ok(Self {
+            scene,
+            triangles,
+            lights,
+            materials,
+            slack,
+            radius,
+            form,
+            see_through,
+            has_levels,
+        })
     }
 
     /// Whether hits must be judged by their alpha; see [`super::AlphaFilter`].

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::cli::error::CliError;
 use crate::cli::settings::RenderArgs;
-use crate::cli::settings::parse::{MissingTextureArg, TextureLod};
-use crate::formats::{self, LoadError, LoadOptions, MissingTexture, NotFinite};
+use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg, TextureLod};
+use crate::formats::{self, LoadError, LoadOptions, MissingTexture, MtlTransparency, NotFinite};
 use crate::scene::{Notice, Scene};
 use crate::texture::TextureStore;
 use crate::world::World;
@@ -27,6 +27,11 @@ pub fn load(
             Some(MissingTextureArg::Magenta) => MissingTexture::Magenta,
             None => MissingTexture::Error,
         },
+        mtl_transparency: args.mtl_transparency.map(|told| match told {
+            MtlTransparencyArg::D => MtlTransparency::D,
+            MtlTransparencyArg::Tr => MtlTransparency::Tr,
+            MtlTransparencyArg::File => MtlTransparency::File,
+        }),
         scene: args.scene.clone(),
         variant: args.variant.clone(),
         animation: args.animation.clone(),
