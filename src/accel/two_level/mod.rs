@@ -19,12 +19,15 @@
 //!    test might accept is offered to it.
 //!
 //! What is placed once, has few triangles or can't be taken into its own space with a small error
-//! (it is singular, or rounded in the world to steps that are large for it) is flattened: one
-//! structure of world-space triangles beside the placements, asked first.
+//! (it is singular, or rounded in the world to steps that are large for it) is flattened to
+//! triangles in the world, and with it the smallest of the other meshes: a ray lies in the boxes of
+//! many small parts, and entering one takes as long as some ten nodes.
 //!
-//! Slices stay slices in the flat part and above; below, rays come one by one. Rows for packets
-//! walk placements as packets, and meshes with packets of one. Structures that are narrowed to
-//! regions are not, in two levels.
+//! Hierarchies of eight children (`auto`, `mbvh8`) are walked together: one tree of what is
+//! flattened and of parts of placements leads into those of the meshes. In all other rows what is
+//! flattened has a structure beside the placements, asked first; slices stay slices there and
+//! above, and come ray by ray below. Rows for packets walk placements as packets, and meshes with
+//! packets of one. Structures that are narrowed to regions are not, in two levels.
 //!
 //! | file | what is in it |
 //! |---|---|
