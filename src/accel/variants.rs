@@ -174,7 +174,8 @@ pub fn build(
 ) -> Result<Box<dyn Accel>, BuildError> {
     let level = isa.level().ok_or(BuildError::NoSuchIsa { isa: isa.name() })?;
     let placed = Placed::new(Arc::clone(&source));
-    let are_placed = placed.is_some();
+    // With one placement numbers are what hits name already.
+    let are_placed = placed.as_ref().is_some_and(|placed| placed.get().len() > 1);
     if let Some(placed) = placed.filter(|placed| spec.instances.choose(placed)) {
         let defaults;
         let below = (spec.variant, &spec.options);

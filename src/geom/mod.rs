@@ -10,6 +10,7 @@
 //! | [`bundle`] | bundles of eight rays: the slab test and the filter |
 //! | [`slab`] | the slab test, and why culling by it is exact |
 //! | [`shaft`] | regions that hold rays, to cull boxes for all of them at once |
+//! | `numbering` | one running number over the triangles of many meshes |
 //! | `usable` | which rays can be traced, in lanes |
 //! | `clip` | the part of a triangle in a box, for builders |
 //! | `mesh`, `tangents`, `source` | meshes, their tangents, triangles in world space |
@@ -22,6 +23,7 @@ mod intersect_bundle;
 mod intersect_pairs;
 pub mod intersect_triangle;
 mod mesh;
+mod numbering;
 pub mod planes;
 mod ray_lanes;
 pub mod shaft;
@@ -40,6 +42,7 @@ pub use intersect_bundle::BundleHits;
 pub use intersect_pairs::{PairHits, PairTriangle};
 pub use intersect_triangle::{ShearRay, intersect_triangle};
 pub use mesh::Mesh;
+pub use numbering::Numbering;
 pub use planes::{FilterLanes, FilterPlane, FilterSides, Reach};
 pub use ray_lanes::RayLanes;
 pub use shaft::Shaft;

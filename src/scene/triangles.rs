@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::Scene;
-use crate::geom::{Placements, Triangle, TriangleSource};
+use super::{Instance, Scene};
+use crate::geom::{Numbering, Placements, Triangle, TriangleSource};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 
 /// A scene has more placed meshes than ids can number.
@@ -19,8 +19,8 @@ pub struct TooManyPlacements {
 #[derive(Clone, Debug)]
 pub struct Triangles {
     scene: Arc<Scene>,
-    /// Of each instance its first number, and last how many there are.
-    first: Vec<u64>,
+    /// Of the triangles of instances.
+    numbering: Numbering,
 }
 
 impl Triangles {
@@ -33,14 +33,9 @@ impl Triangles {
         if count >= u32::MAX as usize {
             return Err(TooManyPlacements { count });
         }
-        let mut first = Vec::with_capacity(scene.instances.len() + 1);
-        let mut count = 0_u64;
-        first.push(0);
-        for instance in &scene.instances {
-            count += scene.meshes[instance.mesh.index()].indices.len() as u64;
-            first.push(count);
-        }
-        Ok(Self { scene, first })
+        let count = |instance: &Instance| scene.meshes[instance.mesh.index()].indices.len();
+        let numbering = Numbering::new(scene.instances.iter().map(count));
+        Ok(Self { scene, numbering })
     }
 
     /// A triangle of an instance, in the winding of the world: counter-clockwise from the front,
@@ -61,13 +56,13 @@ impl Triangles {
     /// The running number of a triangle.
     #[inline]
     pub fn number_of(&self, TriangleId { instance, index }: TriangleId) -> u64 {
-        self.first[instance.index()] + u64::from(index)
+        self.numbering.first(instance.index()) + u64::from(index)
     }
 }
 
 impl TriangleSource for Triangles {
     fn len(&self) -> usize {
-        *self.first.last().expect("ends with how many there are") as usize
+        self.numbering.len()
     }
 
     #[inline]
@@ -77,9 +72,7 @@ impl TriangleSource for Triangles {
 
     #[inline]
     fn locate(&self, prim: PrimId) -> TriangleId {
-        let number = u64::from(prim.0);
-        let instance = self.first.partition_point(|&first| first <= number) - 1;
-        let index = (number - self.first[instance]) as u32;
+        let (instance, index) = self.numbering.find(u64::from(prim.0));
         TriangleId { instance: InstanceId::from_index(instance), index }
     }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::placement::{Shape, world_box};
-use crate::geom::{Placements, Triangle, TriangleSource, own_box};
+use crate::geom::{Numbering, Placements, Triangle, TriangleSource, own_box};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 
 /// A scene's triangles, of which there are placements.
@@ -62,27 +62,24 @@ impl TriangleSource for MeshTriangles {
 pub struct FlatTriangles {
     placed: Placed,
     placements: Arc<[InstanceId]>,
-    /// Of each placement its first number, and last how many there are.
-    first: Arc<[u64]>,
+    numbering: Arc<Numbering>,
 }
 
 impl FlatTriangles {
     /// The triangles of placements, which are in order.
     pub fn new(placed: Placed, placements: Vec<InstanceId>) -> Self {
-        let mut first = Vec::with_capacity(placements.len() + 1);
-        let mut count = 0;
-        first.push(0);
-        for &placement in &placements {
-            count += placed.get().mesh_len(placed.get().mesh(placement)) as u64;
-            first.push(count);
-        }
-        Self { placed, placements: placements.into(), first: first.into() }
+        let count = |&placement: &InstanceId| {
+            let placements = placed.get();
+            placements.mesh_len(placements.mesh(placement))
+        };
+        let numbering = Arc::new(Numbering::new(placements.iter().map(count)));
+        Self { placed, placements: placements.into(), numbering }
     }
 }
 
 impl TriangleSource for FlatTriangles {
     fn len(&self) -> usize {
-        *self.first.last().expect("ends with how many there are") as usize
+        self.numbering.len()
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
@@ -90,9 +87,8 @@ impl TriangleSource for FlatTriangles {
     }
 
     fn locate(&self, prim: PrimId) -> TriangleId {
-        let number = u64::from(prim.0);
-        let at = self.first.partition_point(|&first| first <= number) - 1;
-        TriangleId { instance: self.placements[at], index: (number - self.first[at]) as u32 }
+        let (at, index) = self.numbering.find(u64::from(prim.0));
+        TriangleId { instance: self.placements[at], index }
     }
 }
 
