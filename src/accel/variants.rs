@@ -175,17 +175,21 @@ pub fn build(
     let level = isa.level().ok_or(BuildError::NoSuchIsa { isa: isa.name() })?;
     let placed = Placed::new(Arc::clone(&source));
     let are_placed = placed.is_some();
-    if let Some(placed) = placed.filter(|placed| spec.instances.choose(placed)) {
-        let defaults;
-        let below = (spec.variant, &spec.options);
-        let above = match spec.top {
-            None => below,
-            Some(row) => {
-                defaults = Options::defaults(row.options);
-                (row, &defaults)
-            }
-        };
-        return Ok(Box::new(TwoLevel::build(placed, (below, above), level)?));
+    if let Some(placed) = placed {
+        let copies = spec.instances.choose(&placed);
+        if copies || placed.get().motions().is_some() {
+            let defaults;
+            let below = (spec.variant, &spec.options);
+            let above = match spec.top {
+                None => below,
+                Some(row) => {
+                    defaults = Options::defaults(row.options);
+                    (row, &defaults)
+                }
+            };
+            let two_level = TwoLevel::build((placed, copies), (below, above), level)?;
+            return Ok(Box::new(two_level));
+        }
     }
     BuildError::check_count(source.len())?;
     let input = BuildInput { source: Arc::clone(&source), options: &spec.options, level };

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::settings::Settings;
 use super::stream::ray_key;
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
-use crate::camera::Camera;
+use crate::camera::moving::MovingCamera;
 use crate::integrator::{FirstHit, PathSample, PathTracer};
 use crate::math::Ray;
 use crate::world::{AlphaFilter, World};
@@ -15,30 +15,37 @@ use crate::world::{AlphaFilter, World};
 /// and the shadow ray, and last what the sample adds to albedo, normal and radiance.
 pub fn replay(
     world: &World,
-    camera: &Camera,
+    camera: impl Into<MovingCamera>,
     accel: &dyn Accel,
     settings: &Settings,
     (x, y, sample): (u32, u32, u64),
 ) -> String {
     let integrator = PathTracer::new(world, settings.transport);
     let mut tracer = accel.tracer();
-    let (mut ray, mut path) = settings.start(&camera.rays(settings.aspect()), x, y, sample, 0);
+    let camera = camera.into().rays(settings.aspect());
+    let (mut ray, mut path) = settings.start(&camera, (x, y), sample, 0, world.moves());
+    let times = [path.time];
+    let times = world.moves().then_some(&times[..]);
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
+    if world.moves() {
+        push_line(&mut text, &format!("time {:?} of the shutter", path.time));
+    }
     let mut depth = 1;
     loop {
         let keys = [ray_key(path.key, 2 * depth)];
-        let filter = AlphaFilter::new(world, &keys);
+        let filter = AlphaFilter::new(world, &keys, times);
         let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
         let mut hit = [ClosestHit::MISS];
         let rays = [ray];
-        tracer.closest_hits(&Batch::new(&rays).with_filter(filter), &mut hit);
+        let batch = Batch::new(&rays).with_filter(filter).with_times(times);
+        tracer.closest_hits(&batch, &mut hit);
         let throughput = path.throughput();
         push_line(
             &mut text,
             &format!("segment {depth}: {}, throughput {throughput:?}", format_ray(&ray)),
         );
-        describe_hit(&mut text, world, &ray, &hit[0]);
+        describe_hit(&mut text, world, &ray, &hit[0], path.time);
 
         let before = result.radiance;
         let step = integrator.advance(depth, &mut path, &ray, &hit[0], &mut result);
@@ -48,10 +55,12 @@ pub fn replay(
         }
         if let Some(shadow) = step.shadow {
             let keys = [ray_key(path.key, 2 * depth + 1)];
-            let filter = AlphaFilter::new(world, &keys);
+            let filter = AlphaFilter::new(world, &keys, times);
             let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
             let mut blocked = [AnyHit(false)];
-            tracer.any_hits(&Batch::new(&[shadow.ray]).with_filter(filter), &mut blocked);
+            let rays = [shadow.ray];
+            let batch = Batch::new(&rays).with_filter(filter).with_times(times);
+            tracer.any_hits(&batch, &mut blocked);
             let state = if blocked[0].0 { "blocked" } else { "free" };
             let what = format!("  shadow ray {}, {state}", format_ray(&shadow.ray));
             push_line(&mut text, &format!("{what}: {:?}", shadow.radiance));
@@ -70,12 +79,12 @@ pub fn replay(
     text
 }
 
-fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit) {
+fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit, time: f32) {
     if !hit.is_hit() {
         push_line(text, "  hit nothing");
         return;
     }
-    let surface = world.surface(ray, hit);
+    let surface = world.surface(ray, hit, time);
     let material = world.material(surface.material);
     let side = if surface.front { "front" } else { "back" };
     let head =

@@ -3,8 +3,12 @@
 use std::sync::Arc;
 
 use super::Scene;
-use crate::geom::{Placements, Triangle, TriangleSource};
+use crate::geom::{Deformation, Motions, Placements, Triangle, TriangleSource, own_box};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
+use crate::motion::Piece;
+
+/// 2^-21: bounds what the rounding of a vertex between two keys takes, of its coordinates.
+const BETWEEN_KEYS: f32 = 1.0 / 2_097_152.0;
 
 /// A scene has more placed meshes than ids can number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -24,6 +28,10 @@ pub struct Triangles {
 }
 
 impl Triangles {
+    fn deformation(&self, mesh: MeshId) -> Option<&Deformation> {
+        Some(&**self.scene.motion.as_ref()?.deformation(mesh.index())?)
+    }
+
     /// Numbers a scene's triangles.
     ///
     /// # Errors
@@ -56,6 +64,16 @@ impl Triangles {
         } else {
             Triangle { a, b, c }
         }
+    }
+
+    /// The same at a time while the shutter is open, from 0 to 1.
+    #[inline]
+    pub fn of_at(&self, TriangleId { instance, index }: TriangleId, time: f32) -> Triangle {
+        let transform = self.scene.transform_at(instance, time);
+        let mesh = self.scene.instances[instance.index()].mesh;
+        let corners = self.scene.mesh_at(mesh, time).triangle(index).corners();
+        let [a, b, c] = corners.map(|corner| transform.point(corner));
+        if transform.mirrored() { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } }
     }
 
     /// The running number of a triangle.
@@ -129,5 +147,60 @@ impl Placements for Triangles {
     #[inline]
     fn placed_triangle(&self, triangle: TriangleId) -> Triangle {
         self.of(triangle)
+    }
+
+    fn motions(&self) -> Option<&dyn Motions> {
+        let moves = self.scene.motion.as_ref().is_some_and(|motion| motion.moves_shapes());
+        moves.then_some(self)
+    }
+}
+
+impl Motions for Triangles {
+    fn is_moving(&self, placement: InstanceId) -> bool {
+        self.scene.moves(placement)
+    }
+
+    fn is_deforming(&self, mesh: MeshId) -> bool {
+        self.deformation(mesh).is_some()
+    }
+
+    #[inline]
+    fn to_world_at(&self, placement: InstanceId, time: f32) -> Affine3A {
+        self.scene.transform_at(placement, time).to_world()
+    }
+
+    #[inline]
+    fn mesh_triangle_at(&self, mesh: MeshId, index: u32, time: f32) -> Triangle {
+        self.scene.mesh_at(mesh, time).triangle(index)
+    }
+
+    fn mesh_bounds_over_time(&self, mesh: MeshId) -> Aabb {
+        let corners = self.scene.meshes[mesh.index()].indices.iter().flatten().copied();
+        match self.deformation(mesh) {
+            Some(deformation) => deformation.bounds(&corners),
+            None => self.mesh_bounds(mesh),
+        }
+    }
+
+    fn own_box_over_time(&self, mesh: MeshId, index: u32) -> Aabb {
+        let Some(deformation) = self.deformation(mesh) else {
+            return own_box(&self.mesh_triangle(mesh, index));
+        };
+        let corners = self.scene.meshes[mesh.index()].indices[index as usize];
+        let boxes = deformation.keys().iter().map(|key| {
+            let [a, b, c] = corners.map(|corner| key.positions[corner as usize]);
+            own_box(&Triangle { a, b, c })
+        });
+        let all = boxes.fold(Aabb::EMPTY, Aabb::union);
+        let room = all.min.abs().max(all.max.abs()) * BETWEEN_KEYS;
+        Aabb { min: all.min - room, max: all.max + room }
+    }
+
+    fn pieces(&self, placement: InstanceId, reach: f64, margin: f64) -> Vec<Piece> {
+        let motion = self.scene.motion.as_ref();
+        match motion.and_then(|motion| motion.placement(placement.index())) {
+            Some(motion) => motion.pieces(reach, margin),
+            None => vec![Piece { middle: 0.0, margin: 0.0 }],
+        }
     }
 }

@@ -22,8 +22,26 @@
 //! (it is singular, or rounded in the world to steps that are large for it) is flattened: one
 //! structure of world-space triangles beside the placements, asked first.
 //!
+//! # What moves
+//! What moves while the shutter is open is always kept apart, whatever becomes of copies; all that
+//! stands still is as it would be without. Each ray has a time ([`crate::Batch::with_times`]), and:
+//!
+//! 1. *Above*, the box of a placement holds what [`placement::world_box`] holds, at all times: it
+//!    is the union over pieces of the time of the box in the middle of each, grown by how far
+//!    anything can be from there ([`crate::motion::Motion::pieces`]).
+//! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
+//!    the placement at the ray's time. What vertices may be off by is looked at for that time;
+//!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.
+//! 3. A mesh that changes its shape is a list of boxes below, one a triangle: of its own boxes at
+//!    all keys. A vertex between two keys is within the box of both but for the rounding of `from *
+//!    (1 - part) + to * part`, three of 2^-24 of its coordinates at most, for which the box has
+//!    room.
+//! 4. The verdict asks the exact test about the vertices at the ray's time: the same numbers for
+//!    every structure, and those that surfaces are shaded with.
+//!
 //! Slices stay slices in the flat part and above; below, rays come one by one. Rows for packets
-//! walk placements as packets, and meshes with packets of one. Structures that are narrowed to
+//! walk placements as packets, and meshes with packets of one. Where anything moves, hierarchies on
+//! both levels are walked as those of any two rows. Structures that are narrowed to
 //! regions are not, in two levels.
 //!
 //! | file | what is in it |

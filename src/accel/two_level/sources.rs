@@ -1,5 +1,6 @@
 //! What the structures of two levels are built over.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::placement::{Shape, world_box};
@@ -44,17 +45,35 @@ impl TriangleSource for MeshTriangles {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
+        if self.are_boxes() {
+            return ends(&self.own_box(prim));
+        }
         self.placed.get().mesh_triangle(self.mesh, prim.0)
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {
-        let own = own_box(&self.triangle(prim));
+        let placements = self.placed.get();
+        let own = match placements.motions() {
+            Some(motions) => motions.own_box_over_time(self.mesh, prim.0),
+            None => own_box(&placements.mesh_triangle(self.mesh, prim.0)),
+        };
         Aabb { min: own.min - self.slack, max: own.max + self.slack }
     }
 
     fn slack(&self) -> f32 {
-        self.slack
+        if self.are_boxes() { 0.0 } else { self.slack }
     }
+
+    /// A mesh that changes its shape is known by the boxes of its triangles over time.
+    fn are_boxes(&self) -> bool {
+        let motions = self.placed.get().motions();
+        motions.is_some_and(|motions| motions.is_deforming(self.mesh))
+    }
+}
+
+/// The ends of a box, for a source of boxes.
+fn ends(&Aabb { min, max }: &Aabb) -> Triangle {
+    Triangle { a: min, b: max, c: max }
 }
 
 /// The triangles of some placements in the world, one after the other.
@@ -103,10 +122,15 @@ pub struct PlacementBoxes {
     pub placements: Arc<[InstanceId]>,
     /// Of each mesh that is kept apart.
     pub shapes: Arc<[Option<Shape>]>,
+    /// The boxes of those that move.
+    pub moving: Arc<HashMap<u32, Aabb>>,
 }
 
 impl PlacementBoxes {
     fn world_box(&self, prim: PrimId) -> Aabb {
+        if let Some(&over_time) = self.moving.get(&prim.0) {
+            return over_time;
+        }
         let placement = self.placements[prim.index()];
         let placements = self.placed.get();
         let to_world: Affine3A = placements.to_world(placement);
@@ -121,8 +145,7 @@ impl TriangleSource for PlacementBoxes {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
-        let Aabb { min, max } = self.world_box(prim);
-        Triangle { a: min, b: max, c: max }
+        ends(&self.world_box(prim))
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {

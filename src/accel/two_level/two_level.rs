@@ -37,14 +37,14 @@ pub struct TwoLevel {
 
 impl TwoLevel {
     /// Builds all structures, those of meshes side by side: `below` for these and for what is
-    /// flattened, `above` for placements.
+    /// flattened, `above` for placements. Unless `copies`, only what moves is not flattened.
     pub fn build(
-        placed: Placed,
+        (placed, copies): (Placed, bool),
         (below, above): (Row<'_>, Row<'_>),
         level: Level,
     ) -> Result<Self, BuildError> {
         let mut phases = Phases::start();
-        let levels = Arc::new(Levels::new(placed, &mut phases));
+        let levels = Arc::new(Levels::new(placed, copies, &mut phases));
         let flat = match levels.flat() {
             Some(flat) => {
                 let source: Arc<dyn TriangleSource> = Arc::new(flat);
@@ -126,7 +126,7 @@ fn build_structures<T: Send>(
     Ok((above, of_meshes))
 }
 
-/// Builds what is placed: hierarchies of eight children are walked together.
+/// Builds what is placed: hierarchies of eight children are walked together, if nothing moves.
 fn build_placed(
     levels: &Arc<Levels>,
     (below, above): (Row<'_>, Row<'_>),
@@ -134,7 +134,7 @@ fn build_placed(
     phases: &mut Phases,
 ) -> Result<Structures<Box<dyn Accel>>, BuildError> {
     let eight: Option<fn(&BuildInput<'_>) -> _> = match below.0.id {
-        _ if below.0.id != above.0.id => None,
+        _ if below.0.id != above.0.id || levels.are_moving() => None,
         "auto" => Some(build_auto_tree),
         "mbvh8" => Some(WideBvh::<8>::build),
         _ => None,
@@ -218,6 +218,7 @@ impl<'a> LevelsTracer<'a> {
             make: &make,
             rays,
             filter: batch.filter(),
+            times: batch.times(),
         };
         ask(&mut **tracer, &batch.with_rays(rays).with_filter(None).with_verdict(&verdict));
     }

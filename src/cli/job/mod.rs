@@ -2,20 +2,17 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `scene` | loads the scene at a time, with its environment light |
+//! | `scene` | loads the scene as it is posed, with its environment light |
 //! | `view` | chooses the camera |
-//! | `shutter` | says at which moments the scene is posed, and for which samples |
 
 mod scene;
-mod shutter;
 mod view;
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::accel::{self, Accel, BuildError};
-use crate::camera::Camera;
+use crate::camera::moving::MovingCamera;
 use crate::cli::error::CliError;
 use crate::cli::input;
 use crate::cli::memory;
@@ -23,11 +20,10 @@ use crate::cli::settings::RenderArgs;
 use crate::film::Window;
 use crate::integrator::Transport;
 use crate::render::{Aov, NoiseTarget, Settings, film_bytes};
-use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
+use crate::scene::defaults::{automatic_sky, describe_empty_scene};
 use crate::scene::{Notice, SceneMemory};
 use crate::texture::TextureStore;
 use crate::world::World;
-pub use shutter::Shutter;
 
 /// Width of a picture whose size no one has said.
 const DEFAULT_WIDTH: u32 = 1280;
@@ -42,24 +38,18 @@ pub struct Job {
     pub args: RenderArgs,
     /// How the picture is rendered.
     pub settings: Settings,
-    /// When its samples are taken.
-    pub shutter: Shutter,
-    /// What keeps the images of textures, at all moments.
+    /// What keeps the images of textures.
     pub textures: Arc<TextureStore>,
-    /// The scene at the first moment.
-    pub first: Moment,
-    /// Whether the environment light was chosen for the user.
-    automatic_sky: bool,
-    /// See [`Job::digest_moments`].
-    moments_digest: OnceLock<u64>,
+    /// The scene.
+    pub staged: Staged,
 }
 
-/// The scene at one time.
-pub struct Moment {
+/// The scene, ready to be rendered.
+pub struct Staged {
     /// What is to be seen.
     pub world: World,
     /// From where.
-    pub camera: Camera,
+    pub camera: MovingCamera,
     /// What the scene asks for and is not honoured, and what was decided for the user.
     pub notices: Vec<Notice>,
     /// Time to read and prepare the scene.
@@ -74,14 +64,11 @@ impl Job {
     pub fn prepare(mut args: RenderArgs) -> Result<Self, CliError> {
         let start = Instant::now();
         args.spp = count_samples(&args);
-        let shutter = Shutter::new(&args);
         let memory = args.texture_memory.unwrap_or_else(|| crate::files::memory::limit() / 2);
         let textures = Arc::new(TextureStore::new(memory));
-        let (mut scene, mut notices) = scene::load(&args, shutter.time(0), &textures)?;
+        let (mut scene, mut notices) = scene::load(&args, &textures)?;
         let file = args.scene_file.display().to_string();
-        let sky = automatic_sky(&scene, &file);
-        let automatic_sky = sky.is_some();
-        if let Some((sky, notice)) = sky {
+        if let Some((sky, notice)) = automatic_sky(&scene, &file) {
             scene.environment = Some(sky);
             notices.push(notice);
         }
@@ -93,72 +80,16 @@ impl Job {
         let parts = memory::parts(&memory, film_bytes(&settings));
         memory::require_parts(&file, &parts, args.memory)?;
         let world = scene::build_world(scene, &args)?;
-        let first = Moment { world, camera, notices, elapsed: start.elapsed() };
-        let moments_digest = OnceLock::new();
-        Ok(Self { args, settings, shutter, textures, first, automatic_sky, moments_digest })
-    }
-
-    /// The scene at a later moment; none for the first, which is there. What the first left to be
-    /// worked out stays as it was found there, except for a camera of the scene, which moves.
-    ///
-    /// # Errors
-    /// What is wrong with the scene at that time.
-    pub fn pose(&self, moment: usize) -> Result<Option<Moment>, CliError> {
-        if moment == 0 {
-            return Ok(None);
-        }
-        let start = Instant::now();
-        let (args, first) = (&self.args, &self.first);
-        let time = self.shutter.time(moment);
-        let (mut scene, mut notices) = scene::load(args, time, &self.textures)?;
-        if self.automatic_sky {
-            scene.environment = Some(neutral_sky());
-        }
-        let mut camera = first.camera;
-        if args.look_from.is_none() && !first.world.scene.cameras.is_empty() {
-            if scene.cameras.len() != first.world.scene.cameras.len() {
-                let (file, time) = (args.scene_file.display(), time.unwrap_or_default());
-                let message = format!("{file}: at {time} s the node of a camera has no directions");
-                return Err(CliError::Input(message));
-            }
-            let now = match &args.camera {
-                Some(wanted) => view::find_camera(&scene, args, wanted)?,
-                None => &scene.cameras[0],
-            };
-            camera.to_world = now.camera.to_world;
-        }
-        notices.retain(|notice| !first.notices.contains(notice));
-        let world = scene::build_world(scene, args)?;
-        Ok(Some(Moment { world, camera, notices, elapsed: start.elapsed() }))
-    }
-
-    /// A digest of the scene at all moments, if there are several: each is read for it, once.
-    ///
-    /// # Errors
-    /// What is wrong with the scene at one of them.
-    pub fn digest_moments(&self) -> Result<Option<u64>, CliError> {
-        if self.shutter.moments() == 1 {
-            return Ok(None);
-        }
-        if let Some(&known) = self.moments_digest.get() {
-            return Ok(Some(known));
-        }
-        let mut hasher = DefaultHasher::new();
-        self.first.world.scene.digest().hash(&mut hasher);
-        for moment in 1..self.shutter.moments() {
-            let posed = self.pose(moment)?;
-            let now = posed.as_ref().unwrap_or(&self.first);
-            now.world.scene.digest().hash(&mut hasher);
-        }
-        Ok(Some(*self.moments_digest.get_or_init(|| hasher.finish())))
+        let staged = Staged { world, camera, notices, elapsed: start.elapsed() };
+        Ok(Self { args, settings, textures, staged })
     }
 
     /// Builds the structure that was asked for, on the threads of the current pool.
     ///
     /// # Errors
     /// If it has limits that the scene exceeds, or the machine lacks the instruction set.
-    pub fn build(&self, world: &World) -> Result<Box<dyn Accel>, BuildError> {
-        accel::build(&self.args.accel, world.triangles.clone(), self.args.isa)
+    pub fn build(&self) -> Result<Box<dyn Accel>, BuildError> {
+        accel::build(&self.args.accel, self.staged.world.triangles.clone(), self.args.isa)
     }
 
     /// Runs `work` on as many threads as were asked for.
@@ -247,8 +178,8 @@ mod tests {
     #[test]
     fn what_an_orthographic_camera_loses_is_said() {
         let prepared = |words| prepared("orthographic.gltf", words).expect("a good scene");
-        assert_eq!(prepared(&[]).first.notices, []);
-        assert!(prepared(&["--fov", "30"]).first.notices[0].message.starts_with("--fov makes"));
+        assert_eq!(prepared(&[]).staged.notices, []);
+        assert!(prepared(&["--fov", "30"]).staged.notices[0].message.starts_with("--fov makes"));
     }
 
     #[test]
