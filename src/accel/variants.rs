@@ -187,8 +187,7 @@ pub fn build(
                     (row, &defaults)
                 }
             };
-            let two_level = TwoLevel::build((placed, copies), (below, above), level)?;
-            return Ok(Box::new(two_level));
+            return TwoLevel::build((placed, copies), (below, above), level);
         }
     }
     BuildError::check_count(source.len())?;

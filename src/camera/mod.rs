@@ -1,5 +1,6 @@
 //! Cameras: from points of the film to rays.
 
+mod cone;
 pub mod flight;
 mod lanes;
 pub mod moving;
@@ -170,6 +171,11 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
+    /// What it was prepared from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
     /// See [`Camera::ray`]; at time 0.
     #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {

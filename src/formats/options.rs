@@ -39,6 +39,8 @@ pub struct LoadOptions {
     /// What decodes and keeps the images of textures; by default a new one without a limit. Scenes
     /// that are loaded with the same one share their images.
     pub textures: Arc<TextureStore>,
+    /// Whether textures get smaller versions of their images, for what is seen from afar.
+    pub texture_levels: bool,
 }
 
 impl LoadOptions {

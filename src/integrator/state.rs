@@ -1,5 +1,6 @@
 //! The state of a path, and what goes in and out at its vertices.
 
+use super::cone::Cone;
 use super::dimensions::TIME_DIMENSION;
 use super::interior::Interior;
 use crate::light::LightSampleContext;
@@ -19,6 +20,8 @@ pub struct Path {
     /// Density over solid angle with which the current ray's direction was sampled; infinite where
     /// no light could have been sampled in that direction.
     pub(super) pdf: f32,
+    /// How wide it is, where textures have levels.
+    pub(super) cone: Cone,
     /// The solids that it travels in.
     pub(super) interior: Interior,
     /// The wavelength of the light that it follows, once it has met a surface that disperses.
@@ -90,6 +93,7 @@ impl Path {
             eta_squared: 1.0,
             context: LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO },
             pdf: f32::INFINITY,
+            cone: Cone::default(),
             interior: Interior::AIR,
             wavelength: None,
             sampler,
@@ -106,6 +110,22 @@ impl Path {
         let mut sampler = self.sampler;
         sampler.seek(TIME_DIMENSION);
         Self { time: sampler.next_1d(), ..self }
+    }
+
+    /// Lets it begin as wide as a pixel; see
+    /// [`Camera::pixel_cone`](crate::camera::Camera::pixel_cone).
+    pub fn set_cone(&mut self, [width, spread]: [f32; 2]) {
+        self.cone = Cone { width, spread };
+    }
+
+    /// Lets it widen along a segment of length `t`.
+    pub fn widen(&mut self, t: f32) {
+        self.cone.widen(self.pdf, t);
+    }
+
+    /// How wide it is at the end of its current ray, once it is widened; metres.
+    pub fn width(&self) -> f32 {
+        self.cone.width
     }
 
     /// Whether it is inside of no solid.

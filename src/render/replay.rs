@@ -6,7 +6,7 @@ use super::settings::Settings;
 use super::stream::ray_key;
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
 use crate::camera::moving::MovingCamera;
-use crate::integrator::{FirstHit, PathSample, PathTracer};
+use crate::integrator::{FirstHit, Path, PathSample, PathTracer};
 use crate::math::Ray;
 use crate::world::{AlphaFilter, World};
 
@@ -24,6 +24,9 @@ pub fn replay(
     let mut tracer = accel.tracer();
     let camera = camera.into().rays(settings.aspect());
     let (mut ray, mut path) = settings.start(&camera, (x, y), sample, 0, world.moves());
+    if world.has_levels() {
+        path.set_cone(camera.camera().pixel_cone(settings.resolution.1));
+    }
     let times = [path.time];
     let times = world.moves().then_some(&times[..]);
     let mut result = PathSample::default();
@@ -45,7 +48,10 @@ pub fn replay(
             &mut text,
             &format!("segment {depth}: {}, throughput {throughput:?}", format_ray(&ray)),
         );
-        describe_hit(&mut text, world, &ray, &hit[0], path.time);
+        if world.has_levels() {
+            path.widen(hit[0].t);
+        }
+        describe_hit(&mut text, world, (&ray, &hit[0]), &path);
 
         let before = result.radiance;
         let step = integrator.advance(depth, &mut path, &ray, &hit[0], &mut result);
@@ -79,12 +85,12 @@ pub fn replay(
     text
 }
 
-fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit, time: f32) {
+fn describe_hit(text: &mut String, world: &World, (ray, hit): (&Ray, &ClosestHit), path: &Path) {
     if !hit.is_hit() {
         push_line(text, "  hit nothing");
         return;
     }
-    let surface = world.surface(ray, hit, time);
+    let surface = world.surface(ray, hit, (path.time, path.width()));
     let material = world.material(surface.material);
     let side = if surface.front { "front" } else { "back" };
     let head =

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::interpolation::Interpolation;
 use super::layers::layers_at;
 use super::lookup::{alpha, emission, surface_params};
-use super::prepared_material::{PreparedMaterial, materials_with_clear_vertices};
+use super::prepared_material::{BsdfClass, PreparedMaterial, materials_with_clear_vertices};
 use super::shading_normal::{NormalContext, shading_normal};
 use super::surface::{normal_and_area, triangle_point};
 use super::{Attributes, LightSamplerKind, Lights, Surface};
@@ -17,6 +17,7 @@ use crate::math::{Frame, InstanceId, MaterialId, Ray, Vec2, Vec3, Vec4};
 use crate::scene::defaults::bounds;
 use crate::scene::{AlphaMode, Instance, Material, Scene, TooManyPlacements, Triangles};
 use crate::simd::lanes::Scalar;
+use crate::texture::Texture;
 
 /// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
 /// they are the same everywhere.
@@ -34,7 +35,11 @@ pub struct World {
     pub(super) slack: f32,
     pub(super) form: BsdfForm,
     see_through: bool,
+    has_levels: bool,
 }
+
+/// Paths count as no wider on a surface than where they meet it at such a cosine.
+const LEAST_COSINE: f32 = 0.05;
 
 /// 2^-42.
 const SLACK: f32 = 1.0 / (1_u64 << 42) as f32;
@@ -79,8 +84,14 @@ impl World {
         let lights = Lights::new(&scene, &triangles, 0.5 * extent.length(), kind);
         let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
+        let has_levels = scene.textures.iter().any(Texture::has_levels);
+        if has_levels {
+            // How wide a path is, only the stages one by one know.
+            let textured = materials.iter_mut().filter(|material| material.textured);
+            textured.for_each(|material| material.class = BsdfClass::Other);
+        }
         let slack = extent.max_element() * SLACK;
-        Ok(Self { scene, triangles, lights, materials, slack, form, see_through })
+        Ok(Self { scene, triangles, lights, materials, slack, form, see_through, has_levels })
     }
 
     /// Whether hits must be judged by their alpha; see [`super::AlphaFilter`].
@@ -100,9 +111,15 @@ impl World {
         &self.scene.materials[id.index()]
     }
 
-    /// The surface that `ray` has hit at a `time` of the shutter, from 0 to 1.
+    /// Whether textures have levels, so that it counts how wide paths are.
+    pub fn has_levels(&self) -> bool {
+        self.has_levels
+    }
+
+    /// The surface that `ray` has hit at a `time` of the shutter, from 0 to 1, of a path that is
+    /// `width` metres wide there; 0: a point.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &ClosestHit, time: f32) -> Surface {
+    pub fn surface(&self, ray: &Ray, hit: &ClosestHit, (time, width): (f32, f32)) -> Surface {
         let (id, index) = (hit.triangle.instance, hit.triangle.index as usize);
         let instance = &self.scene.instances[id.index()];
         let posed = self.scene.mesh_at(instance.mesh, time);
@@ -115,7 +132,11 @@ impl World {
         let (normal, area) = normal_and_area(&triangle);
 
         let prepared = &self.materials[instance.material.index()];
-        let attributes = point.attributes(mesh, prepared.textured);
+        let mut attributes = point.attributes(mesh, prepared.textured);
+        if width > 0.0 && prepared.textured {
+            let cosine = normal.dot(ray.direction()).abs().max(LEAST_COSINE);
+            attributes.footprint = point.footprint(mesh, area, width / cosine);
+        }
         let shading = shading_normal(&NormalContext {
             scene: &self.scene,
             material: self.material(instance.material),
@@ -124,7 +145,7 @@ impl World {
             triangle: &triangle,
             point: &point,
             normal,
-            uv: &attributes.uv,
+            attributes: &attributes,
         });
         let towards_viewer = -ray.direction();
         let front = normal.dot(towards_viewer) > 0.0;
@@ -205,7 +226,7 @@ impl World {
             triangle: &Triangle { a, b, c },
             point: &point,
             normal: surface.normal,
-            uv: &surface.attributes.uv,
+            attributes: &surface.attributes,
         };
         Bsdf::layered(&params, &layers_at(described, &at, &surface.frame), self.form)
     }

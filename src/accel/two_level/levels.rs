@@ -1,16 +1,15 @@
 //! Both levels, built.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::placement::{Shape, ToMesh, error_inside};
-use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
+use super::placement::{Shape, ToMesh, error_inside, world_box};
+use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes, Together};
 use crate::accel::Phases;
-use crate::geom::{Motions, Placements, TriangleSource};
-use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
+use crate::geom::{Motions, Placements, own_box};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 use crate::motion::Piece;
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
@@ -24,20 +23,40 @@ pub struct Apart {
     pub grown: [DVec3; 2],
 }
 
+/// The way into a placement.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// The placement.
+    pub placement: InstanceId,
+    /// Its mesh.
+    pub mesh: MeshId,
+    /// Into the mesh's space.
+    pub to_mesh: ToMesh,
+}
+
+impl Way {
+    #[inline]
+    fn new(placements: &dyn Placements, placement: InstanceId) -> Self {
+        let to_mesh = ToMesh::new(&placements.to_world(placement));
+        Self { placement, mesh: placements.mesh(placement), to_mesh }
+    }
+}
+
 /// How a scene is divided: which placements are kept apart, and which are flattened together.
 pub struct Levels {
     /// The scene.
     pub placed: Placed,
     /// The placements that are kept apart; what the upper structure numbers.
     pub placements: Arc<[InstanceId]>,
-    /// The ways back, as long as they are few; else each is computed when it is needed.
-    to_mesh: Vec<ToMesh>,
+    /// The ways into them, as long as they are few; else each is computed when it is needed.
+    ways: Vec<Way>,
     /// Of each mesh that is kept apart what it takes.
     pub meshes: Vec<Option<Apart>>,
+    /// The triangles of what is flattened.
+    pub flat: FlatTriangles,
     shapes: Arc<[Option<Shape>]>,
-    flat: Vec<InstanceId>,
-    /// The boxes of those that move, by their numbers in the upper structure.
-    moving: Arc<HashMap<u32, Aabb>>,
+    /// The boxes of placements as far as they are known; see [`find_boxes`].
+    boxes: Arc<[Aabb]>,
 }
 
 /// As many uses of a mesh as say that it moves.
@@ -46,8 +65,8 @@ const MOVES: u32 = u32::MAX;
 /// A mesh of fewer triangles is flattened: a placement costs as much.
 const FEW: usize = 16;
 
-/// Ways back take 96 bytes each.
-const MOST_WAYS_BACK: usize = 1 << 18;
+/// Each takes 104 bytes.
+const MOST_WAYS: usize = 1 << 18;
 
 impl Levels {
     /// Divides a scene. Meshes that are placed once are flattened, and with them what can't be kept
@@ -63,10 +82,12 @@ impl Levels {
             let mesh = placements.mesh(placement).index();
             uses[mesh] = if moves(placement) { MOVES } else { uses[mesh].saturating_add(1) };
         }
+        let small = find_small(placements, &uses);
         let shape = |(mesh, &uses): (usize, &u32)| {
             let mesh = MeshId::from_index(mesh);
             let worth_it = copies && uses > 1 && placements.mesh_len(mesh) >= FEW;
-            (worth_it || uses == MOVES).then(|| Shape::new(placements, mesh)).flatten()
+            let worth_it = uses == MOVES || (worth_it && !small[mesh.index()]);
+            worth_it.then(|| Shape::new(placements, mesh)).flatten()
         };
         let shapes: Vec<Option<Shape>> = uses.par_iter().enumerate().map(shape).collect();
         let error = |placement: usize| {
@@ -101,29 +122,27 @@ impl Levels {
             Some(Apart { off, slack, grown: shape.grown(slack) })
         };
         let meshes = shapes.iter().zip(&off).map(keep).collect();
-        let moving = Arc::new(boxes_over_time(placements, &apart, &shapes));
-        let to_mesh: Vec<ToMesh> = if copies && placements.len() <= MOST_WAYS_BACK {
-            let all = (0..placements.len()).into_par_iter().map(InstanceId::from_index);
-            all.map(|placement| ToMesh::new(&placements.to_world(placement))).collect()
-        } else {
-            Vec::new()
-        };
+        // Without copies all that is kept apart moves, and has no way but at a time.
+        let few = if copies && apart.len() <= MOST_WAYS { &*apart } else { &[] };
+        let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
+        let boxes = find_boxes(placements, &apart, &shapes).into();
+        let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
-        let placements = apart.into();
-        Self { placements, to_mesh, meshes, shapes: shapes.into(), flat, moving, placed }
+        let (placements, shapes) = (apart.into(), shapes.into());
+        Self { placements, ways, meshes, flat, shapes, boxes, placed }
     }
 
     /// Whether anything moves.
     pub fn are_moving(&self) -> bool {
-        !self.moving.is_empty()
+        self.placed.get().motions().is_some()
     }
 
-    /// The way into the space of a placement's mesh, which stands still.
+    /// The way into a placement that stands still, by its number in the upper structure.
     #[inline(always)]
-    pub fn to_mesh(&self, placement: InstanceId) -> ToMesh {
-        match self.to_mesh.get(placement.index()) {
+    pub fn way(&self, number: usize) -> Way {
+        match self.ways.get(number) {
             Some(known) => *known,
-            None => ToMesh::new(&self.placed.get().to_world(placement)),
+            None => Way::new(self.placed.get(), self.placements[number]),
         }
     }
 
@@ -139,13 +158,14 @@ impl Levels {
         (placement, to_world)
     }
 
-    /// The way into the space of a placement's mesh, where it stands at `to_world` at a ray's time;
-    /// `None` if that is no way for a ray.
+    /// The way into a placement's mesh, where it stands at `to_world` at a ray's time; `None` if
+    /// that is no way for a ray.
     #[inline]
-    pub fn to_mesh_from(&self, placement: InstanceId, to_world: &Affine3A) -> Option<ToMesh> {
+    pub fn to_mesh(&self, prim: PrimId, to_world: &Affine3A) -> Option<ToMesh> {
         let placements = self.placed.get();
+        let placement = self.placements[prim.index()];
         if placements.motions().is_none_or(|motions| !motions.is_moving(placement)) {
-            return Some(self.to_mesh(placement));
+            return Some(self.way(prim.index()).to_mesh);
         }
         let mesh = placements.mesh(placement).index();
         let (shape, apart) = (self.shapes[mesh].as_ref()?, self.meshes[mesh].as_ref()?);
@@ -156,8 +176,8 @@ impl Levels {
     /// The boxes of placements, for the upper structure.
     pub fn boxes(&self) -> PlacementBoxes {
         let (placements, shapes) = (Arc::clone(&self.placements), Arc::clone(&self.shapes));
-        let moving = Arc::clone(&self.moving);
-        PlacementBoxes { placed: self.placed.clone(), placements, shapes, moving }
+        let known = Arc::clone(&self.boxes);
+        PlacementBoxes { placed: self.placed.clone(), placements, shapes, known }
     }
 
     /// The triangles of a mesh that is kept apart.
@@ -166,25 +186,10 @@ impl Levels {
         Some(MeshTriangles { placed: self.placed.clone(), mesh: MeshId::from_index(mesh), slack })
     }
 
-    /// What is flattened, if anything.
-    pub fn flat(&self) -> Option<FlatTriangles> {
-        let flat = FlatTriangles::new(self.placed.clone(), self.flat.clone());
-        (!flat.is_empty()).then_some(flat)
+    /// What is flattened and the boxes of placements, for one tree of both.
+    pub fn together(&self) -> Together {
+        Together { flat: self.flat.clone(), boxes: self.boxes() }
     }
-}
-
-/// The boxes of those of some placements that move, by their numbers among these.
-fn boxes_over_time(
-    placements: &dyn Placements,
-    apart: &[InstanceId],
-    shapes: &[Option<Shape>],
-) -> HashMap<u32, Aabb> {
-    let over_time = |(number, &placement): (usize, &InstanceId)| {
-        let motions = placements.motions().filter(|motions| motions.is_moving(placement))?;
-        let shape = shapes[placements.mesh(placement).index()].as_ref()?;
-        Some((number as u32, shape.box_over_time(motions, placement)))
-    };
-    apart.par_iter().enumerate().filter_map(over_time).collect()
 }
 
 /// How far off the vertices of a moving placement may be in its mesh's space, wherever that is
@@ -196,4 +201,56 @@ fn error_over_time(shape: &Shape, motions: &dyn Motions, placement: InstanceId) 
         error_inside(shape, &motions.to_world_at(placement, piece.middle)).unwrap_or(0.0)
     };
     1.5 * pieces.iter().map(error).fold(0.0, f32::max)
+}
+
+/// Which meshes are small enough to be flattened however often they are placed: from the smallest
+/// on, while all copies so made have no more triangles than the meshes. For twice the memory rays
+/// enter fewer placements, and those of small parts of a machine lie within each other's boxes.
+/// What moves is none of them.
+fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
+    let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
+    let is_copied = |&mesh: &usize| uses[mesh] > 1 && uses[mesh] != MOVES;
+    let mut copied: Vec<usize> = (0..uses.len()).filter(is_copied).collect();
+    copied.sort_by_key(|&mesh| len(mesh));
+    let mut room: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
+    let mut small = vec![false; uses.len()];
+    for mesh in copied {
+        let Some(left) = room.checked_sub(len(mesh) * u64::from(uses[mesh])) else { break };
+        (small[mesh], room) = (true, left);
+    }
+    small
+}
+
+/// Boxes are found from all triangles of placements if these are no more; it takes some 10 ms a
+/// million. They are a good deal smaller than those found from a turned mesh's box.
+const MOST_LOOKED_AT: usize = 1 << 23;
+
+/// The boxes of placements, by their triangles if that does not take too long; those of what moves
+/// over all of the time. None, if all are found as fast when they are needed.
+fn find_boxes(
+    placements: &dyn Placements,
+    apart: &[InstanceId],
+    shapes: &[Option<Shape>],
+) -> Vec<Aabb> {
+    let motions = placements.motions();
+    let len = |&placement: &InstanceId| placements.mesh_len(placements.mesh(placement));
+    let total = apart.iter().map(len).try_fold(0, usize::checked_add);
+    let are_many = total.is_none_or(|total| total > MOST_LOOKED_AT);
+    if are_many && motions.is_none() {
+        return Vec::new();
+    }
+    let find = |&instance: &InstanceId| {
+        let mesh = placements.mesh(instance);
+        let shape = shapes[mesh.index()].as_ref().expect("its mesh is kept apart");
+        if let Some(motions) = motions.filter(|motions| motions.is_moving(instance)) {
+            return shape.box_over_time(motions, instance);
+        }
+        if are_many {
+            return world_box(shape, &placements.to_world(instance));
+        }
+        let triangles = (0..placements.mesh_len(mesh) as u32)
+            .map(|index| placements.placed_triangle(TriangleId { instance, index }));
+        triangles.map(|triangle| own_box(&triangle)).fold(Aabb::EMPTY, Aabb::union)
+    };
+    apart.par_iter().map(find).collect()
 }

@@ -49,11 +49,13 @@
 //! | [`placement`] | a mesh where it is placed: its box, a ray in its space, errors |
 //! | `levels` | how a scene is divided |
 //! | `sources` | what the structures are built over |
+//! | `mesh_trees` | the trees of all meshes in one piece of memory |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
 //! | `wide` | hierarchies of eight children on both levels, in flight |
 
 mod levels;
+mod mesh_trees;
 pub mod placement;
 mod sources;
 #[allow(clippy::module_inception)] // what a reader looks for

@@ -1,6 +1,5 @@
 //! What the structures of two levels are built over.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::placement::{Shape, world_box};
@@ -39,13 +38,20 @@ pub struct MeshTriangles {
     pub slack: f32,
 }
 
+impl MeshTriangles {
+    fn is_deforming(&self) -> bool {
+        let motions = self.placed.get().motions();
+        motions.is_some_and(|motions| motions.is_deforming(self.mesh))
+    }
+}
+
 impl TriangleSource for MeshTriangles {
     fn len(&self) -> usize {
         self.placed.get().mesh_len(self.mesh)
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
-        if self.are_boxes() {
+        if self.is_deforming() {
             return ends(&self.own_box(prim));
         }
         self.placed.get().mesh_triangle(self.mesh, prim.0)
@@ -61,13 +67,12 @@ impl TriangleSource for MeshTriangles {
     }
 
     fn slack(&self) -> f32 {
-        if self.are_boxes() { 0.0 } else { self.slack }
+        if self.is_deforming() { 0.0 } else { self.slack }
     }
 
     /// A mesh that changes its shape is known by the boxes of its triangles over time.
-    fn are_boxes(&self) -> bool {
-        let motions = self.placed.get().motions();
-        motions.is_some_and(|motions| motions.is_deforming(self.mesh))
+    fn boxes(&self) -> usize {
+        if self.is_deforming() { self.len() } else { 0 }
     }
 }
 
@@ -77,11 +82,12 @@ fn ends(&Aabb { min, max }: &Aabb) -> Triangle {
 }
 
 /// The triangles of some placements in the world, one after the other.
+#[derive(Clone)]
 pub struct FlatTriangles {
     placed: Placed,
-    placements: Vec<InstanceId>,
+    placements: Arc<[InstanceId]>,
     /// Of each placement its first number, and last how many there are.
-    first: Vec<u64>,
+    first: Arc<[u64]>,
 }
 
 impl FlatTriangles {
@@ -94,7 +100,7 @@ impl FlatTriangles {
             count += placed.get().mesh_len(placed.get().mesh(placement)) as u64;
             first.push(count);
         }
-        Self { placed, placements, first }
+        Self { placed, placements: placements.into(), first: first.into() }
     }
 }
 
@@ -122,14 +128,14 @@ pub struct PlacementBoxes {
     pub placements: Arc<[InstanceId]>,
     /// Of each mesh that is kept apart.
     pub shapes: Arc<[Option<Shape>]>,
-    /// The boxes of those that move.
-    pub moving: Arc<HashMap<u32, Aabb>>,
+    /// Those that are known already: all, or none.
+    pub known: Arc<[Aabb]>,
 }
 
 impl PlacementBoxes {
     fn world_box(&self, prim: PrimId) -> Aabb {
-        if let Some(&over_time) = self.moving.get(&prim.0) {
-            return over_time;
+        if let Some(known) = self.known.get(prim.index()) {
+            return *known;
         }
         let placement = self.placements[prim.index()];
         let placements = self.placed.get();
@@ -152,7 +158,46 @@ impl TriangleSource for PlacementBoxes {
         self.world_box(prim)
     }
 
-    fn are_boxes(&self) -> bool {
-        true
+    fn boxes(&self) -> usize {
+        self.len()
+    }
+}
+
+/// What is flattened, and behind it the boxes of placements, for one tree of both.
+pub struct Together {
+    /// The former.
+    pub flat: FlatTriangles,
+    /// The latter.
+    pub boxes: PlacementBoxes,
+}
+
+impl Together {
+    /// Whose a number is.
+    #[inline]
+    fn find(&self, prim: PrimId) -> (&dyn TriangleSource, PrimId) {
+        match prim.index().checked_sub(self.flat.len()) {
+            None => (&self.flat, prim),
+            Some(placement) => (&self.boxes, PrimId::from_index(placement)),
+        }
+    }
+}
+
+impl TriangleSource for Together {
+    fn len(&self) -> usize {
+        self.flat.len() + self.boxes.len()
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        let (source, prim) = self.find(prim);
+        source.triangle(prim)
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        let (source, prim) = self.find(prim);
+        source.own_box(prim)
+    }
+
+    fn boxes(&self) -> usize {
+        self.boxes.len()
     }
 }

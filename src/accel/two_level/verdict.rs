@@ -168,7 +168,7 @@ impl Verdict for Above<'_, '_> {
         let mesh = mesh_id.index();
         let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
         let world = &self.rays[ray];
-        let to_mesh = self.levels.to_mesh_from(placement, &to_world);
+        let to_mesh = self.levels.to_mesh(prim, &to_world);
         let enter = |to_mesh: ToMesh| to_mesh.enter(&apart.grown, world, nearest.t);
         let entered = to_mesh.map_or(Entered::Far, enter);
         let world = &PreparedRay::new(world, ray, self.filter);

@@ -1,7 +1,8 @@
 //! Wide hierarchies on both levels, a slice of rays with sixteen of them in flight.
 //!
 //! As in [`crate::accel::bvh::wide`] each ray takes one step in turn and asks for what its next one
-//! needs. A step may lead into a placement: then the ray goes on below, in the mesh's space and
+//! needs. The tree above is one of placements and of what is flattened, so that the nearest comes
+//! first whichever it is of. A step may lead into a placement: then the ray goes on below, in the mesh's space and
 //! nodes, on the same stack, where a key of zero marks the way back. So the memory of both levels
 //! is waited for together, and nothing is called through a table.
 
@@ -10,8 +11,10 @@ use std::sync::Arc;
 
 use fearless_simd::{Simd, f32x8};
 
-use super::levels::{Apart, Levels};
+use super::levels::{Apart, Levels, Way};
+use super::mesh_trees::MeshTrees;
 use super::placement::{Entered, LocalRay};
+use super::sources::FlatTriangles;
 use super::verdict::{Inside, nearest_of_all};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
@@ -19,53 +22,61 @@ use crate::accel::bvh::wide::node;
 use crate::accel::bvh::wide::stack::{DEEPEST, Sorting, Stack};
 use crate::accel::bvh::wide::wide_bvh::{RAYS, WideBvh};
 use crate::accel::{
-    Built, Counters, Event, MemoryReport, PreparedRay, Query, SliceContext, Structure, Traverse,
+    BuildError, Built, ClosestHit, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
+    SliceContext, Structure, Traverse,
 };
-use crate::geom::SlabRay;
+use crate::geom::{BlockRef, SlabRay, TriangleSource, intersect_triangle};
 use crate::math::{InstanceId, PrimId};
 use crate::simd::order::key_limit;
 
 /// Lanes of a vector, children of a node.
 const W: usize = 8;
 
-/// A hierarchy of placements, and one of each mesh.
+/// A hierarchy of placements and of what is flattened, and one of each mesh.
 pub struct WideLevels {
     levels: Arc<Levels>,
     above: WideBvh<W>,
-    below: Vec<Option<WideBvh<W>>>,
+    below: MeshTrees,
     /// Places of leaves from here on are placements.
     first_placement: usize,
     built: Built,
 }
 
-/// The tree of placements, and those of meshes.
-pub type Trees = (WideBvh<W>, Vec<Option<WideBvh<W>>>);
-
 impl WideLevels {
-    /// Both levels of trees that store what is in their leaves; hands them back if they can't be
-    /// walked together.
+    /// Both levels of trees that store what is in their leaves, the upper one built over
+    /// [`Levels::together`]; `None` if they can't be walked together.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
     pub fn new(
         levels: Arc<Levels>,
-        mut above: WideBvh<W>,
-        below: Vec<Option<WideBvh<W>>>,
-    ) -> Result<Self, Box<Trees>> {
+        (mut above, below): (WideBvh<W>, Vec<Option<WideBvh<W>>>),
+        phases: Phases,
+    ) -> Result<Option<Self>, BuildError> {
         let deepest = below.iter().flatten().map(|tree| tree.report().max_depth).max();
         // A level of its own each: the leaf of placements, and the way back.
         let depth = above.report().max_depth + deepest.unwrap_or(0) + 2;
         let first_placement = above.arena.stripes().count();
-        let placements = levels.placements.last().map_or(0, |last| last.index() + 1);
+        let placements = levels.placements.len();
         let in_place = below.iter().flatten().chain([&above]).all(WideBvh::stores_triangles);
         if depth > DEEPEST || first_placement + placements >= Link::LIMIT || !in_place {
-            return Err(Box::new((above, below)));
+            return Ok(None);
         }
-        above.renumber(|prim| PrimId(levels.placements[prim.index()].0));
         let mut report = above.report().clone();
+        (report.phases, report.triangles) = (phases.ended(), levels.placed.len());
         for tree in below.iter().flatten() {
             report.nodes += tree.report().nodes;
             report.leaves += tree.report().leaves;
         }
         let built = Built { level: above.level(), report };
-        Ok(Self { levels, above, below, first_placement, built })
+        let first_box = levels.flat.len();
+        // A leaf of one placement is passed by: its box is that which leads there.
+        above.redirect(|ids| {
+            let number = ids[0].index().checked_sub(first_box)?;
+            (ids[1] == PrimId::NONE).then(|| Link::to_leaf(first_placement + number))
+        });
+        let below = MeshTrees::new(below)?;
+        Ok(below.map(|below| Self { levels, above, below, first_placement, built }))
     }
 }
 
@@ -86,11 +97,13 @@ struct Flight<'a, Q> {
     stack: usize,
 }
 
-/// The tree of placements, as a walk reads it.
+/// The upper tree, as a walk reads it.
 #[derive(Clone, Copy)]
 struct Above<'a> {
     levels: &'a WideLevels,
     stripes: Stripes<'a, W>,
+    /// Of all meshes.
+    meshes: Stripes<'a, W>,
     root: Link,
 }
 
@@ -103,7 +116,8 @@ impl WideLevels {
         stacks: &mut [Stack<W>],
     ) {
         let Some(root) = self.above.root else { return slice.answer_nothing() };
-        let above = Above { levels: self, stripes: self.above.arena.stripes(), root };
+        let (stripes, meshes) = (self.above.arena.stripes(), self.below.stripes());
+        let above = Above { levels: self, stripes, meshes, root };
         let count = slice.batch.rays().len();
         let mut next = count.min(RAYS);
         let mut flights: Vec<Flight<'_, Q>> =
@@ -172,7 +186,7 @@ impl<'a> Above<'a> {
         } else if flight.key == 0 {
             return ControlFlow::Break(());
         } else if flight.link.place() < self.levels.first_placement {
-            self.open_leaf(simd, counters, flight, stack);
+            self.open_leaf(simd, counters, flight, stack)?;
         } else {
             counters.count(Event::Restart);
             self.enter(flight, stack)?;
@@ -184,40 +198,53 @@ impl<'a> Above<'a> {
         ControlFlow::Continue(())
     }
 
-    /// Puts those placements of a leaf on the stack whose boxes the ray enters.
+    /// Tests the triangles of a leaf of the upper tree, and puts those of its placements on the
+    /// stack whose boxes the ray enters.
     #[inline(always)]
-    fn open_leaf<S: Simd, Q: Query>(
+    fn open_leaf<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        counters: &mut impl Counters,
+        counters: &mut C,
         flight: &mut Flight<'_, Q>,
         stack: &mut Stack<W>,
-    ) {
+    ) -> ControlFlow<()> {
         counters.count(Event::Leaf);
-        counters.count(Event::BoxTest);
         let block = self.stripes.block(flight.link);
+        let flat = &self.levels.levels.flat;
+        let first_box = flat.len() as u32;
+        // Lanes that are not used repeat a primitive, without its id.
+        let lanes_where = |holds: fn(u32, u32) -> bool| {
+            (0..W).fold(0, |lanes, lane| {
+                lanes | u32::from(holds(block.ids[lane].0, first_box)) << lane
+            })
+        };
+        let triangles = lanes_where(|id, first_box| id < first_box);
+        if triangles != 0 {
+            test_flat(simd, counters, flight, (&block, triangles), flat)?;
+        }
+        let boxes = lanes_where(|id, first_box| id >= first_box && id != PrimId::NONE.0);
+        if boxes == 0 {
+            return ControlFlow::Continue(());
+        }
+        counters.count(Event::BoxTest);
         let (ray, t_max) = (&flight.world, flight.query.t_max());
         let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
-        // Lanes that are not used repeat a box.
-        let hits = hits & ((1 << block.len()) - 1);
+        let hits = hits & boxes;
         let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
-        let first = self.levels.first_placement;
-        let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.index())).0);
+        let first = (self.levels.first_placement as u32).wrapping_sub(first_box);
+        let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.0) as usize).0);
         stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
+        ControlFlow::Continue(())
     }
 
     /// Takes a ray into a placement, if it meets its box.
     #[inline(always)]
     fn enter<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &mut Stack<W>) -> ControlFlow<()> {
         let levels = &*self.levels.levels;
-        let placement = InstanceId::from_index(flight.link.place() - self.levels.first_placement);
-        let placements = levels.placed.get();
-        let mesh = placements.mesh(placement).index();
-        let (Some(apart), Some(tree)) = (&levels.meshes[mesh], &self.levels.below[mesh]) else {
-            return ControlFlow::Continue(());
-        };
-        let Some(root) = tree.root else { return ControlFlow::Continue(()) };
-        let to_mesh = levels.to_mesh(placement);
+        let number = flight.link.place() - self.levels.first_placement;
+        let Way { placement, mesh, to_mesh } = levels.way(number);
+        let (apart, root) = (&levels.meshes[mesh.index()], self.levels.below.root(mesh.index()));
+        let (Some(apart), Some(root)) = (apart, root) else { return ControlFlow::Continue(()) };
         let t_max = flight.query.nearest().t;
         let (ray, shift) = match to_mesh.enter(&apart.grown, &flight.world.ray, t_max) {
             Entered::Missed => return ControlFlow::Continue(()),
@@ -226,7 +253,7 @@ impl<'a> Above<'a> {
         };
         flight.inside = Some(Inside::new(placement, apart, shift));
         (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
-        flight.stripes = tree.arena.stripes();
+        flight.stripes = self.meshes;
         flight.query.set_limit(ray.t_max());
         stack.put(0, BACK, &mut flight.top);
         stack.put(1, root, &mut flight.top);
@@ -288,6 +315,31 @@ fn sorting<Q: Query>() -> Sorting {
     if Q::ANY { Sorting::None } else { Sorting::ByDistance }
 }
 
+/// Tests those triangles of a leaf that are flattened.
+#[inline(always)]
+fn test_flat<S: Simd, Q: Query, C: Counters>(
+    simd: S,
+    counters: &mut C,
+    flight: &mut Flight<'_, Q>,
+    (block, triangles): (&BlockRef<'_, W>, u32),
+    flat: &FlatTriangles,
+) -> ControlFlow<()> {
+    let Flight { world, query, .. } = flight;
+    counters.count(Event::TriangleTest);
+    let mut lanes =
+        block.find_candidates::<S, f32x8<S>>(simd, &world.ray, query.t_max()) & triangles;
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize % W;
+        lanes &= lanes - 1;
+        counters.count(Event::ExactTest);
+        let found = intersect_triangle(simd, &world.slab, &world.shear, &block.lane(lane));
+        let Some([t, u, v]) = found.filter(|[t, ..]| *t <= query.nearest().t) else { continue };
+        let triangle = flat.locate(block.ids[lane]);
+        query.offer(&world.criteria(), ClosestHit { t, u, v, triangle })?;
+    }
+    ControlFlow::Continue(())
+}
+
 /// Holds a ray that can't be placed against all triangles of a placement.
 #[cold]
 #[inline(never)]
@@ -323,8 +375,12 @@ impl Structure for WideLevels {
     }
 
     fn memory(&self) -> MemoryReport {
-        let below = self.below.iter().flatten().map(|tree| tree.arena.bytes()).sum();
-        MemoryReport::new([("placements", self.above.arena.bytes()), ("meshes", below)])
+        let list = size_of_val(&*self.levels.placements);
+        MemoryReport::new([
+            ("placements and flat meshes", self.above.arena.bytes()),
+            ("meshes", self.below.bytes()),
+            ("list of placements", list),
+        ])
     }
 }
 

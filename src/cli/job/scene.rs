@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::cli::error::CliError;
 use crate::cli::settings::RenderArgs;
-use crate::cli::settings::parse::MissingTextureArg;
+use crate::cli::settings::parse::{MissingTextureArg, TextureLod};
 use crate::formats::{self, LoadError, LoadOptions, MissingTexture, NotFinite};
 use crate::scene::{Notice, Scene};
 use crate::texture::TextureStore;
@@ -32,6 +32,7 @@ pub fn load(
         time: args.time,
         shutter: args.shutter,
         textures: Arc::clone(textures),
+        texture_levels: args.texture_lod == TextureLod::On,
     };
     let mut scene = formats::load(&args.scene_file, &options)?;
     let mut notices = std::mem::take(&mut scene.notices);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::frames::Frames;
-use super::parse::{CameraModel, MissingTextureArg, ProgressStyle, RouletteDepth};
+use super::parse::{CameraModel, MissingTextureArg, ProgressStyle, RouletteDepth, TextureLod};
 use super::parse_long::{Every, Resume, Share};
 use super::parse_watch::{Show, TevAddress};
 use crate::accel::AccelSpec;
@@ -46,6 +46,7 @@ pub struct RenderArgs {
     pub crop: Option<Window>,
     pub filter: PixelFilter,
     pub transparent: bool,
+    pub texture_lod: TextureLod,
 
     pub max_depth: u32,
     pub rr_depth: RouletteDepth,

@@ -25,6 +25,16 @@ pub enum MissingTextureArg {
     Magenta,
 }
 
+/// Whether textures are looked up in levels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TextureLod {
+    /// In the images as they are.
+    #[default]
+    Off,
+    /// In images as coarse as what is seen of them.
+    On,
+}
+
 /// How to report the progress of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ProgressStyle {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 use toml::Value;
 
-use super::parse::{CameraModel, MissingTextureArg, RouletteDepth};
+use super::parse::{CameraModel, MissingTextureArg, RouletteDepth, TextureLod};
 use crate::accel::AccelSpec;
 use crate::film::tonemap::Tonemap;
 use crate::film::{PixelFilter, Window};
@@ -136,4 +136,4 @@ macro_rules! listed {
         }
     )*};
 }
-listed!(CameraModel, MissingTextureArg);
+listed!(CameraModel, MissingTextureArg, TextureLod);
