@@ -32,11 +32,17 @@ fn turn(axis: [f32; 3], degrees: f32) -> [f32; 4] {
     [axis[0] * sine, axis[1] * sine, axis[2] * sine, cosine]
 }
 
-/// A camera that looks along -Z, with a floor and a wall of squares.
+/// A camera that looks along -Z, with a floor and a wall of squares. For what moves there are a
+/// dark material and a dark square, number 1 of each.
 fn stage(camera: [f32; 3]) -> (File, usize) {
     let mut file = File::square();
     let base = json!({"baseColorFactor": [0.6, 0.6, 0.6, 1.0], "metallicFactor": 0});
     file.document["materials"][0] = json!({"doubleSided": true, "pbrMetallicRoughness": base});
+    let dark = json!({"baseColorFactor": [0.1, 0.1, 0.1, 1.0], "metallicFactor": 0});
+    file.push("materials", json!({"doubleSided": true, "pbrMetallicRoughness": dark}));
+    let mut square = file.document["meshes"][0].clone();
+    square["primitives"][0]["material"] = json!(1);
+    file.push("meshes", square);
     let wall = json!({"mesh": 0, "translation": [-3, -3, -2], "scale": [6, 6, 1]});
     file.document["nodes"][0] = wall;
     let floor = turn([1.0, 0.0, 0.0], -90.0);
@@ -79,7 +85,7 @@ fn fan() -> File {
     let (mut file, _) = stage([0.0, 0.0, 5.0]);
     let blade = |number: u8| {
         let rotation = turn([0.0, 0.0, 1.0], 120.0 * f32::from(number));
-        json!({"mesh": 0, "rotation": rotation, "scale": [1.4, 0.5, 1]})
+        json!({"mesh": 1, "rotation": rotation, "scale": [1.4, 0.5, 1]})
     };
     let blades: Vec<usize> = (0..3).map(|number| file.push("nodes", blade(number))).collect();
     let spinner = file.push("nodes", json!({"children": blades}));
@@ -135,7 +141,7 @@ fn walk() -> File {
         "JOINTS_0": file.accessor(&joints, 5121, positions.len(), "VEC4"),
         "WEIGHTS_0": file.floats(&weights, "VEC4"),
     });
-    let primitive = json!({"attributes": attributes, "indices": indices, "material": 0});
+    let primitive = json!({"attributes": attributes, "indices": indices, "material": 1});
     let mesh = file.push("meshes", json!({"primitives": [primitive]}));
     let mut bones = Vec::new();
     let mut inverse = Vec::new();

@@ -1,7 +1,11 @@
 //! Meshes whose vertices move.
 
-use super::{Mesh, Triangle};
+use super::{Mesh, Triangle, own_box};
 use crate::math::{Aabb, Vec3, Vec4};
+
+/// 2^-20, of the coordinates of the keys on both sides: bounds the errors of a vertex between them.
+/// That is off by less than four roundings, at each of two times, and `part` by one of its own.
+const BETWEEN_KEYS: f32 = 1.0 / 1_048_576.0;
 
 /// The vertices of a mesh at some times while the shutter is open; between them they go straight.
 #[derive(Clone, Debug)]
@@ -51,14 +55,42 @@ impl Deformation {
         self.keys.iter().map(of_key).fold(Aabb::EMPTY, Aabb::union)
     }
 
+    /// The box that holds the [`own_box`] of a triangle from one time to another.
+    ///
+    /// Vertices go straight between the two and the keys that lie within, and the planes of the
+    /// box as far out as theirs; with room for what they are rounded.
+    pub fn own_box(&self, corners: [u32; 3], [from, to]: [f32; 2]) -> Aabb {
+        let at_key = |key: &VertexKey| {
+            let [a, b, c] = corners.map(|corner| key.positions[corner as usize]);
+            Triangle { a, b, c }
+        };
+        let at = |time| {
+            let between = self.between(time);
+            let [a, b, c] = corners.map(|corner| between.position(corner as usize));
+            Triangle { a, b, c }
+        };
+        let (first, last) = (self.before(from), self.before(to) + 1);
+        let keys = &self.keys[first..=last];
+        let of_keys = keys.iter().map(|key| own_box(&at_key(key))).fold(Aabb::EMPTY, Aabb::union);
+        let within = &keys[1..keys.len() - 1];
+        let boxes = within.iter().map(|key| own_box(&at_key(key)));
+        let all = boxes.fold(own_box(&at(from)).union(own_box(&at(to))), Aabb::union);
+        let room = of_keys.min.abs().max(of_keys.max.abs()) * BETWEEN_KEYS;
+        Aabb { min: all.min - room, max: all.max + room }
+    }
+
+    /// The number of the key before a time, which is not the last one.
+    #[inline]
+    fn before(&self, time: f32) -> usize {
+        let after = self.keys.partition_point(|key| key.time <= f64::from(time));
+        after.saturating_sub(1).min(self.keys.len() - 2)
+    }
+
     #[inline]
     fn between(&self, time: f32) -> Between<'_> {
-        let time = f64::from(time);
-        let last = self.keys.len() - 2;
-        let after = self.keys.partition_point(|key| key.time <= time);
-        let before = after.saturating_sub(1).min(last);
+        let before = self.before(time);
         let (from, to) = (&self.keys[before], &self.keys[before + 1]);
-        let part = (time - from.time) / (to.time - from.time);
+        let part = (f64::from(time) - from.time) / (to.time - from.time);
         Between { from, to, part: part.clamp(0.0, 1.0) as f32 }
     }
 }
@@ -68,6 +100,13 @@ struct Between<'a> {
     from: &'a VertexKey,
     to: &'a VertexKey,
     part: f32,
+}
+
+impl Between<'_> {
+    #[inline(always)]
+    fn position(&self, vertex: usize) -> Vec3 {
+        mix(self.from.positions[vertex], self.to.positions[vertex], self.part)
+    }
 }
 
 /// A mesh at a time.
@@ -90,9 +129,7 @@ impl<'a> Posed<'a> {
     pub fn position(&self, vertex: usize) -> Vec3 {
         match &self.between {
             None => self.mesh.positions[vertex],
-            Some(Between { from, to, part }) => {
-                mix(from.positions[vertex], to.positions[vertex], *part)
-            }
+            Some(between) => between.position(vertex),
         }
     }
 
@@ -156,5 +193,33 @@ mod tests {
         let bounds = moving.bounds(&[0].into_iter());
         assert_eq!((bounds.min, bounds.max), (Vec3::ZERO, Vec3::X * 2.0));
         assert!(Deformation::new(vec![key(0.0, 0.0)]).is_none());
+    }
+
+    #[test]
+    fn a_box_holds_a_triangle_from_one_time_to_another_and_little_more() {
+        let corner = |number: f32, time: f32| {
+            let angle = 3.0 * time + number;
+            Vec3::new(libm::cosf(angle), 100.0 * time - 40.0, libm::sinf(2.0 * angle))
+        };
+        let key = |time: f32| VertexKey {
+            time: f64::from(time),
+            positions: [0.0, 0.1, 0.2].map(|number| corner(number, time)).to_vec(),
+            ..VertexKey::default()
+        };
+        let moving = Deformation::new([0.0, 0.3, 0.35, 0.7, 1.0].map(key).to_vec());
+        let moving = moving.expect("has keys");
+        let mesh = Mesh { indices: vec![[0, 1, 2]], ..Mesh::default() };
+        for span in [[0.0, 1.0], [0.25, 0.5], [0.375, 0.4375], [0.9375, 1.0], [0.3, 0.3]] {
+            let held = moving.own_box([0, 1, 2], span);
+            let mut tight = Aabb::EMPTY;
+            for step in 0..=1000 {
+                let time = span[0] + (span[1] - span[0]) * (step as f32 / 1000.0);
+                let own = own_box(&Posed::new(&mesh, Some(&moving), time).triangle(0));
+                assert_eq!(held.union(own), held, "{span:?}, {time}");
+                tight = tight.union(own);
+            }
+            let room = (held.max - tight.max).max(tight.min - held.min).max_element();
+            assert!(room < 0.01, "{span:?}: {room}");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Triangles in world space, and where they come from.
 
 use super::clip::clip_bounds;
+use super::deformation::Posed;
 use super::slab::own_box;
 use super::triangle::Triangle;
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
@@ -116,14 +117,14 @@ pub trait Motions: Send + Sync {
     /// From the mesh's space to the world at a time.
     fn to_world_at(&self, placement: InstanceId, time: f32) -> Affine3A;
 
-    /// A triangle of a mesh at a time, in the mesh's space.
-    fn mesh_triangle_at(&self, mesh: MeshId, index: u32, time: f32) -> Triangle;
+    /// A mesh at a time, in its own space.
+    fn mesh_at(&self, mesh: MeshId, time: f32) -> Posed<'_>;
 
     /// The box of all that a mesh's vertices come to.
     fn mesh_bounds_over_time(&self, mesh: MeshId) -> Aabb;
 
-    /// The box that holds the [`own_box`] of a triangle of a mesh at all times.
-    fn own_box_over_time(&self, mesh: MeshId, index: u32) -> Aabb;
+    /// The box that holds the [`own_box`] of a triangle of a mesh from one time to another.
+    fn own_box_over(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> Aabb;
 
     /// Pieces of the time, in each of which nothing within `reach` of the origin of the mesh's
     /// space moves further than about `margin` in the world, unless the motion is too fast.

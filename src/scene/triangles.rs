@@ -3,12 +3,9 @@
 use std::sync::Arc;
 
 use super::Scene;
-use crate::geom::{Deformation, Motions, Placements, Triangle, TriangleSource, own_box};
+use crate::geom::{Deformation, Motions, Placements, Posed, Triangle, TriangleSource, own_box};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 use crate::motion::Piece;
-
-/// 2^-21: bounds what the rounding of a vertex between two keys takes, of its coordinates.
-const BETWEEN_KEYS: f32 = 1.0 / 2_097_152.0;
 
 /// A scene has more placed meshes than ids can number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -169,9 +166,8 @@ impl Motions for Triangles {
         self.scene.transform_at(placement, time).to_world()
     }
 
-    #[inline]
-    fn mesh_triangle_at(&self, mesh: MeshId, index: u32, time: f32) -> Triangle {
-        self.scene.mesh_at(mesh, time).triangle(index)
+    fn mesh_at(&self, mesh: MeshId, time: f32) -> Posed<'_> {
+        self.scene.mesh_at(mesh, time)
     }
 
     fn mesh_bounds_over_time(&self, mesh: MeshId) -> Aabb {
@@ -182,18 +178,11 @@ impl Motions for Triangles {
         }
     }
 
-    fn own_box_over_time(&self, mesh: MeshId, index: u32) -> Aabb {
+    fn own_box_over(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> Aabb {
         let Some(deformation) = self.deformation(mesh) else {
             return own_box(&self.mesh_triangle(mesh, index));
         };
-        let corners = self.scene.meshes[mesh.index()].indices[index as usize];
-        let boxes = deformation.keys().iter().map(|key| {
-            let [a, b, c] = corners.map(|corner| key.positions[corner as usize]);
-            own_box(&Triangle { a, b, c })
-        });
-        let all = boxes.fold(Aabb::EMPTY, Aabb::union);
-        let room = all.min.abs().max(all.max.abs()) * BETWEEN_KEYS;
-        Aabb { min: all.min - room, max: all.max + room }
+        deformation.own_box(self.scene.meshes[mesh.index()].indices[index as usize], span)
     }
 
     fn pieces(&self, placement: InstanceId, reach: f64, margin: f64) -> Vec<Piece> {

@@ -6,7 +6,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::placement::{Shape, ToMesh, error_inside, world_box};
+
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes, Together};
+use super::spans::Spans;
 use crate::accel::Phases;
 use crate::geom::{Motions, Placements, own_box};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
@@ -52,6 +54,8 @@ pub struct Levels {
     ways: Vec<Way>,
     /// Of each mesh that is kept apart what it takes.
     pub meshes: Vec<Option<Apart>>,
+    /// The structures of meshes.
+    pub spans: Spans,
     /// The triangles of what is flattened.
     pub flat: FlatTriangles,
     shapes: Arc<[Option<Shape>]>,
@@ -126,10 +130,11 @@ impl Levels {
         let few = if copies && apart.len() <= MOST_WAYS { &*apart } else { &[] };
         let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
         let boxes = find_boxes(placements, &apart, &shapes).into();
+        let spans = Spans::new(placements);
         let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
         let (placements, shapes) = (apart.into(), shapes.into());
-        Self { placements, ways, meshes, flat, shapes, boxes, placed }
+        Self { placements, ways, meshes, spans, flat, shapes, boxes, placed }
     }
 
     /// Whether anything moves.
@@ -180,10 +185,11 @@ impl Levels {
         PlacementBoxes { placed: self.placed.clone(), placements, shapes, known }
     }
 
-    /// The triangles of a mesh that is kept apart.
-    pub fn mesh(&self, mesh: usize) -> Option<MeshTriangles> {
-        let slack = self.meshes[mesh].as_ref()?.slack;
-        Some(MeshTriangles { placed: self.placed.clone(), mesh: MeshId::from_index(mesh), slack })
+    /// What structure number `structure` holds of a mesh, if that is kept apart.
+    pub fn mesh(&self, structure: usize) -> Option<MeshTriangles> {
+        let (mesh, span) = self.spans.locate(structure);
+        let slack = self.meshes[mesh.index()].as_ref()?.slack;
+        Some(MeshTriangles { placed: self.placed.clone(), mesh, slack, span })
     }
 
     /// What is flattened and the boxes of placements, for one tree of both.

@@ -32,10 +32,9 @@
 //! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
 //!    the placement at the ray's time. What vertices may be off by is looked at for that time;
 //!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.
-//! 3. A mesh that changes its shape is a list of boxes below, one a triangle: of its own boxes at
-//!    all keys. A vertex between two keys is within the box of both but for the rounding of `from *
-//!    (1 - part) + to * part`, three of 2^-24 of its coordinates at most, for which the box has
-//!    room.
+//! 3. A mesh that changes its shape has a structure for each of some pieces of the time
+//!    (`spans`); a ray asks that of its own. It is one of boxes, one a triangle, that hold its own
+//!    boxes over the piece ([`crate::geom::Deformation::own_box`]).
 //! 4. The verdict asks the exact test about the vertices at the ray's time: the same numbers for
 //!    every structure, and those that surfaces are shaded with.
 //!
@@ -49,6 +48,7 @@
 //! | [`placement`] | a mesh where it is placed: its box, a ray in its space, errors |
 //! | `levels` | how a scene is divided |
 //! | `sources` | what the structures are built over |
+//! | `spans` | the structures of meshes, by pieces of the time |
 //! | `mesh_trees` | the trees of all meshes in one piece of memory |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
@@ -58,6 +58,7 @@ mod levels;
 mod mesh_trees;
 pub mod placement;
 mod sources;
+mod spans;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod two_level;
 mod verdict;

@@ -36,6 +36,8 @@ pub struct MeshTriangles {
     pub mesh: MeshId,
     /// By how much its boxes are grown.
     pub slack: f32,
+    /// From when to when it is asked about, if it changes its shape.
+    pub span: [f32; 2],
 }
 
 impl MeshTriangles {
@@ -60,7 +62,7 @@ impl TriangleSource for MeshTriangles {
     fn own_box(&self, prim: PrimId) -> Aabb {
         let placements = self.placed.get();
         let own = match placements.motions() {
-            Some(motions) => motions.own_box_over_time(self.mesh, prim.0),
+            Some(motions) => motions.own_box_over(self.mesh, prim.0, self.span),
             None => own_box(&placements.mesh_triangle(self.mesh, prim.0)),
         };
         Aabb { min: own.min - self.slack, max: own.max + self.slack }

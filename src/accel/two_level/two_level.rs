@@ -29,7 +29,7 @@ pub struct TwoLevel {
     flat: Option<Located>,
     /// `None` without placements that are kept apart.
     above: Option<Box<dyn Accel>>,
-    /// Of each mesh.
+    /// Of each mesh, or of a piece of its time.
     below: Vec<Option<Box<dyn Accel>>>,
     level: Level,
     report: BuildReport,
@@ -113,13 +113,14 @@ fn build_row(
     (variant.build)(&BuildInput { source, options, level })
 }
 
-/// The structures of all meshes that are kept apart, built side by side.
+/// The structures of all meshes that are kept apart, as [`Levels::spans`] numbers them, built side
+/// by side.
 fn build_meshes<T: Send>(
     levels: &Levels,
     build: impl Fn(Arc<dyn TriangleSource>) -> Result<T, BuildError> + Sync,
 ) -> Result<Vec<Option<T>>, BuildError> {
-    let of_mesh = |mesh| levels.mesh(mesh).map(|mesh| build(Arc::new(mesh))).transpose();
-    (0..levels.meshes.len()).into_par_iter().map(of_mesh).collect()
+    let of_mesh = |number| levels.mesh(number).map(|mesh| build(Arc::new(mesh))).transpose();
+    (0..levels.spans.len()).into_par_iter().map(of_mesh).collect()
 }
 
 /// What builds a hierarchy of eight children.

@@ -9,8 +9,8 @@ use super::placement::{Entered, LocalRay, ToMesh, limit};
 use crate::accel::{
     AnyHit, Batch, BlockFilter, ClosestHit, HitFilter, PreparedRay, Tracer, Verdict,
 };
-use crate::geom::{Motions, Placements, Triangle, intersect_triangle};
-use crate::math::{Affine3A, InstanceId, MeshId, PrimId, Ray, TriangleId, Vec3};
+use crate::geom::{Placements, Posed, Triangle, intersect_triangle};
+use crate::math::{Affine3A, InstanceId, PrimId, Ray, TriangleId, Vec3};
 use crate::simd::baseline;
 
 /// A ray within a placement: what its triangles are in the world decides.
@@ -76,11 +76,12 @@ pub fn nearest_of_all(
         None => placements.to_world(inside.placement),
         Some(motions) => motions.to_world_at(inside.placement, time),
     };
+    let posed = motions.map(|motions| motions.mesh_at(mesh, time));
     let (mut nearest, mut found) = (*nearest, None);
     for index in 0..placements.mesh_len(mesh) as u32 {
-        let corners = match motions {
+        let corners = match &posed {
             None => placements.mesh_triangle(mesh, index),
-            Some(motions) => motions.mesh_triangle_at(mesh, index, time),
+            Some(posed) => posed.triangle(index),
         };
         let hit =
             inside.test(baseline(), (&to_world, world), (PrimId(index), &corners), &nearest, any);
@@ -101,8 +102,8 @@ struct Below<'a> {
     world: &'a PreparedRay<'a>,
     /// The greatest `t` that counts.
     t_max: f32,
-    /// If the mesh changes its shape: who tells its triangles, of which mesh and at what time.
-    deforming: Option<(&'a dyn Motions, MeshId, f32)>,
+    /// The mesh at the ray's time, if it changes its shape.
+    deforming: Option<Posed<'a>>,
 }
 
 impl Verdict for Below<'_> {
@@ -113,9 +114,9 @@ impl Verdict for Below<'_> {
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
-        let corners = match self.deforming {
+        let corners = match &self.deforming {
             None => *corners,
-            Some((motions, mesh, time)) => motions.mesh_triangle_at(mesh, prim.0, time),
+            Some(posed) => posed.triangle(prim.0),
         };
         let at = (&self.to_world, self.world);
         self.inside.test(baseline(), at, (prim, &corners), nearest, any)
@@ -164,9 +165,8 @@ impl Verdict for Above<'_, '_> {
         let time = self.times.map_or(0.0, |times| times[ray]);
         let (placement, to_world) = self.levels.placement(prim, time);
         let placements = self.levels.placed.get();
-        let mesh_id = placements.mesh(placement);
-        let mesh = mesh_id.index();
-        let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
+        let mesh = placements.mesh(placement);
+        let apart = self.levels.meshes[mesh.index()].as_ref().expect("its mesh is kept apart");
         let world = &self.rays[ray];
         let to_mesh = self.levels.to_mesh(prim, &to_world);
         let enter = |to_mesh: ToMesh| to_mesh.enter(&apart.grown, world, nearest.t);
@@ -180,14 +180,15 @@ impl Verdict for Above<'_, '_> {
                 return nearest_of_all(placements, (&inside(0.0), time), world, nearest, any);
             }
         };
-        let deforming = placements.motions().filter(|motions| motions.is_deforming(mesh_id));
-        let deforming = deforming.map(|motions| (motions, mesh_id, time));
+        let deforming = placements.motions().filter(|motions| motions.is_deforming(mesh));
+        let deforming = deforming.map(|motions| motions.mesh_at(mesh, time));
         let inside = inside(shift);
         let below = Below { inside, to_world, world, t_max: nearest.t, deforming };
         let rays = [ray];
         let batch = Batch::new(&rays).with_verdict(&below);
         let mut tracers = self.tracers.borrow_mut();
-        let tracer = tracers[mesh].get_or_insert_with(|| (self.make)(mesh));
+        let number = self.levels.spans.find(mesh, time);
+        let tracer = tracers[number].get_or_insert_with(|| (self.make)(number));
         if any {
             let mut answer = [AnyHit(false)];
             tracer.any_hits(&batch, &mut answer);
