@@ -171,11 +171,6 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
-    /// What it was prepared from.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
     /// See [`Camera::ray`]; at time 0.
     #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {

@@ -25,7 +25,7 @@ pub fn replay(
     let camera = camera.into().rays(settings.aspect());
     let (mut ray, mut path) = settings.start(&camera, (x, y), sample, 0, world.moves());
     if world.has_levels() {
-        path.set_cone(camera.camera().pixel_cone(settings.resolution.1));
+        path.set_cone(camera.pixel_cone(settings.resolution.1));
     }
     let times = [path.time];
     let times = world.moves().then_some(&times[..]);
@@ -43,11 +43,8 @@ pub fn replay(
         let rays = [ray];
         let batch = Batch::new(&rays).with_filter(filter).with_times(times);
         tracer.closest_hits(&batch, &mut hit);
-        let throughput = path.throughput();
-        push_line(
-            &mut text,
-            &format!("segment {depth}: {}, throughput {throughput:?}", format_ray(&ray)),
-        );
+        let (along, throughput) = (format_ray(&ray), path.throughput());
+        push_line(&mut text, &format!("segment {depth}: {along}, throughput {throughput:?}"));
         if world.has_levels() {
             path.widen(hit[0].t);
         }

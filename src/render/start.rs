@@ -96,7 +96,7 @@ impl Starts<'_> {
 
     /// How wide a pixel is.
     pub fn pixel_cone(&self) -> [f32; 2] {
-        self.camera.camera().pixel_cone(self.settings.resolution.1)
+        self.camera.pixel_cone(self.settings.resolution.1)
     }
 
     fn start_one_by_one(&self, started: &mut Started<'_>) {

@@ -134,7 +134,7 @@ impl Levels {
         let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
         let (placements, shapes) = (apart.into(), shapes.into());
-        Self { placements, ways, meshes, spans, flat, shapes, boxes, placed }
+        Self { placed, placements, ways, meshes, spans, flat, shapes, boxes }
     }
 
     /// Whether anything moves.

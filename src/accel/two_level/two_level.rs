@@ -166,10 +166,9 @@ impl Accel for TwoLevel {
 
     fn memory(&self) -> MemoryReport {
         let total = |accel: &dyn Accel| accel.memory().total();
-        let sum_of = |boxed: &Box<dyn Accel>| total(&**boxed);
         MemoryReport::new([
-            ("placements", self.above.iter().map(sum_of).sum()),
-            ("meshes", self.below.iter().flatten().map(sum_of).sum()),
+            ("placements", self.above.iter().map(|above| total(&**above)).sum()),
+            ("meshes", self.below.iter().flatten().map(|below| total(&**below)).sum()),
             ("list of placements", size_of_val(&*self.levels.placements)),
             ("flat meshes", self.flat.iter().map(|flat| total(flat)).sum()),
         ])
