@@ -6,12 +6,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::placement::{Shape, ToMesh, error_inside, world_box};
-
-use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes, Together};
+use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use super::spans::Spans;
 use crate::accel::Phases;
-use crate::geom::{Motions, Placements, own_box};
-use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
+use crate::geom::{Motions, Placements};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
 use crate::motion::Piece;
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
@@ -59,7 +58,7 @@ pub struct Levels {
     /// The triangles of what is flattened.
     pub flat: FlatTriangles,
     shapes: Arc<[Option<Shape>]>,
-    /// The boxes of placements as far as they are known; see [`find_boxes`].
+    /// The boxes of all placements if anything moves, else none; see [`find_boxes`].
     boxes: Arc<[Aabb]>,
 }
 
@@ -178,11 +177,19 @@ impl Levels {
         (error <= apart.off).then(|| ToMesh::new(to_world))
     }
 
-    /// The boxes of placements, for the upper structure.
+    /// The boxes of placements by those of their meshes, for the upper structure.
     pub fn boxes(&self) -> PlacementBoxes {
         let (placements, shapes) = (Arc::clone(&self.placements), Arc::clone(&self.shapes));
         let known = Arc::clone(&self.boxes);
         PlacementBoxes { placed: self.placed.clone(), placements, shapes, known }
+    }
+
+    /// Whether there is time to look at all triangles of placements that are kept apart.
+    pub fn are_few_triangles(&self) -> bool {
+        let placements = self.placed.get();
+        let len = |&placement: &InstanceId| placements.mesh_len(placements.mesh(placement));
+        let total = self.placements.iter().map(len).try_fold(0, usize::checked_add);
+        total.is_some_and(|total| total <= MOST_LOOKED_AT)
     }
 
     /// What structure number `structure` holds of a mesh, if that is kept apart.
@@ -190,11 +197,6 @@ impl Levels {
         let (mesh, span) = self.spans.locate(structure);
         let slack = self.meshes[mesh.index()].as_ref()?.slack;
         Some(MeshTriangles { placed: self.placed.clone(), mesh, slack, span })
-    }
-
-    /// What is flattened and the boxes of placements, for one tree of both.
-    pub fn together(&self) -> Together {
-        Together { flat: self.flat.clone(), boxes: self.boxes() }
     }
 }
 
@@ -209,16 +211,21 @@ fn error_over_time(shape: &Shape, motions: &dyn Motions, placement: InstanceId) 
     1.5 * pieces.iter().map(error).fold(0.0, f32::max)
 }
 
+/// So many triangles are flattened of meshes that are placed more than once: 150 MB.
+const MOST_FLATTENED: u64 = 1 << 21;
+
 /// Which meshes are small enough to be flattened however often they are placed: from the smallest
-/// on, while all copies so made have no more triangles than the meshes. For twice the memory rays
-/// enter fewer placements, and those of small parts of a machine lie within each other's boxes.
-/// What moves is none of them.
+/// on, while all copies so made have no more than twice the triangles of all meshes. Small parts
+/// lie within the boxes of others: a ray enters many, and that takes as long as some ten nodes. In
+/// a hall of robots rays entered half as many placements, and took four fifths of the time. What
+/// moves is none of them.
 fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
     let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
     let is_copied = |&mesh: &usize| uses[mesh] > 1 && uses[mesh] != MOVES;
     let mut copied: Vec<usize> = (0..uses.len()).filter(is_copied).collect();
     copied.sort_by_key(|&mesh| len(mesh));
-    let mut room: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
+    let unique: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
+    let mut room = MOST_FLATTENED.min(2 * unique);
     let mut small = vec![false; uses.len()];
     for mesh in copied {
         let Some(left) = room.checked_sub(len(mesh) * u64::from(uses[mesh])) else { break };
@@ -227,36 +234,25 @@ fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
     small
 }
 
-/// Boxes are found from all triangles of placements if these are no more; it takes some 10 ms a
-/// million. They are a good deal smaller than those found from a turned mesh's box.
+/// All triangles of placements are looked at if these are no more; it takes some 10 ms a million.
 const MOST_LOOKED_AT: usize = 1 << 23;
 
-/// The boxes of placements, by their triangles if that does not take too long; those of what moves
-/// over all of the time. None, if all are found as fast when they are needed.
+/// The boxes of placements if anything moves, of what does over all of the time. Else none: they
+/// are found as fast when they are needed.
 fn find_boxes(
     placements: &dyn Placements,
     apart: &[InstanceId],
     shapes: &[Option<Shape>],
 ) -> Vec<Aabb> {
-    let motions = placements.motions();
-    let len = |&placement: &InstanceId| placements.mesh_len(placements.mesh(placement));
-    let total = apart.iter().map(len).try_fold(0, usize::checked_add);
-    let are_many = total.is_none_or(|total| total > MOST_LOOKED_AT);
-    if are_many && motions.is_none() {
-        return Vec::new();
-    }
-    let find = |&instance: &InstanceId| {
-        let mesh = placements.mesh(instance);
-        let shape = shapes[mesh.index()].as_ref().expect("its mesh is kept apart");
-        if let Some(motions) = motions.filter(|motions| motions.is_moving(instance)) {
-            return shape.box_over_time(motions, instance);
+    let Some(motions) = placements.motions() else { return Vec::new() };
+    let find = |&placement: &InstanceId| {
+        let shape = shapes[placements.mesh(placement).index()].as_ref();
+        let shape = shape.expect("its mesh is kept apart");
+        if motions.is_moving(placement) {
+            shape.box_over_time(motions, placement)
+        } else {
+            world_box(shape, &placements.to_world(placement))
         }
-        if are_many {
-            return world_box(shape, &placements.to_world(instance));
-        }
-        let triangles = (0..placements.mesh_len(mesh) as u32)
-            .map(|index| placements.placed_triangle(TriangleId { instance, index }));
-        triangles.map(|triangle| own_box(&triangle)).fold(Aabb::EMPTY, Aabb::union)
     };
     apart.par_iter().map(find).collect()
 }

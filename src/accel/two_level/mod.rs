@@ -50,12 +50,15 @@
 //! | `sources` | what the structures are built over |
 //! | `spans` | the structures of meshes, by pieces of the time |
 //! | `mesh_trees` | the trees of all meshes in one piece of memory |
+//! | `parts` | placements opened |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
-//! | `wide` | hierarchies of eight children on both levels, in flight |
+//! | `wide_levels` | hierarchies of eight children on both levels |
+//! | `wide` | the walk through them, in flight |
 
 mod levels;
 mod mesh_trees;
+mod parts;
 pub mod placement;
 mod sources;
 mod spans;
@@ -63,6 +66,7 @@ mod spans;
 mod two_level;
 mod verdict;
 mod wide;
+mod wide_levels;
 
 pub use sources::Placed;
 pub use two_level::TwoLevel;

@@ -135,7 +135,8 @@ pub struct PlacementBoxes {
 }
 
 impl PlacementBoxes {
-    fn world_box(&self, prim: PrimId) -> Aabb {
+    /// The box of a placement.
+    pub fn world_box(&self, prim: PrimId) -> Aabb {
         if let Some(known) = self.known.get(prim.index()) {
             return *known;
         }
@@ -165,12 +166,33 @@ impl TriangleSource for PlacementBoxes {
     }
 }
 
-/// What is flattened, and behind it the boxes of placements, for one tree of both.
+/// Boxes of parts of placements.
+pub struct Boxes(pub Vec<Aabb>);
+
+impl TriangleSource for Boxes {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        ends(&self.0[prim.index()])
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        self.0[prim.index()]
+    }
+
+    fn boxes(&self) -> usize {
+        self.len()
+    }
+}
+
+/// What is flattened, and behind it boxes of placements, for one tree of both.
 pub struct Together {
     /// The former.
     pub flat: FlatTriangles,
     /// The latter.
-    pub boxes: PlacementBoxes,
+    pub boxes: Box<dyn TriangleSource>,
 }
 
 impl Together {
@@ -179,7 +201,7 @@ impl Together {
     fn find(&self, prim: PrimId) -> (&dyn TriangleSource, PrimId) {
         match prim.index().checked_sub(self.flat.len()) {
             None => (&self.flat, prim),
-            Some(placement) => (&self.boxes, PrimId::from_index(placement)),
+            Some(number) => (&*self.boxes, PrimId::from_index(number)),
         }
     }
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::levels::Levels;
 use super::sources::Placed;
 use super::verdict::Above;
-use super::wide::WideLevels;
+use super::wide_levels::WideLevels;
 use crate::accel::bvh::wide::build_auto_tree;
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::accel::located::Located;
@@ -50,7 +50,8 @@ impl TwoLevel {
         let eight = if is_same { eight_children(below.0.id) } else { None };
         if let Some(eight) = eight.filter(|_| is_split) {
             let tree = |source| eight(&BuildInput { source, options: below.1, level });
-            if let Some(wide) = build_together(&levels, tree, &mut phases)? {
+            let below = build_meshes(&levels, tree)?;
+            if let Some(wide) = WideLevels::build(&levels, below, tree, phases.clone())? {
                 return Ok(Box::new(wide));
             }
         }
@@ -133,22 +134,6 @@ fn eight_children(id: &str) -> Option<BuildEight> {
         "mbvh8" => Some(WideBvh::<8>::build),
         _ => None,
     }
-}
-
-/// Builds one tree of what is flattened and of placements, and one of each mesh; `None` if they
-/// can't be walked together.
-fn build_together(
-    levels: &Arc<Levels>,
-    tree: impl Fn(Arc<dyn TriangleSource>) -> Result<WideBvh<8>, BuildError> + Sync,
-    phases: &mut Phases,
-) -> Result<Option<WideLevels>, BuildError> {
-    let together = levels.together();
-    BuildError::check_count(together.len())?;
-    let below = build_meshes(levels, &tree)?;
-    phases.end("meshes");
-    let above = tree(Arc::new(together))?;
-    phases.end("tree of placements");
-    WideLevels::new(Arc::clone(levels), (above, below), phases.clone())
 }
 
 impl Accel for TwoLevel {

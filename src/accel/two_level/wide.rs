@@ -2,83 +2,29 @@
 //!
 //! As in [`crate::accel::bvh::wide`] each ray takes one step in turn and asks for what its next one
 //! needs. The tree above is one of placements and of what is flattened, so that the nearest comes
-//! first whichever it is of. A step may lead into a placement: then the ray goes on below, in the mesh's space and
-//! nodes, on the same stack, where a key of zero marks the way back. So the memory of both levels
+//! first whichever it is of. A step may lead into a placement: then the ray goes on below, in the
+//! mesh's space and nodes, on the same stack, where a key of zero marks the way back. So the memory of both levels
 //! is waited for together, and nothing is called through a table.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use fearless_simd::{Simd, f32x8};
 
-use super::levels::{Apart, Levels, Way};
-use super::mesh_trees::MeshTrees;
+use super::levels::{Levels, Way};
+use super::parts::Part;
 use super::placement::{Entered, LocalRay};
 use super::sources::FlatTriangles;
 use super::verdict::{Inside, nearest_of_all};
+use super::wide_levels::{BACK, W, WideLevels};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::node;
-use crate::accel::bvh::wide::stack::{DEEPEST, Sorting, Stack};
-use crate::accel::bvh::wide::wide_bvh::{RAYS, WideBvh};
-use crate::accel::{
-    BuildError, Built, ClosestHit, Counters, Event, MemoryReport, Phases, PreparedRay, Query,
-    SliceContext, Structure, Traverse,
-};
+use crate::accel::bvh::wide::stack::{Sorting, Stack};
+use crate::accel::bvh::wide::wide_bvh::RAYS;
+use crate::accel::{ClosestHit, Counters, Event, PreparedRay, Query, SliceContext, Traverse};
 use crate::geom::{BlockRef, SlabRay, TriangleSource, intersect_triangle};
 use crate::math::{InstanceId, PrimId};
 use crate::simd::order::key_limit;
-
-/// Lanes of a vector, children of a node.
-const W: usize = 8;
-
-/// A hierarchy of placements and of what is flattened, and one of each mesh.
-pub struct WideLevels {
-    levels: Arc<Levels>,
-    above: WideBvh<W>,
-    below: MeshTrees,
-    /// Places of leaves from here on are placements.
-    first_placement: usize,
-    built: Built,
-}
-
-impl WideLevels {
-    /// Both levels of trees that store what is in their leaves, the upper one built over
-    /// [`Levels::together`]; `None` if they can't be walked together.
-    ///
-    /// # Errors
-    /// If there is not enough memory.
-    pub fn new(
-        levels: Arc<Levels>,
-        (mut above, below): (WideBvh<W>, Vec<Option<WideBvh<W>>>),
-        phases: Phases,
-    ) -> Result<Option<Self>, BuildError> {
-        let deepest = below.iter().flatten().map(|tree| tree.report().max_depth).max();
-        // A level of its own each: the leaf of placements, and the way back.
-        let depth = above.report().max_depth + deepest.unwrap_or(0) + 2;
-        let first_placement = above.arena.stripes().count();
-        let placements = levels.placements.len();
-        let in_place = below.iter().flatten().chain([&above]).all(WideBvh::stores_triangles);
-        if depth > DEEPEST || first_placement + placements >= Link::LIMIT || !in_place {
-            return Ok(None);
-        }
-        let mut report = above.report().clone();
-        (report.phases, report.triangles) = (phases.ended(), levels.placed.len());
-        for tree in below.iter().flatten() {
-            report.nodes += tree.report().nodes;
-            report.leaves += tree.report().leaves;
-        }
-        let built = Built { level: above.level(), report };
-        let first_box = levels.flat.len();
-        // A leaf of one placement is passed by: its box is that which leads there.
-        above.redirect(|ids| {
-            let number = ids[0].index().checked_sub(first_box)?;
-            (ids[1] == PrimId::NONE).then(|| Link::to_leaf(first_placement + number))
-        });
-        let below = MeshTrees::new(below)?;
-        Ok(below.map(|below| Self { levels, above, below, first_placement, built }))
-    }
-}
 
 /// A ray under way.
 struct Flight<'a, Q> {
@@ -170,6 +116,10 @@ impl<'a> Above<'a> {
         while flight.key > limit {
             (flight.key, flight.link) = stack.pop(&mut flight.top);
         }
+        if flight.key == 0 && flight.inside.is_some() {
+            self.leave(flight, stack);
+            return ControlFlow::Continue(());
+        }
         if !flight.link.is_leaf() {
             let Flight { here, query, stripes, link, top, .. } = flight;
             counters.count(Event::InnerNode);
@@ -178,24 +128,30 @@ impl<'a> Above<'a> {
             let (keys, hits) = node::intersect_children(simd, planes, here, query.t_max());
             stack.push(simd, sorting::<Q>(), keys, hits, links, top);
         } else if flight.inside.is_some() {
-            if flight.key == 0 {
-                self.leave(flight);
-            } else {
-                self.test_leaf(simd, counters, flight)?;
-            }
+            self.test_leaf(simd, counters, flight)?;
         } else if flight.key == 0 {
             return ControlFlow::Break(());
-        } else if flight.link.place() < self.levels.first_placement {
+        } else if flight.link.place() < self.levels.first_part {
             self.open_leaf(simd, counters, flight, stack)?;
         } else {
             counters.count(Event::Restart);
             self.enter(flight, stack)?;
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
-        // Placements lie beyond all stripes: there is nothing to wait for.
-        let place = flight.link.place().min(flight.stripes.count());
-        flight.stripes.prefetch(Link::to_node(place));
+        if flight.key == 0 && flight.inside.is_some() {
+            self.leave(flight, stack);
+        }
+        self.prefetch(flight);
         ControlFlow::Continue(())
+    }
+
+    /// Asks for what a ray needs in its next turn: a node, a leaf, or a part of a placement.
+    #[inline(always)]
+    fn prefetch<Q: Query>(&self, flight: &Flight<'a, Q>) {
+        let place = flight.link.place();
+        // Both without a branch: one of them is there already.
+        self.levels.prefetch_part(place.saturating_sub(self.levels.first_part));
+        flight.stripes.prefetch(Link::to_node(place.min(flight.stripes.count())));
     }
 
     /// Tests the triangles of a leaf of the upper tree, and puts those of its placements on the
@@ -231,7 +187,7 @@ impl<'a> Above<'a> {
         let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
         let hits = hits & boxes;
         let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
-        let first = (self.levels.first_placement as u32).wrapping_sub(first_box);
+        let first = (self.levels.first_part as u32).wrapping_sub(first_box);
         let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.0) as usize).0);
         stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
         ControlFlow::Continue(())
@@ -241,32 +197,32 @@ impl<'a> Above<'a> {
     #[inline(always)]
     fn enter<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &mut Stack<W>) -> ControlFlow<()> {
         let levels = &*self.levels.levels;
-        let number = flight.link.place() - self.levels.first_placement;
-        let Way { placement, mesh, to_mesh } = levels.way(number);
-        let (apart, root) = (&levels.meshes[mesh.index()], self.levels.below.root(mesh.index()));
-        let (Some(apart), Some(root)) = (apart, root) else { return ControlFlow::Continue(()) };
+        let number = flight.link.place() - self.levels.first_part;
+        let Some(part) = self.levels.part(number) else { return ControlFlow::Continue(()) };
+        let Part { way: Way { placement, to_mesh, .. }, root, grown, slack } = &*part;
         let t_max = flight.query.nearest().t;
-        let (ray, shift) = match to_mesh.enter(&apart.grown, &flight.world.ray, t_max) {
+        let (ray, shift) = match to_mesh.enter(grown, &flight.world.ray, t_max) {
             Entered::Missed => return ControlFlow::Continue(()),
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
-            Entered::Far => return test_all(levels, flight, placement, apart),
+            Entered::Far => return test_all(levels, flight, *placement),
         };
-        flight.inside = Some(Inside::new(placement, apart, shift));
+        flight.inside = Some(Inside::new(*placement, *slack, shift));
         (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
         flight.stripes = self.meshes;
         flight.query.set_limit(ray.t_max());
         stack.put(0, BACK, &mut flight.top);
-        stack.put(1, root, &mut flight.top);
+        stack.put(1, *root, &mut flight.top);
         ControlFlow::Continue(())
     }
 
     /// Takes a ray back among placements.
     #[inline(always)]
-    fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>) {
+    fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &Stack<W>) {
         flight.inside = None;
         (flight.here.ray, flight.here.slab) = (flight.world.ray, flight.world.slab);
         flight.stripes = self.stripes;
         flight.query.set_limit(flight.query.nearest().t);
+        (flight.key, flight.link) = stack.pop(&mut flight.top);
     }
 
     /// Tests the triangles of a leaf in a mesh.
@@ -307,9 +263,6 @@ impl<'a> Above<'a> {
     }
 }
 
-/// A link that no walk follows, since its key is zero; a leaf, so that it is no node either.
-const BACK: Link = Link(1 << 31);
-
 #[inline(always)]
 fn sorting<Q: Query>() -> Sorting {
     if Q::ANY { Sorting::None } else { Sorting::ByDistance }
@@ -347,40 +300,13 @@ fn test_all<Q: Query>(
     levels: &Levels,
     flight: &mut Flight<'_, Q>,
     placement: InstanceId,
-    apart: &Apart,
 ) -> ControlFlow<()> {
     let placements = levels.placed.get();
-    let inside = Inside::new(placement, apart, 0.0);
+    let inside = Inside::new(placement, 0.0, 0.0);
     let nearest = flight.query.nearest();
     match nearest_of_all(placements, (&inside, 0.0), &flight.world, &nearest, Q::ANY) {
         Some(hit) => flight.query.take(hit, hit.t),
         None => ControlFlow::Continue(()),
-    }
-}
-
-impl Structure for WideLevels {
-    type Scratch = Box<[Stack<W>]>;
-
-    fn scratch(&self) -> Box<[Stack<W>]> {
-        let with_bottom = |_| {
-            let mut stack = Stack::new();
-            stack.put(0, BACK, &mut 0);
-            stack
-        };
-        (0..RAYS).map(with_bottom).collect()
-    }
-
-    fn built(&self) -> &Built {
-        &self.built
-    }
-
-    fn memory(&self) -> MemoryReport {
-        let list = size_of_val(&*self.levels.placements);
-        MemoryReport::new([
-            ("placements and flat meshes", self.above.arena.bytes()),
-            ("meshes", self.below.bytes()),
-            ("list of placements", list),
-        ])
     }
 }
 
