@@ -176,17 +176,20 @@ pub fn build(
     let placed = Placed::new(Arc::clone(&source));
     // With one placement numbers are what hits name already.
     let are_placed = placed.as_ref().is_some_and(|placed| placed.get().len() > 1);
-    if let Some(placed) = placed.filter(|placed| spec.instances.choose(placed)) {
-        let defaults;
-        let below = (spec.variant, &spec.options);
-        let above = match spec.top {
-            None => below,
-            Some(row) => {
-                defaults = Options::defaults(row.options);
-                (row, &defaults)
-            }
-        };
-        return TwoLevel::build(placed, (below, above), level);
+    if let Some(placed) = placed {
+        let copies = spec.instances.choose(&placed);
+        if copies || placed.get().motions().is_some() {
+            let defaults;
+            let below = (spec.variant, &spec.options);
+            let above = match spec.top {
+                None => below,
+                Some(row) => {
+                    defaults = Options::defaults(row.options);
+                    (row, &defaults)
+                }
+            };
+            return TwoLevel::build((placed, copies), (below, above), level);
+        }
     }
     BuildError::check_count(source.len())?;
     let input = BuildInput { source: Arc::clone(&source), options: &spec.options, level };

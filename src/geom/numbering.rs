@@ -33,7 +33,7 @@ impl Numbering {
 
     /// How many numbers there are.
     #[inline]
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         *self.first.last().expect("ends with how many there are") as usize
     }
 
@@ -63,7 +63,7 @@ mod tests {
         for counts in [vec![3, 0, 0, 5, 1, 0], vec![0, 0, 7], vec![100_000, 1, 0, 70_000], vec![1]]
         {
             let numbering = Numbering::new(counts.iter().copied());
-            assert_eq!(numbering.len(), counts.iter().sum());
+            assert_eq!(numbering.count(), counts.iter().sum::<usize>());
             let mut number = 0;
             for (group, &count) in counts.iter().enumerate() {
                 assert_eq!(numbering.first(group), number);
@@ -73,6 +73,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(Numbering::new([].into_iter()).len(), 0);
+        assert_eq!(Numbering::new([].into_iter()).count(), 0);
     }
 }

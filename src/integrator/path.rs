@@ -84,7 +84,7 @@ impl<'w> PathTracer<'w> {
         }
 
         // Account for the medium along the segment, then for emission at its end.
-        let surface = world.surface(ray, hit, path.width());
+        let surface = world.surface(ray, hit, (path.time, path.width()));
         absorb(world, path, &surface, hit.t);
         add_emission(world, path, &surface, (ray, hit.t), sample);
         if depth > 1 && depth >= self.transport.max_depth {

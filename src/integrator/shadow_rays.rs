@@ -12,6 +12,8 @@ pub struct ShadowRays {
     pub ends: Vec<ShadowEnd>,
     /// For each, the key of its path.
     pub keys: Vec<u64>,
+    /// For each, the time of its path.
+    pub times: Vec<f32>,
 }
 
 /// What becomes of a shadow ray.
@@ -29,6 +31,7 @@ impl ShadowRays {
         self.rays.clear();
         self.ends.clear();
         self.keys.clear();
+        self.times.clear();
     }
 
     /// Another one, of a path.
@@ -37,5 +40,6 @@ impl ShadowRays {
         self.rays.push(shadow.ray);
         self.ends.push(ShadowEnd { slot: path.slot, radiance: shadow.radiance });
         self.keys.push(path.key);
+        self.times.push(path.time);
     }
 }

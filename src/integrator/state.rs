@@ -1,6 +1,7 @@
 //! The state of a path, and what goes in and out at its vertices.
 
 use super::cone::Cone;
+use super::dimensions::TIME_DIMENSION;
 use super::interior::Interior;
 use crate::light::LightSampleContext;
 use crate::material::Wavelength;
@@ -29,6 +30,8 @@ pub struct Path {
     pub(super) sampler: Sampler,
     /// Where its result goes.
     pub slot: u32,
+    /// When all of it takes place, while the shutter is open: from 0 to 1.
+    pub time: f32,
     /// A hash of pixel, sample and seed.
     pub key: u64,
 }
@@ -83,7 +86,7 @@ impl Step {
 }
 
 impl Path {
-    /// A path that starts at the camera. `sampler` is that of its sample.
+    /// A path that starts at the camera, at time 0. `sampler` is that of its sample.
     pub fn new(sampler: Sampler, key: u64, slot: u32) -> Self {
         Self {
             throughput: Vec3::ONE,
@@ -95,8 +98,18 @@ impl Path {
             wavelength: None,
             sampler,
             slot,
+            time: 0.0,
             key,
         }
+    }
+
+    /// The same at the time that its sampler tells.
+    #[inline(always)]
+    #[must_use]
+    pub fn at_its_time(self) -> Self {
+        let mut sampler = self.sampler;
+        sampler.seek(TIME_DIMENSION);
+        Self { time: sampler.next_1d(), ..self }
     }
 
     /// Lets it begin as wide as a pixel; see

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::settings::Settings;
 use super::stream::ray_key;
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
-use crate::camera::Camera;
-use crate::integrator::{FirstHit, PathSample, PathTracer};
+use crate::camera::moving::MovingCamera;
+use crate::integrator::{FirstHit, Path, PathSample, PathTracer};
 use crate::math::Ray;
 use crate::world::{AlphaFilter, World};
 
@@ -15,36 +15,40 @@ use crate::world::{AlphaFilter, World};
 /// and the shadow ray, and last what the sample adds to albedo, normal and radiance.
 pub fn replay(
     world: &World,
-    camera: &Camera,
+    camera: impl Into<MovingCamera>,
     accel: &dyn Accel,
     settings: &Settings,
     (x, y, sample): (u32, u32, u64),
 ) -> String {
     let integrator = PathTracer::new(world, settings.transport);
     let mut tracer = accel.tracer();
-    let (mut ray, mut path) = settings.start(&camera.rays(settings.aspect()), x, y, sample, 0);
+    let camera = camera.into().rays(settings.aspect());
+    let (mut ray, mut path) = settings.start(&camera, (x, y), sample, 0, world.moves());
     if world.has_levels() {
         path.set_cone(camera.pixel_cone(settings.resolution.1));
     }
+    let times = [path.time];
+    let times = world.moves().then_some(&times[..]);
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
+    if world.moves() {
+        push_line(&mut text, &format!("time {:?} of the shutter", path.time));
+    }
     let mut depth = 1;
     loop {
         let keys = [ray_key(path.key, 2 * depth)];
-        let filter = AlphaFilter::new(world, &keys);
+        let filter = AlphaFilter::new(world, &keys, times);
         let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
         let mut hit = [ClosestHit::MISS];
         let rays = [ray];
-        tracer.closest_hits(&Batch::new(&rays).with_filter(filter), &mut hit);
-        let throughput = path.throughput();
-        push_line(
-            &mut text,
-            &format!("segment {depth}: {}, throughput {throughput:?}", format_ray(&ray)),
-        );
+        let batch = Batch::new(&rays).with_filter(filter).with_times(times);
+        tracer.closest_hits(&batch, &mut hit);
+        let (along, throughput) = (format_ray(&ray), path.throughput());
+        push_line(&mut text, &format!("segment {depth}: {along}, throughput {throughput:?}"));
         if world.has_levels() {
             path.widen(hit[0].t);
         }
-        describe_hit(&mut text, world, &ray, &hit[0], path.width());
+        describe_hit(&mut text, world, (&ray, &hit[0]), &path);
 
         let before = result.radiance;
         let step = integrator.advance(depth, &mut path, &ray, &hit[0], &mut result);
@@ -54,10 +58,12 @@ pub fn replay(
         }
         if let Some(shadow) = step.shadow {
             let keys = [ray_key(path.key, 2 * depth + 1)];
-            let filter = AlphaFilter::new(world, &keys);
+            let filter = AlphaFilter::new(world, &keys, times);
             let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
             let mut blocked = [AnyHit(false)];
-            tracer.any_hits(&Batch::new(&[shadow.ray]).with_filter(filter), &mut blocked);
+            let rays = [shadow.ray];
+            let batch = Batch::new(&rays).with_filter(filter).with_times(times);
+            tracer.any_hits(&batch, &mut blocked);
             let state = if blocked[0].0 { "blocked" } else { "free" };
             let what = format!("  shadow ray {}, {state}", format_ray(&shadow.ray));
             push_line(&mut text, &format!("{what}: {:?}", shadow.radiance));
@@ -76,12 +82,12 @@ pub fn replay(
     text
 }
 
-fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit, width: f32) {
+fn describe_hit(text: &mut String, world: &World, (ray, hit): (&Ray, &ClosestHit), path: &Path) {
     if !hit.is_hit() {
         push_line(text, "  hit nothing");
         return;
     }
-    let surface = world.surface(ray, hit, width);
+    let surface = world.surface(ray, hit, (path.time, path.width()));
     let material = world.material(surface.material);
     let side = if surface.front { "front" } else { "back" };
     let head =

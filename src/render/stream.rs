@@ -70,6 +70,8 @@ pub(super) struct Stream<'w> {
     blocked: Vec<AnyHit>,
     /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
     keys: Vec<u64>,
+    /// The times of the slice that is being traced; empty if nothing moves.
+    times: Vec<f32>,
     /// Results by slot.
     samples: Vec<PathSample>,
     /// Whether a camera ray has met what mirrors or is clear.
@@ -108,6 +110,7 @@ impl<'w> Stream<'w> {
             shadow_rays: ShadowRays::default(),
             blocked: Vec::new(),
             keys: Vec::new(),
+            times: Vec::new(),
             samples: Vec::new(),
             follows: false,
             segments: Vec::new(),
@@ -122,7 +125,9 @@ impl<'w> Stream<'w> {
     /// Follows paths to their ends.
     pub fn run(&mut self, starts: Starts<'_>) {
         let start = Instant::now();
-        let starts = Starts { keyed: self.integrator.world().is_see_through(), ..starts };
+        let world = self.integrator.world();
+        let timed = world.moves();
+        let starts = Starts { keyed: world.is_see_through(), timed, ..starts };
         let started = &mut Started {
             rays: &mut self.rays,
             paths: &mut self.paths,
@@ -189,9 +194,14 @@ impl<'w> Stream<'w> {
         }
         self.hits.clear();
         self.hits.resize(self.rays.len(), ClosestHit::MISS);
-        let filter = AlphaFilter::new(world, &self.keys);
+        self.times.clear();
+        if world.moves() {
+            self.times.extend(self.paths.iter().map(|path| path.time));
+        }
+        let times = world.moves().then_some(&self.times[..]);
+        let filter = AlphaFilter::new(world, &self.keys, times);
         let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let mut batch = Batch::new(&self.rays).with_filter(filter);
+        let mut batch = Batch::new(&self.rays).with_filter(filter).with_times(times);
         if let Some((width, height)) = self.grid.take() {
             batch = batch.with_grid(width, height);
         }
@@ -335,15 +345,16 @@ impl<'w> Stream<'w> {
     /// Traces the shadow rays and adds the light of those that nothing blocks.
     fn trace_shadow_rays(&mut self, depth: u32) {
         let world = self.integrator.world();
-        let ShadowRays { rays, ends, keys } = &mut self.shadow_rays;
+        let ShadowRays { rays, ends, keys, times } = &mut self.shadow_rays;
         self.blocked.clear();
         self.blocked.resize(rays.len(), AnyHit(false));
         for key in keys.iter_mut() {
             *key = ray_key(*key, 2 * depth + 1);
         }
-        let filter = AlphaFilter::new(world, keys);
+        let times = world.moves().then_some(&times[..]);
+        let filter = AlphaFilter::new(world, keys, times);
         let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let batch = Batch::new(rays).with_filter(filter);
+        let batch = Batch::new(rays).with_filter(filter).with_times(times);
         self.tracer.any_hits(&batch, &mut self.blocked);
         self.counts.shadow += rays.len() as u64;
         for (end, blocked) in ends.iter().zip(&self.blocked) {

@@ -33,6 +33,8 @@ pub struct Surface {
     pub material: MaterialId,
     /// Whether the ray arrived at the side that the geometric normal points to.
     pub front: bool,
+    /// When the ray arrived, while the shutter was open: from 0 to 1.
+    pub time: f32,
 }
 
 impl Surface {

@@ -36,6 +36,15 @@ pub struct MeshTriangles {
     pub mesh: MeshId,
     /// By how much its boxes are grown.
     pub slack: f32,
+    /// From when to when it is asked about, if it changes its shape.
+    pub span: [f32; 2],
+}
+
+impl MeshTriangles {
+    fn is_deforming(&self) -> bool {
+        let motions = self.placed.get().motions();
+        motions.is_some_and(|motions| motions.is_deforming(self.mesh))
+    }
 }
 
 impl TriangleSource for MeshTriangles {
@@ -44,17 +53,34 @@ impl TriangleSource for MeshTriangles {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
+        if self.is_deforming() {
+            return ends(&self.own_box(prim));
+        }
         self.placed.get().mesh_triangle(self.mesh, prim.0)
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {
-        let own = own_box(&self.triangle(prim));
+        let placements = self.placed.get();
+        let own = match placements.motions() {
+            Some(motions) => motions.own_box_over(self.mesh, prim.0, self.span),
+            None => own_box(&placements.mesh_triangle(self.mesh, prim.0)),
+        };
         Aabb { min: own.min - self.slack, max: own.max + self.slack }
     }
 
     fn slack(&self) -> f32 {
-        self.slack
+        if self.is_deforming() { 0.0 } else { self.slack }
     }
+
+    /// A mesh that changes its shape is known by the boxes of its triangles over time.
+    fn boxes(&self) -> usize {
+        if self.is_deforming() { self.len() } else { 0 }
+    }
+}
+
+/// The ends of a box, for a source of boxes.
+fn ends(&Aabb { min, max }: &Aabb) -> Triangle {
+    Triangle { a: min, b: max, c: max }
 }
 
 /// The triangles of some placements in the world, one after the other.
@@ -79,7 +105,7 @@ impl FlatTriangles {
 
 impl TriangleSource for FlatTriangles {
     fn len(&self) -> usize {
-        self.numbering.len()
+        self.numbering.count()
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
@@ -100,11 +126,16 @@ pub struct PlacementBoxes {
     pub placements: Arc<[InstanceId]>,
     /// Of each mesh that is kept apart.
     pub shapes: Arc<[Option<Shape>]>,
+    /// Those that are known already: all, or none.
+    pub known: Arc<[Aabb]>,
 }
 
 impl PlacementBoxes {
     /// The box of a placement.
     pub fn world_box(&self, prim: PrimId) -> Aabb {
+        if let Some(known) = self.known.get(prim.index()) {
+            return *known;
+        }
         let placement = self.placements[prim.index()];
         let placements = self.placed.get();
         let to_world: Affine3A = placements.to_world(placement);
@@ -119,8 +150,7 @@ impl TriangleSource for PlacementBoxes {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
-        let Aabb { min, max } = self.world_box(prim);
-        Triangle { a: min, b: max, c: max }
+        ends(&self.world_box(prim))
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {
@@ -141,8 +171,7 @@ impl TriangleSource for Boxes {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
-        let Aabb { min, max } = self.0[prim.index()];
-        Triangle { a: min, b: max, c: max }
+        ends(&self.0[prim.index()])
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {

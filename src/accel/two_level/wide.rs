@@ -304,7 +304,7 @@ fn test_all<Q: Query>(
     let placements = levels.placed.get();
     let inside = Inside::new(placement, 0.0, 0.0);
     let nearest = flight.query.nearest();
-    match nearest_of_all(placements, &inside, &flight.world, &nearest, Q::ANY) {
+    match nearest_of_all(placements, (&inside, 0.0), &flight.world, &nearest, Q::ANY) {
         Some(hit) => flight.query.take(hit, hit.t),
         None => ControlFlow::Continue(()),
     }
