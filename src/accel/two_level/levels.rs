@@ -136,6 +136,12 @@ impl Levels {
         Self { placed, placements, ways, meshes, spans, flat, shapes, boxes }
     }
 
+    /// Bytes of the lists of placements, and of the ways and boxes that are kept.
+    pub fn bytes(&self) -> usize {
+        let lists = size_of_val(&*self.placements) + size_of_val(&*self.boxes);
+        lists + size_of_val(&*self.ways)
+    }
+
     /// Whether anything moves.
     pub fn are_moving(&self) -> bool {
         self.placed.get().motions().is_some()

@@ -154,7 +154,7 @@ impl Accel for TwoLevel {
         MemoryReport::new([
             ("placements", self.above.iter().map(|accel| total(&**accel)).sum()),
             ("meshes", self.below.iter().flatten().map(|accel| total(&**accel)).sum()),
-            ("list of placements", size_of_val(&*self.levels.placements)),
+            ("list of placements", self.levels.bytes()),
             ("flat meshes", self.flat.iter().map(|flat| total(flat)).sum()),
         ])
     }

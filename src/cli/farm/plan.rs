@@ -219,6 +219,8 @@ mod tests {
                 "stop-after" => " 5m",
                 "debug-sample" => " 0,0,0",
                 "partial" => " a.part",
+                "preview" => " a.png",
+                "metrics" => " a.prom",
                 _ => "",
             };
             let told = refused(&format!("-o a.exr --{flag}{value}")).expect(flag);
