@@ -88,7 +88,7 @@ pub use render::{
 pub use sampling::SamplePattern;
 pub use scene::{Notice, Scene, TooManyPlacements};
 pub use simd::Isa;
-pub use world::{LightSamplerKind, World};
+pub use world::{LightSamplerKind, ShadingNormals, World};
 
 /// The command `dapple`, with the arguments of the process: what `main` calls.
 #[doc(hidden)]

@@ -18,19 +18,29 @@ pub enum Crossing {
 /// Tells on which side of a surface the world-space `direction` goes on; `wo` and `wi` are the
 /// local directions of the viewer and of the scattered light.
 ///
-/// `None` where shading normal and geometric normal disagree about whether the light stays on the
-/// viewer's side. They may disagree about which side the viewer is on: where a smooth normal turns
+/// Plainly taken, it is `None` where shading normal and geometric normal disagree about whether the
+/// light stays on the viewer's side. They may disagree about which side the viewer is on: where a smooth normal turns
 /// away from the viewer at a silhouette, the surface scatters from its other side.
+///
+/// With `robust` shading normals the latter decide, see [`super::leaving`] for how the light goes on.
 #[inline(always)]
 pub fn classify_crossing(
     surface: &Surface,
     direction: Vec3,
     wo: Vec3,
     wi: Vec3,
+    robust: bool,
 ) -> Option<Crossing> {
+    let seems_to_stay = (wi.z > 0.0) == (wo.z > 0.0);
+    if robust {
+        return Some(match (seems_to_stay, surface.front) {
+            (true, _) => Crossing::Reflected,
+            (false, true) => Crossing::Enters,
+            (false, false) => Crossing::Leaves,
+        });
+    }
     let above = surface.normal.dot(direction);
     let stays = (above > 0.0) == surface.front;
-    let seems_to_stay = (wi.z > 0.0) == (wo.z > 0.0);
     if above == 0.0 || stays != seems_to_stay {
         return None;
     }

@@ -3,6 +3,7 @@
 
 use super::crossing::classify_crossing;
 use super::dimensions::light_dimension;
+use super::leaving::segment_to;
 use super::mis::power_heuristic;
 use super::nested_dielectrics::interior_beyond;
 use super::state::{Path, PathSample, ShadowRay};
@@ -53,27 +54,30 @@ pub fn sample_direct(
     let u = path.sampler.next_2d();
     let light = world.sample_light(surface, &path.context, u_light, u)?;
     let wi = surface.frame.to_local(light.direction);
-    let crossing = classify_crossing(surface, light.direction, wo, wi)?;
+    let robust = world.has_robust_normals();
+    let crossing = classify_crossing(surface, light.direction, wo, wi, robust)?;
     let (scattered, pdf) = bsdf.eval(wo, wi);
     if scattered == Vec3::ZERO {
         return None;
     }
+    let ray = segment_to(world, surface, &light, crossing)?;
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, pdf) };
     let mut radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
     let interior = interior_beyond(world, path.interior, surface, crossing);
     if !interior.is_air() {
-        radiance *= world.transmittance(interior.medium(), length(&light.ray));
+        radiance *= world.transmittance(interior.medium(), length(&ray));
     }
-    (radiance != Vec3::ZERO).then_some(ShadowRay { ray: light.ray, radiance })
+    (radiance != Vec3::ZERO).then_some(ShadowRay { ray, radiance })
 }
 
 /// Where and from which side a surface takes light: from both where it transmits.
 #[inline(always)]
-pub fn light_sample_context(surface: &Surface, bsdf: &Bsdf) -> LightSampleContext {
+pub fn light_sample_context(world: &World, surface: &Surface, bsdf: &Bsdf) -> LightSampleContext {
+    let above = if world.has_robust_normals() { surface.frame.normal } else { surface.normal };
     let normal = match (bsdf.transmits(), surface.front) {
         (true, _) => Vec3::ZERO,
-        (false, true) => surface.normal,
-        (false, false) => -surface.normal,
+        (false, true) => above,
+        (false, false) => -above,
     };
     LightSampleContext { position: surface.position, normal }
 }

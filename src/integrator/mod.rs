@@ -25,6 +25,7 @@ mod dimensions;
 mod first_hit;
 mod interior;
 mod lanes;
+mod leaving;
 mod light;
 mod mis;
 mod nested_dielectrics;

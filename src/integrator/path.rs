@@ -6,8 +6,10 @@
 //! adds direct light.
 //!
 //! Shading normals may disagree with the geometry. Light never passes the geometric side that the
-//! scattering did not mean it to: a reflection that would go below the triangle, or a transmission
-//! that would stay above, is lost, for both strategies alike.
+//! scattering did not mean it to. A reflection that would go below the triangle, or a transmission
+//! that would stay above, begins on the side where it belongs, and meets the triangle again unless
+//! it begins beyond its edge; or it is lost, for both strategies alike, as
+//! [`crate::world::ShadingNormals`] tells.
 //!
 //! A path keeps account of the solids that it is inside of, see [`super::interior`]: of two that
 //! touch or overlap, the border between them bends light by the ratio of both indices. Where the
@@ -17,6 +19,7 @@
 use super::crossing::classify_crossing;
 use super::dimensions::{choice_dimension, direction_dimension};
 use super::first_hit::{describe_first_hit, follow_first_hit, follow_to_environment};
+use super::leaving::ray_on;
 use super::light::{add_emission, add_environment, light_sample_context, sample_direct};
 use super::nested_dielectrics::{absorb, bsdf_for_path, interior_beyond, is_hidden, pass_hidden};
 use super::russian_roulette::survives_russian_roulette;
@@ -94,7 +97,10 @@ impl<'w> PathTracer<'w> {
         // Find out how the surface scatters light. The border of a hidden solid does nothing.
         if depth > 1 && is_hidden(world, path, &surface) {
             pass_hidden(world, path, &surface);
-            return Step { shadow: None, next: spawn_ray(&surface, ray.direction(), sample) };
+            return Step {
+                shadow: None,
+                next: usable(surface.ray_towards(ray.direction()), sample),
+            };
         }
         let bsdf = bsdf_for_path(world, depth, path, &surface, hit);
         if depth == 1 {
@@ -110,7 +116,7 @@ impl<'w> PathTracer<'w> {
         let [u_lobe, u_roulette, u_light] = [(); 3].map(|()| path.sampler.next_1d());
 
         // Sample direct light.
-        path.context = light_sample_context(&surface, &bsdf);
+        path.context = light_sample_context(world, &surface, &bsdf);
         let in_vain = bsdf.is_delta() || world.lights.is_dark();
         let shadow = if in_vain {
             None
@@ -122,13 +128,13 @@ impl<'w> PathTracer<'w> {
         path.sampler.seek(direction_dimension(depth));
         let u_direction = path.sampler.next_2d();
         let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
-            let direction = scatter(world, path, &surface, wo, &scattered, sample)?;
+            let next = scatter(world, path, &surface, wo, &scattered, sample)?;
             let goes_on = !self.plays_roulette(depth)
                 || survives_russian_roulette(&mut path.throughput, path.eta_squared, u_roulette);
             if !goes_on || path.throughput == Vec3::ZERO {
                 return None;
             }
-            spawn_ray(&surface, direction, sample)
+            usable(next, sample)
         });
         Step { shadow, next }
     }
@@ -148,8 +154,8 @@ impl<'w> PathTracer<'w> {
     }
 }
 
-/// Takes a path on in the direction that its BSDF has scattered it to, and returns that direction
-/// in world space. `None` where the path ends.
+/// Takes a path on in the direction that its BSDF has scattered it to, and returns the ray that it
+/// goes on with. `None` where the path ends.
 #[inline(always)]
 fn scatter(
     world: &World,
@@ -158,9 +164,10 @@ fn scatter(
     wo: Vec3,
     scattered: &BsdfSample,
     sample: &mut PathSample,
-) -> Option<Vec3> {
+) -> Option<Ray> {
     let direction = surface.frame.to_world(scattered.wi);
-    let crossing = classify_crossing(surface, direction, wo, scattered.wi)?;
+    let crossing =
+        classify_crossing(surface, direction, wo, scattered.wi, world.has_robust_normals())?;
     path.throughput *= scattered.weight;
     path.eta_squared *= scattered.eta * scattered.eta;
     path.pdf = if scattered.delta { f32::INFINITY } else { scattered.pdf };
@@ -169,13 +176,12 @@ fn scatter(
         sample.radiance = Vec3::NAN; // to be counted and left out, not hidden
         return None;
     }
-    Some(direction)
+    Some(ray_on(world, surface, direction, crossing))
 }
 
-/// The ray that leaves a surface in a direction; `None` where the direction can't be followed.
+/// The ray that leaves a surface; `None` where it can't be followed.
 #[inline(always)]
-fn spawn_ray(surface: &Surface, direction: Vec3, sample: &mut PathSample) -> Option<Ray> {
-    let next = surface.ray_towards(direction);
+fn usable(next: Ray, sample: &mut PathSample) -> Option<Ray> {
     if next == Ray::MISS {
         sample.radiance = Vec3::NAN; // to be counted and left out, not hidden
         return None;

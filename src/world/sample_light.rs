@@ -17,8 +17,10 @@ pub struct LightSample {
     pub pdf: f32,
     /// Whether no other strategy could find the light, which has no extent.
     pub delta: bool,
-    /// The segment that must be free, and its length in metres.
+    /// The segment that must be free.
     pub ray: Ray,
+    /// The segment's end; `None`: infinitely far.
+    pub end: Option<Vec3>,
 }
 
 impl World {
@@ -47,6 +49,7 @@ impl World {
                     pdf: pmf * sample.pdf,
                     delta: false,
                     ray: surface.ray_towards(sample.direction),
+                    end: None,
                 })
             }
         }
@@ -123,7 +126,7 @@ impl World {
         let (point, error) = triangle_point(&triangle, sample.uv.x, sample.uv.y, self.slack);
         let end = offset_origin(point, error, sample.normal, -direction);
         let ray = segment(surface, direction, end);
-        Some(LightSample { direction, radiance, pdf, delta: false, ray })
+        Some(LightSample { direction, radiance, pdf, delta: false, ray, end: Some(end) })
     }
 }
 
@@ -134,7 +137,7 @@ fn sample_punctual(surface: &Surface, light: &Punctual, pmf: f32) -> Option<Ligh
         None => surface.ray_towards(lit.direction),
     };
     let (direction, radiance) = (lit.direction, lit.irradiance);
-    Some(LightSample { direction, radiance, pdf: pmf, delta: true, ray })
+    Some(LightSample { direction, radiance, pdf: pmf, delta: true, ray, end: lit.origin })
 }
 
 /// From just beyond a surface to `end`.

@@ -2,7 +2,7 @@
 
 use super::Attributes;
 use crate::geom::Triangle;
-use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, Vec3};
+use crate::math::{DVec3, Frame, InstanceId, MaterialId, Ray, Vec2, Vec3};
 
 /// Bounds the relative error of seven roundings in a row: `n u / (1 - n u)` with n = 7 and
 /// u = 2^-24 (Higham).
@@ -27,6 +27,8 @@ pub struct Surface {
     pub instance: InstanceId,
     /// The triangle's number in the mesh.
     pub triangle: usize,
+    /// The weights of the triangle's second and third corner, as in [`crate::accel::ClosestHit`].
+    pub barycentrics: Vec2,
     /// The triangle's area, square metres.
     pub area: f32,
     /// What it is made of.

@@ -6,6 +6,7 @@ use super::interpolation::Interpolation;
 use super::layers::layers_at;
 use super::lookup::{alpha, emission, surface_params};
 use super::prepared_material::{BsdfClass, PreparedMaterial, materials_with_clear_vertices};
+use super::robust::bent_to_viewer;
 use super::shading_normal::{NormalContext, shading_normal};
 use super::surface::{normal_and_area, triangle_point};
 use super::{Attributes, LightSamplerKind, Lights, Surface};
@@ -36,6 +37,8 @@ pub struct World {
     /// Half of the scene's diagonal, metres: as far as lights without extent must reach.
     pub(super) radius: f32,
     pub(super) form: BsdfForm,
+    /// Whether shading normals lose no light.
+    pub(super) robust: bool,
     see_through: bool,
     has_levels: bool,
 }
@@ -102,6 +105,7 @@ impl World {
             slack,
             radius,
             form,
+            robust: true,
             see_through,
             has_levels,
         })
@@ -162,6 +166,11 @@ impl World {
         });
         let towards_viewer = -ray.direction();
         let front = normal.dot(towards_viewer) > 0.0;
+        let shading = if self.robust {
+            bent_to_viewer(shading, normal, towards_viewer, front)
+        } else {
+            shading
+        };
         Surface {
             position,
             position_error,
@@ -170,6 +179,7 @@ impl World {
             attributes,
             instance: id,
             triangle: index,
+            barycentrics: Vec2::new(hit.u, hit.v),
             area,
             material: instance.material,
             front,

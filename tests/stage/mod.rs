@@ -17,7 +17,7 @@ use dapple::material::BsdfForm;
 use dapple::math::{Affine3A, MaterialId, MeshId, Vec3, Vec4};
 use dapple::render::{Aov, Control, Rendered, Settings, render};
 use dapple::scene::{Instance, Material, Scene, Transform};
-use dapple::world::World;
+use dapple::world::{ShadingNormals, World};
 
 /// A diffuse material.
 pub fn lambert(reflectance: f32) -> Material {
@@ -99,7 +99,18 @@ pub fn settings(side: u32, spp: u64, max_depth: u32) -> Settings {
 
 /// Renders; a sample that is not finite fails the test.
 pub fn run(scene: Scene, camera: &Camera, settings: &Settings) -> Rendered {
+    run_with(scene, camera, settings, ShadingNormals::default())
+}
+
+/// The same with shading normals of a kind.
+pub fn run_with(
+    scene: Scene,
+    camera: &Camera,
+    settings: &Settings,
+    kind: ShadingNormals,
+) -> Rendered {
     let world = World::new(Arc::new(scene), BsdfForm::Conserving).expect("few triangles");
+    let world = world.with_shading_normals(kind);
     let spec: AccelSpec = "bvh2".parse().expect("a row of the table");
     let accel = accel::build(&spec, world.triangles.clone(), Isa::Auto).expect("within limits");
     let cancel = AtomicBool::new(false);

@@ -64,7 +64,9 @@ pub fn load(
 /// # Errors
 /// If it has too many triangles.
 pub fn build_world(scene: Scene, args: &RenderArgs) -> Result<World, CliError> {
-    World::with_lights(Arc::new(scene), args.bsdf, args.lights).map_err(|error| {
+    let world = World::with_lights(Arc::new(scene), args.bsdf, args.lights);
+    let world = world.map(|world| world.with_shading_normals(args.shading_normals));
+    world.map_err(|error| {
         let file = args.scene_file.display();
         CliError::Input(format!("{file}: {error}"))
     })

@@ -21,7 +21,7 @@ use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
 use crate::simd::Isa;
-use crate::world::LightSamplerKind;
+use crate::world::{LightSamplerKind, ShadingNormals};
 
 /// Frames a second, if no one says.
 const FPS: f32 = 24.0;
@@ -54,6 +54,7 @@ pub struct RenderArgs {
     pub max_depth: u32,
     pub rr_depth: RouletteDepth,
     pub bsdf: BsdfForm,
+    pub shading_normals: ShadingNormals,
     pub lights: LightSamplerKind,
     pub light: LightArg,
     pub env: Option<EnvironmentSource>,

@@ -8,7 +8,7 @@ use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 use crate::formats::EnvironmentSource;
 use crate::material::BsdfForm;
-use crate::world::LightSamplerKind;
+use crate::world::{LightSamplerKind, ShadingNormals};
 
 const TRANSPORT: Setting = Setting::new(Group::Light, Role::Picture);
 const AROUND: Setting = Setting::new(Group::Light, Role::Scene);
@@ -50,6 +50,25 @@ pub static LIGHT: &[Setting] = &[
         advanced: true,
         read: Reader::Text(|word| assign(from_str::<BsdfForm>(word), |args| &mut args.bsdf)),
         write: |args| args.bsdf.to_toml(),
+        ..TRANSPORT
+    },
+    Setting {
+        name: "shading-normals",
+        value: "KIND",
+        default: Some("robust"),
+        example: "plain",
+        help: "What becomes of light where smooth or bent normals and triangles disagree: it \
+               scatters on (robust) or is lost (plain)",
+        details: "With plain normals, smooth meshes of few triangles are dark at their edges, and \
+                  bumps darken what they bend. Robust normals face the viewer wherever the \
+                  triangle does, and light that they scatter below the triangle leaves from the \
+                  curved surface that the normals tell, or meets the triangle and scatters again. \
+                  So the border between light and shadow is smooth on a coarse mesh, too.",
+        advanced: true,
+        read: Reader::Text(|word| {
+            assign(from_str::<ShadingNormals>(word), |args| &mut args.shading_normals)
+        }),
+        write: |args| args.shading_normals.to_toml(),
         ..TRANSPORT
     },
     Setting {

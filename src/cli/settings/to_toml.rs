@@ -17,7 +17,7 @@ use crate::math::Vec3;
 use crate::render::Aov;
 use crate::sampling::SamplePattern;
 use crate::simd::Isa;
-use crate::world::LightSamplerKind;
+use crate::world::{LightSamplerKind, ShadingNormals};
 
 /// A value that TOML can hold, such that it is read again as it was.
 pub trait ToToml {
@@ -126,7 +126,17 @@ macro_rules! displayed {
         }
     )*};
 }
-displayed!(AccelSpec, Aov, BsdfForm, Isa, LightSamplerKind, PixelFilter, SamplePattern, Tonemap);
+displayed!(
+    AccelSpec,
+    Aov,
+    BsdfForm,
+    Isa,
+    LightSamplerKind,
+    PixelFilter,
+    SamplePattern,
+    ShadingNormals,
+    Tonemap
+);
 
 /// Types whose names are those of the help.
 macro_rules! listed {

@@ -6,7 +6,7 @@ use super::vertices::{Block, Scratch, for_each_lane, vec3};
 use crate::geom::are_usable;
 use crate::material::lanes::BsdfLanes;
 use crate::math::{Ray, Vec3};
-use crate::simd::lanes::{Lanes, Mask};
+use crate::simd::lanes::{Lanes, Mask, Vec3f};
 
 impl<L: Lanes> VertexLanes<L> {
     /// Asks for a light at each vertex, of surfaces that let no light pass. A bit for each lane
@@ -20,8 +20,8 @@ impl<L: Lanes> VertexLanes<L> {
         u: [L::Float; 2],
     ) -> u32 {
         let Self { surface, .. } = self;
-        let Block { integrator, lanes, paths, scratch, vertices, .. } = block;
-        let (lanes, Scratch { light: rows, out }) = (*lanes, &mut **scratch);
+        let Block { integrator, lanes, scratch, .. } = block;
+        let (lanes, rows) = (*lanes, &mut scratch.light);
         let (light, others) =
             integrator.world().sample_light_in_lanes(lanes, surface, u_light, u, rows);
         let lost = (self.live & !surface.valid).to_bits() | (others & self.live.to_bits());
@@ -32,17 +32,20 @@ impl<L: Lanes> VertexLanes<L> {
         let one = lanes.float(1.0);
         let weight = light.delta.select(one, one / (ratio * ratio + 1.0));
         let radiance = (self.throughput * scattered * light.radiance).scale(weight / light.pdf);
-        let asks = light.valid
-            & self.cross(lanes, light.direction, wi).agree
-            & !scattered.is_zero()
-            & !radiance.is_zero();
-        let asks = (self.live & asks).to_bits() & !lost;
-        if asks != 0 {
-            let zero = lanes.float(0.0);
-            let usable = are_usable(lanes, light.origin, light.segment).to_bits();
+        let crossing = self.cross(lanes, light.direction, wi);
+        let asks = light.valid & crossing.agree & !scattered.is_zero() & !radiance.is_zero();
+        let asks = self.live & asks & !lanes.mask(lost);
+        if asks.to_bits() != 0 {
+            let (zero, infinity) = (lanes.float(0.0), lanes.float(f32::INFINITY));
+            let (origin, blocked) = self.origins(block, light.direction, &crossing, asks);
+            let segment = Vec3f::select(light.far, light.end, light.end - origin);
+            let t_max = light.far.select(infinity, one);
+            let asks = (asks & !blocked).to_bits();
+            let usable = are_usable(lanes, origin, segment).to_bits();
+            let Block { paths, scratch: Scratch { out, .. }, vertices, .. } = block;
             let [origins, segments, radiances, ..] = out;
-            lanes.rows(light.origin.columns(zero), origins);
-            lanes.rows(light.segment.columns(light.t_max), segments);
+            lanes.rows(origin.columns(zero), origins);
+            lanes.rows(segment.columns(t_max), segments);
             lanes.rows(radiance.columns(zero), radiances);
             for_each_lane(asks, |lane| {
                 let ([x, y, z, t_max], path) = (segments[lane], paths[lane] as usize);

@@ -16,6 +16,7 @@
 
 mod direct;
 mod environment;
+mod leaving;
 mod scatter;
 mod shade;
 mod solids;

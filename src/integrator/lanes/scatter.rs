@@ -13,8 +13,11 @@ use crate::simd::lanes::{Float, Lanes, Mask, Vec3f};
 pub(super) struct CrossingLanes<L: Lanes> {
     /// Where the light goes to the other side of the surface.
     pub crosses: L::Mask,
-    /// Where its shading normal has it go there too, or stay with the viewer.
+    /// Where its shading normal has it go there too, or stay with the viewer; everywhere if those
+    /// are robust.
     pub agree: L::Mask,
+    /// Where robust shading normals have it go to a side that its direction leads away from.
+    pub astray: L::Mask,
 }
 
 impl<L: Lanes> VertexLanes<L> {
@@ -26,7 +29,13 @@ impl<L: Lanes> VertexLanes<L> {
         let above = self.surface.normal.dot(direction);
         let crosses = above.gt(zero) ^ self.surface.front;
         let seems_to_cross = wi.z.gt(zero) ^ self.wo.z.gt(zero);
-        CrossingLanes { crosses, agree: !above.eq(zero) & !(crosses ^ seems_to_cross) }
+        let agree = !above.eq(zero) & !(crosses ^ seems_to_cross);
+        if self.surface.robust {
+            let agree_all = lanes.first(L::WIDTH);
+            CrossingLanes { crosses: seems_to_cross, agree: agree_all, astray: !agree }
+        } else {
+            CrossingLanes { crosses, agree, astray: lanes.mask(0) }
+        }
     }
 
     /// Takes the paths on in the directions that their BSDFs have scattered them to, or ends them.
@@ -54,7 +63,7 @@ impl<L: Lanes> VertexLanes<L> {
         }
         goes_on = goes_on & !throughput.is_zero();
 
-        let origin = surface.offset_origin(lanes, direction);
+        let (origin, _) = self.origins(block, direction, &crossing, goes_on);
         let usable = are_usable(lanes, origin, direction);
         let lost = lost | (goes_on & !usable);
         let goes_on = (goes_on & usable).to_bits();
@@ -85,7 +94,7 @@ impl<L: Lanes> VertexLanes<L> {
         let [origins, directions, throughputs, positions, normals] = out;
         lanes.rows(surface.position.columns(zero), positions);
         if !B::TRANSMITS {
-            let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
+            let normal = surface.light_side();
             lanes.rows(normal.columns(zero), normals);
         }
         let inside = (crosses & surface.front & self.solid) | (!crosses & self.inside);

@@ -51,7 +51,7 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(block: &mut Block<'_, '_, L>, rows: &V
     let (lanes, depth, world) = (block.lanes, block.depth, block.integrator.world());
     // The surfaces, and how they scatter light.
     let direction = Vec3f::of_columns(lanes.columns(&rows.direction));
-    let surface = SurfaceLanes::new(lanes, &rows.surface, direction, world.slack());
+    let surface = SurfaceLanes::new(lanes, world, &rows.surface, direction);
     let wo = surface.frame.to_local(-direction);
     let bsdf = B::load(lanes, &rows.surface.bsdf, world.form(), wo);
     let [r, g, b, eta_squared] = lanes.columns(&rows.throughput);

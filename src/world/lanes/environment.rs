@@ -2,7 +2,6 @@
 
 use super::super::World;
 use super::light_samples::LightSamples;
-use super::surface::SurfaceLanes;
 use crate::light::{Environment, EnvironmentSamples};
 use crate::simd::lanes::{Float, Lanes, Vec3f};
 
@@ -25,7 +24,6 @@ impl World {
 pub(super) fn sample_environment<L: Lanes>(
     lanes: L,
     environment: &Environment,
-    surface: &SurfaceLanes<L>,
     pmf: L::Float,
     u: [L::Float; 2],
 ) -> LightSamples<L> {
@@ -35,9 +33,8 @@ pub(super) fn sample_environment<L: Lanes>(
         radiance,
         pdf: pmf * pdf,
         delta: lanes.mask(0),
-        origin: surface.offset_origin(lanes, direction),
-        segment: direction,
-        t_max: lanes.float(f32::INFINITY),
+        end: direction,
+        far: lanes.first(L::WIDTH),
         valid: pdf.gt(lanes.float(0.0)),
     }
 }

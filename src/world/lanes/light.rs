@@ -8,7 +8,7 @@ use super::surface::{SurfaceLanes, offset_origin, triangle_point};
 use crate::light::{Illumination, LightSampleContext};
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
-use crate::simd::lanes::{Float, Lanes, Mask, Rows, Vec3f};
+use crate::simd::lanes::{Float, Lanes, Rows, Vec3f};
 
 /// What the lights that were chosen are computed from; one for many blocks of lanes, since it takes
 /// time to clear.
@@ -52,12 +52,12 @@ impl World {
         if let (Some(environment), true) = (&self.scene.environment, rows.environment != 0) {
             let mask = lanes.mask(rows.environment);
             let [_, _, _, pmf] = lanes.columns(&rows.corners[0]);
-            let far = sample_environment(lanes, environment, surface, pmf, u);
+            let far = sample_environment(lanes, environment, pmf, u);
             samples = LightSamples::select(mask, &far, &samples);
         }
         if rows.punctual != 0 {
             let mask = lanes.mask(rows.punctual);
-            samples = LightSamples::select(mask, &towards_punctual(lanes, surface, rows), &samples);
+            samples = LightSamples::select(mask, &towards_punctual(lanes, rows), &samples);
         }
         (samples, rows.others)
     }
@@ -73,7 +73,7 @@ impl World {
     ) {
         (rows.triangles, rows.punctual, rows.environment, rows.others) = (0, 0, 0, 0);
         lanes.rows([u_light, u, v, u], &mut rows.u);
-        let normal = Vec3f::select(surface.front, surface.normal, -surface.normal);
+        let normal = surface.light_side();
         if self.lights.need_context() {
             lanes.rows(surface.position.columns(u_light), &mut rows.positions);
             lanes.rows(normal.columns(u_light), &mut rows.normals);
@@ -163,15 +163,13 @@ fn sample_triangles<L: Lanes>(
     let cosine = -normal.dot(direction);
     let pdf = pmf * (distance2 / (area * cosine.abs()));
     let end = offset_origin(lanes, point, error, normal, -direction);
-    let origin = surface.offset_origin(lanes, direction);
     LightSamples {
         direction,
         radiance,
         pdf,
         delta: lanes.mask(0),
-        origin,
-        segment: end - origin,
-        t_max: one,
+        end,
+        far: lanes.mask(0),
         valid: (inverse.gt(zero) & inverse.lt(infinity))
             & (pdf.gt(zero) & pdf.lt(infinity))
             & (both_sides.gt(zero) | !cosine.lt(zero))
@@ -182,26 +180,20 @@ fn sample_triangles<L: Lanes>(
 
 /// Lights without extent.
 #[inline(always)]
-fn towards_punctual<L: Lanes>(
-    lanes: L,
-    surface: &SurfaceLanes<L>,
-    rows: &LightRows,
-) -> LightSamples<L> {
+fn towards_punctual<L: Lanes>(lanes: L, rows: &LightRows) -> LightSamples<L> {
     let [x, y, z, pmf] = lanes.columns(&rows.corners[0]);
     let direction = Vec3f::new(x, y, z);
     let [x, y, z, has_place] = lanes.columns(&rows.corners[1]);
     let place = Vec3f::<L>::new(x, y, z);
     let is_near = has_place.gt(lanes.float(0.0));
-    let origin = surface.offset_origin(lanes, direction);
     let all = lanes.first(L::WIDTH);
     LightSamples {
         direction,
         radiance: Vec3f::of_columns(lanes.columns(&rows.radiance)),
         pdf: pmf,
         delta: all,
-        origin,
-        segment: Vec3f::select(is_near, place - origin, direction),
-        t_max: is_near.select(lanes.float(1.0), lanes.float(f32::INFINITY)),
+        end: Vec3f::select(is_near, place, direction),
+        far: !is_near,
         valid: all,
     }
 }

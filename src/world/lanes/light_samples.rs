@@ -13,12 +13,10 @@ pub struct LightSamples<L: Lanes> {
     pub pdf: L::Float,
     /// Where the light has no extent, so that no other strategy could find it.
     pub delta: L::Mask,
-    /// From the surface to the light: the origin of the segment that must be free.
-    pub origin: Vec3f<L>,
-    /// And its direction, as long as `t_max` says.
-    pub segment: Vec3f<L>,
-    /// The segment's end.
-    pub t_max: L::Float,
+    /// The end of the segment that must be free; its direction where the light is far.
+    pub end: Vec3f<L>,
+    /// Where the light is infinitely far.
+    pub far: L::Mask,
     /// Where light may arrive.
     pub valid: L::Mask,
 }
@@ -32,9 +30,8 @@ impl<L: Lanes> LightSamples<L> {
             radiance: Vec3f::select(mask, a.radiance, b.radiance),
             pdf: mask.select(a.pdf, b.pdf),
             delta: (mask & a.delta) | (!mask & b.delta),
-            origin: Vec3f::select(mask, a.origin, b.origin),
-            segment: Vec3f::select(mask, a.segment, b.segment),
-            t_max: mask.select(a.t_max, b.t_max),
+            end: Vec3f::select(mask, a.end, b.end),
+            far: (mask & a.far) | (!mask & b.far),
             valid: (mask & a.valid) | (!mask & b.valid),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::super::World;
 use super::super::interpolation::Interpolation;
+use super::super::robust::LEAST_VIEW_COSINE;
 use super::super::surface::GAMMA_7;
 use crate::accel::ClosestHit;
 use crate::material::lanes::{BSDF_ROWS, BsdfRows};
@@ -36,6 +37,8 @@ pub struct SurfaceLanes<L: Lanes> {
     pub front: L::Mask,
     /// Distance along the ray.
     pub t: L::Float,
+    /// Whether shading normals lose no light.
+    pub robust: bool,
     /// Where all of this holds: not for triangles so small or large that their normal needs f64.
     pub valid: L::Mask,
 }
@@ -85,13 +88,13 @@ impl SurfaceRows {
 impl<L: Lanes> SurfaceLanes<L> {
     /// The surfaces that rays of unit direction have met.
     #[inline(always)]
-    pub fn new(lanes: L, rows: &SurfaceRows, direction: Vec3f<L>, slack: f32) -> Self {
+    pub fn new(lanes: L, world: &World, rows: &SurfaceRows, direction: Vec3f<L>) -> Self {
         let (zero, one) = (lanes.float(0.0), lanes.float(1.0));
         let [t, u, v, _] = lanes.columns(&rows.hit);
         let a = Vec3f::<L>::of_columns(lanes.columns(&rows.corners[0]));
         let b = Vec3f::<L>::of_columns(lanes.columns(&rows.corners[1]));
         let c = Vec3f::<L>::of_columns(lanes.columns(&rows.corners[2]));
-        let (position, position_error) = triangle_point(lanes, [a, b, c], [u, v], slack);
+        let (position, position_error) = triangle_point(lanes, [a, b, c], [u, v], world.slack);
 
         let double_area = (b - a).cross(c - a);
         let length2 = double_area.dot(double_area);
@@ -102,13 +105,20 @@ impl<L: Lanes> SurfaceLanes<L> {
         let usable = inverse.lt(lanes.float(f32::INFINITY)) & inverse.gt(zero);
         let shading = Vec3f::select(usable, smooth.scale(inverse), normal);
         let shading = Vec3f::select(shading.dot(normal).lt(zero), -shading, shading);
+        let front = normal.dot(-direction).gt(zero);
+        let shading = if world.robust {
+            bent_to_viewer(lanes, shading, normal, -direction, front)
+        } else {
+            shading
+        };
         Self {
             position,
             position_error,
             normal,
             frame: FrameLanes::from_normal(lanes, shading),
-            front: normal.dot(-direction).gt(zero),
+            front,
             t,
+            robust: world.robust,
             valid: length2.gt(lanes.float(1e-30)) & length2.lt(lanes.float(1e30)),
         }
     }
@@ -118,6 +128,51 @@ impl<L: Lanes> SurfaceLanes<L> {
     pub fn offset_origin(&self, lanes: L, direction: Vec3f<L>) -> Vec3f<L> {
         offset_origin(lanes, self.position, self.position_error, self.normal, direction)
     }
+
+    /// The geometric normals on the viewers' sides.
+    #[inline(always)]
+    pub fn facing(&self) -> Vec3f<L> {
+        Vec3f::select(self.front, self.normal, -self.normal)
+    }
+
+    /// The normals of the half-spaces that opaque surfaces take light from.
+    #[inline(always)]
+    pub fn light_side(&self) -> Vec3f<L> {
+        let normal = if self.robust { self.frame.normal } else { self.normal };
+        Vec3f::select(self.front, normal, -normal)
+    }
+
+    /// See [`super::super::Surface::origin_beyond`].
+    #[inline(always)]
+    pub fn origin_beyond(&self, lanes: L, side: Vec3f<L>, bulge: L::Float) -> Vec3f<L> {
+        let moved = self.position + side.scale(bulge);
+        let size = moved.abs().scale(lanes.float(GAMMA_7));
+        offset_origin(lanes, moved, self.position_error + size, self.normal, side)
+    }
+}
+
+/// See [`super::super::robust::bent_to_viewer`].
+#[inline(always)]
+fn bent_to_viewer<L: Lanes>(
+    lanes: L,
+    shading: Vec3f<L>,
+    geometric: Vec3f<L>,
+    viewer: Vec3f<L>,
+    front: L::Mask,
+) -> Vec3f<L> {
+    let (zero, one) = (lanes.float(0.0), lanes.float(1.0));
+    let side = front.select(one, -one);
+    let (along, upright) = (shading.dot(viewer) * side, geometric.dot(viewer) * side);
+    let turned = along.lt(upright.least(lanes.float(LEAST_VIEW_COSINE)));
+    if turned.to_bits() == 0 {
+        return shading;
+    }
+    let shown = upright.least(lanes.float(2.0 * LEAST_VIEW_COSINE) - along);
+    let bent = shading + viewer.scale((shown - along) * side);
+    let inverse = one / bent.dot(bent).sqrt();
+    let usable = inverse.lt(lanes.float(f32::INFINITY)) & inverse.gt(zero);
+    let bent = Vec3f::select(usable, bent.scale(inverse), geometric);
+    Vec3f::select(turned, bent, shading)
 }
 
 /// See [`super::super::surface::triangle_point`].
