@@ -19,10 +19,12 @@ pub enum Crossing {
 /// local directions of the viewer and of the scattered light.
 ///
 /// Plainly taken, it is `None` where shading normal and geometric normal disagree about whether the
-/// light stays on the viewer's side. They may disagree about which side the viewer is on: where a smooth normal turns
-/// away from the viewer at a silhouette, the surface scatters from its other side.
+/// light stays on the viewer's side. They may disagree about which side the viewer is on: where a
+/// smooth normal turns away from the viewer at a silhouette, the surface scatters from its other
+/// side.
 ///
-/// With `robust` shading normals the latter decide, see [`super::leaving`] for how the light goes on.
+/// With `robust` shading normals the latter decide, see [`super::leaving`] for how the light goes
+/// on.
 #[inline(always)]
 pub fn classify_crossing(
     surface: &Surface,

@@ -4,6 +4,7 @@
 //! point (`lookup`, `layers`), how a normal is bent (`shading_normal`), what shines (`lights`).
 
 mod alpha;
+mod bulge;
 mod interpolation;
 pub mod lanes;
 mod layers;
