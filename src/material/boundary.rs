@@ -1,8 +1,8 @@
 //! The boundary of glass: what it reflects and what it lets through.
 
-use super::energy::GlassAlbedo;
 use super::form::BsdfForm;
 use super::fresnel;
+use super::glass_energy::GlassAlbedo;
 use super::lanes;
 use super::metallic_roughness::coat_f0;
 use super::params::{SurfaceParams, saturate};
@@ -160,10 +160,11 @@ impl Boundary {
         root * root
     }
 
-    /// The factor that compensates for the light that one bounce on a rough boundary loses.
-    pub fn compensation(&self, albedo: GlassAlbedo) -> Vec3 {
+    /// What one bounce on a rough boundary loses, by colour.
+    pub fn loss(&self, albedo: GlassAlbedo) -> Vec3 {
+        let left = |albedo: f32| (1.0 - albedo).clamp(0.0, 1.0);
         if self.plain {
-            return Vec3::splat(1.0 / albedo.exact);
+            return Vec3::splat(left(albedo.exact));
         }
         let least = self.f0_of_index();
         let slope = if self.ior >= INFINITE_IOR {
@@ -172,7 +173,37 @@ impl Boundary {
             (Vec3::splat(self.f90) - self.f0) / (1.0 - least)
         };
         let constant = self.f0 - slope * least;
-        let of = |constant, slope| 1.0 / albedo.of(constant, slope).clamp(0.1, 1.0);
+        let of = |constant, slope| left(albedo.of(constant, slope));
         Vec3::new(of(constant.x, slope.x), of(constant.y, slope.y), of(constant.z, slope.z))
+    }
+
+    /// About the share of light from everywhere that passes the boundary of a solid, by colour;
+    /// `eta` is the index beyond it over that before it. From the denser side it is less by the
+    /// square of the index, exactly.
+    pub fn average_transmittance(&self, eta: f32) -> Vec3 {
+        let passes = Vec3::ONE - self.average_reflectance();
+        if eta < 1.0 { passes * (eta * eta) } else { passes }
+    }
+
+    /// The same of a thin sheet.
+    pub fn average_transmittance_of_sheet(&self) -> Vec3 {
+        Vec3::ONE - self.average_reflectance().map(fresnel::thin_sheet)
+    }
+
+    /// About the average reflectance of one face on its less dense side, by colour: the fit of
+    /// Kulla and Conty (2017) to that of the index, and what the colours make of it.
+    fn average_reflectance(&self) -> Vec3 {
+        let dense = self.ior.max(1.0 / self.ior);
+        let plain = saturate((dense - 1.0) / (4.085_67 + 1.000_71 * dense));
+        if self.plain {
+            return Vec3::splat(plain);
+        }
+        let least = self.f0_of_index();
+        let grazing = if self.ior >= INFINITE_IOR {
+            1.0 / 21.0
+        } else {
+            saturate((plain - least) / (1.0 - least))
+        };
+        self.f0 + (Vec3::splat(self.f90) - self.f0) * grazing
     }
 }

@@ -4,10 +4,11 @@
 //! is lost, to be added again, and what a coat reflects, to be taken from what lies below.
 //!
 //! Tables are indexed by the square roots of alpha and of the cosine, where the albedo is smooth
-//! enough for 32 by 32 entries, and by `(eta - 1) / (eta + 1)` for glass. Averages are those of the
-//! interpolated table itself, so that compensation closes to rounding wherever the table is exact.
+//! enough for 32 by 32 entries; those of glass stand in [`super::glass_energy`]. Averages are
+//! those of the interpolated table itself, so that compensation closes to rounding wherever the
+//! table is exact.
 
-use std::sync::{LazyLock, OnceLock};
+use std::sync::LazyLock;
 
 use super::{fresnel, ggx};
 use crate::math::{Vec2, Vec3};
@@ -124,34 +125,45 @@ pub fn locate_cell<const M: usize>(x: f32) -> (usize, f32) {
     (index as usize, (x - index as f32).min(1.0))
 }
 
-fn node_alpha(row: usize, count: usize) -> f32 {
+pub(super) fn node_alpha(row: usize, count: usize) -> f32 {
     let root = row as f32 / (count - 1) as f32;
     (root * root).max(ggx::MIN_ALPHA)
 }
 
-fn node_cos(column: usize, count: usize) -> f32 {
+pub(super) fn node_cos(column: usize, count: usize) -> f32 {
     let root = column as f32 / (count - 1) as f32;
     root * root
 }
 
-/// The integral of `2 cos * albedo` over the cosine, that is of `4 t³ * albedo` over its root t,
-/// in which the table is piecewise linear.
 fn average(row: &[Albedo; N]) -> Albedo {
+    let [f0, f90] = cosine_average::<N, 2>(|column| [row[column].f0, row[column].f90]);
+    Albedo { f0, f90 }
+}
+
+/// The averages over the hemisphere, weighted by the cosine, of `K` values that are linear between
+/// `M` columns, at even distances by the root of the cosine.
+///
+/// The integral of `2 cos * value` over the cosine is that of `4 t³ * value` over its root t.
+pub(super) fn cosine_average<const M: usize, const K: usize>(
+    values: impl Fn(usize) -> [f32; K],
+) -> [f32; K] {
     let weights = |column: usize| {
-        let (a, b) = (column as f64 / (N - 1) as f64, (column + 1) as f64 / (N - 1) as f64);
+        let (a, b) = (column as f64 / (M - 1) as f64, (column + 1) as f64 / (M - 1) as f64);
         let power = |x: f64, n: i32| (0..n).fold(1.0, |product, _| product * x);
         let whole = power(b, 4) - power(a, 4);
         let moment = 0.8 * (power(b, 5) - power(a, 5));
         let right = (moment - a * whole) / (b - a);
         (whole - right, right)
     };
-    let (mut f0, mut f90) = (0.0, 0.0);
-    for column in 0..N - 1 {
+    let mut sums = [0.0; K];
+    for column in 0..M - 1 {
         let (left, right) = weights(column);
-        f0 += left * f64::from(row[column].f0) + right * f64::from(row[column + 1].f0);
-        f90 += left * f64::from(row[column].f90) + right * f64::from(row[column + 1].f90);
+        let (here, next) = (values(column), values(column + 1));
+        for (sum, (here, next)) in sums.iter_mut().zip(here.into_iter().zip(next)) {
+            *sum += left * f64::from(here) + right * f64::from(next);
+        }
     }
-    Albedo { f0: f0 as f32, f90: f90 as f32 }
+    sums.map(|sum| sum as f32)
 }
 
 /// The mean of `value` over the normals that `wo` sees.
@@ -183,90 +195,4 @@ fn reflection_albedo(alpha: f32, cos: f32) -> Albedo {
         let weight = fresnel::schlick_weight(along);
         Albedo { f0: visible * (1.0 - weight), f90: visible * weight }
     })
-}
-
-/// Entries of a [`Slice`] along each axis.
-const G: usize = 16;
-/// Slices, over `(eta - 1) / (eta + 1)` from -1/2 (an index of 1/3) to 1 (infinity).
-const SLICES: usize = 49;
-const SLICES_PER_UNIT: f32 = 32.0;
-
-/// The albedo of one bounce on rough, colourless glass: what it reflects and what it transmits.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GlassAlbedo {
-    /// With the reflectances of its index.
-    pub exact: f32,
-    /// If all light passed that is not totally reflected.
-    clear: f32,
-    /// What is added to that if all of it were reflected instead.
-    mirrored: f32,
-}
-
-impl GlassAlbedo {
-    /// The albedo where a facet reflects `constant + slope * F` instead of F, the reflectance of
-    /// the index. Total reflection stays total.
-    pub fn of(self, constant: f32, slope: f32) -> f32 {
-        self.clear + constant * self.mirrored + slope * (self.exact - self.clear)
-    }
-
-    fn mix(self, other: Self, t: f32) -> Self {
-        let lerp = |a: f32, b: f32| a + (b - a) * t;
-        Self {
-            exact: lerp(self.exact, other.exact),
-            clear: lerp(self.clear, other.clear),
-            mirrored: lerp(self.mirrored, other.mirrored),
-        }
-    }
-}
-
-/// Those of one index: by roughness, then by cosine.
-type Slice = [[GlassAlbedo; G]; G];
-
-/// Each is computed on first use: a scene's few kinds of glass need few of them.
-static GLASS: [OnceLock<Box<Slice>>; SLICES] = [const { OnceLock::new() }; SLICES];
-
-fn glass_slice(index: usize) -> &'static Slice {
-    GLASS[index].get_or_init(|| {
-        let ratio = (index as f32 / SLICES_PER_UNIT - 0.5).min(0.9999);
-        let eta = (1.0 + ratio) / (1.0 - ratio);
-        Box::new(std::array::from_fn(|row| {
-            let alpha = node_alpha(row, G);
-            std::array::from_fn(|column| glass_albedo(alpha, node_cos(column, G), eta))
-        }))
-    })
-}
-
-/// The albedo of rough glass for a direction of cosine `cos`; `eta` is the index behind over that
-/// before the boundary.
-pub fn rough_glass(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
-    let ratio = (eta - 1.0) / (eta + 1.0);
-    let (k, index_t) = locate_cell::<SLICES>(((ratio + 0.5) * SLICES_PER_UNIT).max(0.0));
-    let (i, row_t) = locate_cell::<G>(alpha.sqrt() * (G - 1) as f32);
-    let (j, column_t) = locate_cell::<G>(cos.sqrt() * (G - 1) as f32);
-    let at = |slice: &Slice| {
-        let row = |row: &[GlassAlbedo; G]| row[j].mix(row[j + 1], column_t);
-        row(&slice[i]).mix(row(&slice[i + 1]), row_t)
-    };
-    at(glass_slice(k)).mix(at(glass_slice(k + 1)), index_t)
-}
-
-fn glass_albedo(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
-    let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    // A facet's reflectance, and what is left of what it reflects and of what it refracts.
-    let facet = |h: Vec3| {
-        let along = wo.dot(h);
-        let (reflectance, cos_t) = fresnel::dielectric(along, eta);
-        let masking = |cos: f32| ggx::masking(cos.max(0.0), alpha * alpha);
-        let reflected = masking(2.0 * along * h.z - wo.z);
-        (reflectance, reflected, masking(wo.z / eta - (along / eta - cos_t) * h.z))
-    };
-    let exact = mean_over_visible_normals(wo, alpha, |h| {
-        let (reflectance, reflected, refracted) = facet(h);
-        Albedo { f0: reflectance * reflected, f90: (1.0 - reflectance) * refracted }
-    });
-    let ends = mean_over_visible_normals(wo, alpha, |h| match facet(h) {
-        (reflectance, reflected, _) if reflectance >= 1.0 => Albedo { f0: reflected, f90: 0.0 },
-        (_, reflected, refracted) => Albedo { f0: refracted, f90: reflected - refracted },
-    });
-    GlassAlbedo { exact: exact.f0 + exact.f90, clear: ends.f0, mirrored: ends.f90 }
 }

@@ -5,13 +5,14 @@ use super::base::BaseBsdf;
 use super::clearcoat::Clearcoat;
 use super::filmed::Filmed;
 use super::form::BsdfForm;
+use super::layer_energy::Returned;
 use super::layers::Layers;
 use super::params::{SurfaceParams, saturate};
 use super::sample::{BsdfSample, is_above, mean};
 use super::sheen::Sheen;
 use super::thin_film::ThinFilm;
 use crate::math::{Vec2, Vec3};
-use crate::sampling::ONE_MINUS_EPSILON;
+use crate::sampling::{ONE_MINUS_EPSILON, warp};
 
 /// Each lobe gets at least this share of the probability, before normalisation: what reflects
 /// little in all may reflect nearly everything at grazing half vectors.
@@ -24,8 +25,9 @@ const MIN_PROBABILITY: f32 = 0.1;
 /// What a layer reflects, those below it do not get: they are scaled by what it lets through, and
 /// for the coat in [`BsdfForm::AppendixB`] by the product of that for both directions (as
 /// KHR_materials_clearcoat has it), else by the lesser of both (as KHR_materials_sheen has it),
-/// which is reciprocal and never gives more than there is. A coat over glass that is solid lies
-/// on the outside only. Emission is not dimmed.
+/// which is reciprocal and never gives more than there is. What of it is less than the base could
+/// reflect comes back by a lobe of its own, see [`super::layer_energy`]. A coat over glass that is
+/// solid lies on the outside only. Emission is not dimmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layered {
     base_color: Vec3,
@@ -151,7 +153,20 @@ impl Layered {
         let sheen = (self.sheen_color != Vec3::ZERO)
             .then(|| Sheen::new(self.sheen_color, self.sheen_roughness.get(), form));
         let both_sides = self.thin || !base.transmits();
-        Stack { base, coat, sheen, both_sides, form }
+        let returned = (form == BsdfForm::Conserving && !base.transmits())
+            .then(|| self.returned(&params, base.albedo().min(Vec3::ONE)));
+        Stack { base, coat, sheen, returned, both_sides, form }
+    }
+
+    /// What comes back of the light that is lost under layers over an opaque base of that colour.
+    /// Of a coat with a normal of its own too little is known.
+    fn returned(&self, params: &SurfaceParams, base_color: Vec3) -> Returned {
+        let straight = self.coat_slope.length_squared() < 1e-3;
+        let coat = (self.clearcoat != Share(0) && straight)
+            .then(|| (self.clearcoat.get(), self.clearcoat_roughness.get()));
+        let cloth = (self.sheen_color != Vec3::ZERO)
+            .then(|| (self.sheen_color, self.sheen_roughness.get()));
+        Returned::new(params, base_color, coat, cloth)
     }
 
     /// See [`super::Bsdf::eval`].
@@ -179,7 +194,10 @@ impl Layered {
         let fibres = self.sheen_color * (sheen / mean(self.sheen_color).max(1e-6));
         let coat = stack.coat.map_or(0.0, |coat| coat.albedo(Vec3::Z));
         let (through_coat, through_sheen) = stack.transmittance(Vec3::Z, Vec3::Z);
-        Vec3::splat(coat) + (fibres + stack.base.albedo() * through_sheen) * through_coat
+        let returned = stack.returned.as_ref();
+        let returned = returned.map_or(Vec3::ZERO, |returned| returned.albedo(1.0));
+        let below = fibres + stack.base.albedo() * through_sheen;
+        Vec3::splat(coat) + returned + below * through_coat
     }
 }
 
@@ -231,6 +249,8 @@ struct Stack {
     base: Base,
     coat: Option<Clearcoat>,
     sheen: Option<Sheen>,
+    /// What comes back of light lost under both.
+    returned: Option<Returned>,
     /// Whether the layers lie on the back too; else the back is the inside of a solid.
     both_sides: bool,
     form: BsdfForm,
@@ -240,11 +260,12 @@ struct Stack {
 struct LobeProbabilities {
     coat: f32,
     sheen: f32,
+    returned: f32,
 }
 
 impl LobeProbabilities {
     fn base(&self) -> f32 {
-        1.0 - self.coat - self.sheen
+        1.0 - self.coat - self.sheen - self.returned
     }
 }
 
@@ -276,7 +297,7 @@ impl Stack {
     /// Proportional to what each lobe reflects of light from the viewer's direction.
     fn lobe_probabilities(&self, wo: Vec3) -> LobeProbabilities {
         if wo.z < 0.0 {
-            return LobeProbabilities { coat: 0.0, sheen: 0.0 };
+            return LobeProbabilities { coat: 0.0, sheen: 0.0, returned: 0.0 };
         }
         let (through_coat, through_sheen) = self.transmittance(wo, wo);
         let coat = self.coat.as_ref().map_or(0.0, |coat| coat.albedo(wo));
@@ -285,8 +306,11 @@ impl Stack {
         let least = MIN_PROBABILITY * (coat + sheen + base) + 1e-6;
         let coat = if self.coat.is_some() { coat.max(least) } else { 0.0 };
         let sheen = if self.sheen.is_some() { sheen.max(least) } else { 0.0 };
-        let total = coat + sheen + base.max(least);
-        LobeProbabilities { coat: coat / total, sheen: sheen / total }
+        let returned = self.returned.as_ref();
+        let returned = returned.map_or(0.0, |returned| mean(returned.albedo(wo.z)));
+        let total = coat + sheen + returned + base.max(least);
+        let [coat, sheen, returned] = [coat, sheen, returned].map(|share| share / total);
+        LobeProbabilities { coat, sheen, returned }
     }
 
     fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
@@ -307,6 +331,11 @@ impl Stack {
             pdf += Sheen::PDF * lobes.sheen;
         }
         value *= through_coat;
+        if let Some(returned) = self.returned.as_ref().filter(|_| above && lobes.returned > 0.0) {
+            let (again, density) = returned.eval(wo, wi);
+            value += again;
+            pdf += density * lobes.returned;
+        }
         if let Some(coat) = self.coat.as_ref().filter(|_| above) {
             let (reflected, density) = coat.eval(wo, wi);
             value += reflected;
@@ -326,8 +355,10 @@ impl Stack {
             coat.sample(wo, u).filter(|wi| is_above(wi.z))?
         } else if u_lobe < lobes.coat + lobes.sheen {
             Some(Sheen::sample(u)).filter(|wi| is_above(wi.z))?
+        } else if u_lobe < lobes.coat + lobes.sheen + lobes.returned {
+            Some(warp::cosine_hemisphere(u)).filter(|wi| is_above(wi.z))?
         } else {
-            let rest = (u_lobe - lobes.coat - lobes.sheen) / lobes.base();
+            let rest = (u_lobe - lobes.coat - lobes.sheen - lobes.returned) / lobes.base();
             let mut sample = self.base.sample(wo, rest.clamp(0.0, ONE_MINUS_EPSILON), u)?;
             if sample.delta {
                 let (through_coat, through_sheen) = self.transmittance(wo, sample.wi);

@@ -13,10 +13,11 @@
 //! | `bsdf`, `base`, `layered` | the BSDF: which lobes the parameters make |
 //! | `lambert`, `metallic_roughness`, `anisotropic`, `dielectric`, `mixed`, `filmed` | bases |
 //! | `clearcoat`, `sheen` | layers |
-//! | `boundary`, `rough_dielectric` | glass: what it reflects, and its rough form |
+//! | `boundary`, `rough_dielectric`, `glass_multiple` | glass, smooth and rough |
 //! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
 //! | `lanes` | bases in lanes, for many paths at once |
-//! | `energy`, `anisotropic_energy` | tables of albedos, by which energy is conserved |
+//! | `layer_energy` | what comes back of light that is lost under layers |
+//! | `energy`, `glass_energy`, `anisotropic_energy` | albedos, by which energy is conserved |
 
 mod anisotropic;
 mod anisotropic_energy;
@@ -32,8 +33,11 @@ mod filmed;
 mod form;
 mod fresnel;
 mod ggx;
+mod glass_energy;
+mod glass_multiple;
 mod lambert;
 pub mod lanes;
+mod layer_energy;
 mod layered;
 mod layers;
 mod metallic_roughness;

@@ -1,17 +1,17 @@
 //! Glass with a rough boundary: GGX microfacets that reflect and refract.
 //!
 //! Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007. In
-//! [`BsdfForm::Conserving`] both lobes are divided by their common albedo for the direction of view
-//! (after Turquin, "Practical multiple scattering compensation for microfacet models", 2019): no
-//! light is lost, at the price of reciprocity.
+//! [`BsdfForm::Conserving`] there is a third lobe, of what they lose: see
+//! [`super::glass_multiple`].
 
 use super::boundary::Boundary;
-use super::energy::{self, Albedos, Row};
 use super::form::BsdfForm;
 use super::ggx;
+use super::glass_multiple::Multiple;
 use super::sample::{BsdfSample, is_above};
 use super::thin_film::ThinFilm;
 use crate::math::{Vec2, Vec3};
+use crate::sampling::ONE_MINUS_EPSILON;
 
 /// See [`super::Bsdf::eval`].
 #[inline]
@@ -22,9 +22,33 @@ pub fn eval_solid(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3)
         return (Vec3::ZERO, 0.0);
     }
     let h = if wi.z > 0.0 { wo + wi } else { wo + wi * eta };
-    let Some(h) = h.try_normalize() else { return (Vec3::ZERO, 0.0) };
+    let h = h.normalize_or_zero();
     let h = if h.z < 0.0 { -h } else { h };
-    evaluate_solid(glass, film, eta, wo, wi, h)
+    let multiple = multiple_of_solid(glass, eta, wo);
+    together(evaluate_solid(glass, film, eta, wo, wi, h), multiple.as_ref(), wi)
+}
+
+/// What a solid scatters more than once.
+#[inline]
+fn multiple_of_solid(glass: &Boundary, eta: f32, wo: Vec3) -> Option<Multiple<'_>> {
+    let conserving = glass.form == BsdfForm::Conserving;
+    conserving.then(|| Multiple::of_solid(glass, eta, wo.z))
+}
+
+/// Values and densities of what is scattered once and of what is scattered more often.
+#[inline]
+fn together(once: (Vec3, f32), multiple: Option<&Multiple<'_>>, wi: Vec3) -> (Vec3, f32) {
+    let Some(multiple) = multiple else { return once };
+    let again = multiple.eval(wi.z);
+    (once.0 + again.0, once.1 * (1.0 - multiple.probability) + again.1)
+}
+
+/// Whether `u_lobe` chooses the lobe of what is scattered more than once, and what is left of it.
+#[inline]
+fn choose(multiple: Option<&Multiple<'_>>, u_lobe: f32) -> (bool, f32) {
+    let share = multiple.map_or(0.0, |multiple| multiple.probability);
+    let rest = if u_lobe < share { u_lobe / share } else { (u_lobe - share) / (1.0 - share) };
+    (u_lobe < share, rest.clamp(0.0, ONE_MINUS_EPSILON))
 }
 
 /// See [`super::Bsdf::sample`].
@@ -39,6 +63,13 @@ pub fn sample_solid(
     let eta = glass.eta(wo);
     let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
     let wo = wo * side;
+    let multiple = multiple_of_solid(glass, eta, wo);
+    let (again, u_lobe) = choose(multiple.as_ref(), u_lobe);
+    if let Some(multiple) = multiple.as_ref().filter(|_| again) {
+        let wi = multiple.sample(u_lobe, u);
+        let (value, pdf) = eval_solid(glass, film, wo * side, wi * side);
+        return BsdfSample::from_value(wi * side, value, pdf, if wi.z > 0.0 { 1.0 } else { eta });
+    }
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
     let along = wo.dot(h);
     let (split, cos_t) = glass.split(along, eta, film);
@@ -51,7 +82,8 @@ pub fn sample_solid(
     if (wi.z > 0.0) != reflects || !is_above(wi.z.abs()) {
         return None;
     }
-    let (value, pdf) = evaluate_solid(glass, film, eta, wo, wi, h);
+    let once = evaluate_solid(glass, film, eta, wo, wi, h);
+    let (value, pdf) = together(once, multiple.as_ref(), wi);
     let eta = if reflects { 1.0 } else { eta };
     BsdfSample::from_value(wi * side, value, pdf, eta)
 }
@@ -73,18 +105,14 @@ fn evaluate_solid(
     }
     let (split, _) = glass.split(along_o, eta, film);
     let lobe = ggx::Lobe::new(h, wo.z, wi.z.abs(), glass.alpha);
-    let gain = match glass.form {
-        BsdfForm::AppendixB => Vec3::ONE,
-        BsdfForm::Conserving => glass.compensation(energy::rough_glass(glass.alpha, wo.z, eta)),
-    };
     if wi.z > 0.0 {
-        let value = split.reflectance * gain * (lobe.reflected * wi.z);
+        let value = split.reflectance * (lobe.reflected * wi.z);
         (value, split.reflection_probability * lobe.visible * 0.5)
     } else {
         let denominator = along_o + eta * along_i;
         let spread = 2.0 * along_o * along_i.abs() / (denominator * denominator);
         let scattered = 2.0 * spread * lobe.reflected * wi.z.abs();
-        let value = split.transmittance(glass.tint) * gain * scattered;
+        let value = split.transmittance(glass.tint) * scattered;
         // Radiance is denser behind the boundary: the value lacks the factor eta² of the density.
         (value, (1.0 - split.reflection_probability) * spread * lobe.visible * eta * eta)
     }
@@ -98,7 +126,8 @@ pub fn eval_thin(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) 
         return (Vec3::ZERO, 0.0);
     }
     let mirrored = Vec3::new(wi.x, wi.y, wi.z.abs());
-    evaluate_thin(glass, film, wo, mirrored, (wo + mirrored).normalize(), wi.z > 0.0)
+    let once = evaluate_thin(glass, film, wo, mirrored, (wo + mirrored).normalize(), wi.z > 0.0);
+    together(once, Some(&Multiple::of_sheet(glass, wo.z)), wi)
 }
 
 /// See [`super::Bsdf::sample`].
@@ -112,6 +141,13 @@ pub fn sample_thin(
 ) -> Option<BsdfSample> {
     let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
     let wo = wo * side;
+    let multiple = Multiple::of_sheet(glass, wo.z);
+    let (again, u_lobe) = choose(Some(&multiple), u_lobe);
+    if again {
+        let wi = multiple.sample(u_lobe, u);
+        let (value, pdf) = eval_thin(glass, film, wo * side, wi * side);
+        return BsdfSample::from_value(wi * side, value, pdf, 1.0);
+    }
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
     let along = wo.dot(h);
     let mirrored = h * (2.0 * along) - wo;
@@ -119,8 +155,9 @@ pub fn sample_thin(
         return None;
     }
     let reflects = u_lobe < glass.split_thin(along, film).reflection_probability;
-    let (value, pdf) = evaluate_thin(glass, film, wo, mirrored, h, reflects);
+    let once = evaluate_thin(glass, film, wo, mirrored, h, reflects);
     let wi = if reflects { mirrored } else { Vec3::new(mirrored.x, mirrored.y, -mirrored.z) };
+    let (value, pdf) = together(once, Some(&multiple), wi);
     BsdfSample::from_value(wi * side, value, pdf, 1.0)
 }
 
@@ -135,8 +172,7 @@ fn evaluate_thin(
 ) -> (Vec3, f32) {
     let split = glass.split_thin(wo.dot(h), film);
     let lobe = ggx::Lobe::new(h, wo.z, mirrored.z, glass.alpha);
-    let albedo = Albedos::get().at(Row::of(glass.alpha), wo.z);
-    let scattered = lobe.reflected * mirrored.z / (1.0 - albedo.loss());
+    let scattered = lobe.reflected * mirrored.z;
     let density = lobe.visible * 0.5;
     if reflects {
         (split.reflectance * scattered, split.reflection_probability * density)

@@ -13,7 +13,7 @@ use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
 /// Below this the distribution is too narrow to be seen.
-const MIN_ROUGHNESS: f32 = 0.07;
+pub(super) const MIN_ROUGHNESS: f32 = 0.07;
 
 /// The sheen at a point. Directions are above the surface.
 ///
@@ -53,7 +53,11 @@ impl Sheen {
 
     /// The share of light from a direction, on either side, that it lets through.
     pub fn transmittance(&self, w: Vec3) -> f32 {
-        (1.0 - self.color.max_element() * self.white(w)).max(0.0)
+        let kept = match self.form {
+            BsdfForm::AppendixB => self.white(w),
+            BsdfForm::Conserving => self.white(w).min(1.0),
+        };
+        (1.0 - self.color.max_element() * kept).max(0.0)
     }
 
     /// What it scatters, times the cosine.

@@ -22,7 +22,10 @@ fn white_base() -> [(&'static str, SurfaceParams); 6] {
     ]
 }
 
-/// Over white bases layers lose some light, never much, and make none.
+/// Over white bases that are opaque coats and cloth lose nothing; all other layers lose some light,
+/// never much, and none makes any.
+///
+/// What coats on glass keep back is lost, and so is some of what bent coats reflect.
 #[test]
 fn white_furnaces_never_exceed_one() {
     let coat = |clearcoat_roughness| Layers { clearcoat: 1.0, clearcoat_roughness, ..Layers::NONE };
@@ -63,6 +66,9 @@ fn white_furnaces_never_exceed_one() {
                 let coarse = if coarse { 0.025 } else { 0.008 };
                 let tolerance = if bsdf.transmits() { 0.02 } else { coarse };
                 assert!(high < 1.0 + tolerance, "{name} over {base}, {cos}: {albedo}");
+                let other = name.contains("bent") || name.contains("brushed");
+                let closes = !other && !name.contains("film") && !bsdf.transmits();
+                let least = if closes { 0.994 } else { least };
                 assert!(low > least, "{name} over {base}, {cos}: {albedo}");
             }
         }
