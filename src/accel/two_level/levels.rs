@@ -12,6 +12,7 @@ use crate::accel::Phases;
 use crate::geom::{Motions, Placements};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
 use crate::motion::Piece;
+use crate::simd::prefetch;
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
 #[derive(Clone, Copy, Debug)]
@@ -154,6 +155,12 @@ impl Levels {
             Some(known) => *known,
             None => Way::new(self.placed.get(), self.placements[number]),
         }
+    }
+
+    /// Prefetches the way into a placement, if it is kept.
+    #[inline(always)]
+    pub fn prefetch_way(&self, number: usize) {
+        prefetch(&self.ways, number, size_of::<Way>());
     }
 
     /// A placement by its number in the upper structure, and where it stands at a time.
