@@ -89,7 +89,7 @@ impl Tracer for LocatedTracer<'_> {
 /// Has hits name placements in place of running numbers.
 fn rename(hits: &mut [ClosestHit], locate: impl Fn(PrimId) -> TriangleId) {
     for hit in hits {
-        // A miss keeps all bits set, by a mask: a branch would be guessed wrong for every third ray.
+        // A miss keeps all bits set, by a mask: a branch would be guessed wrong too often.
         let miss = u32::from(hit.triangle.index == TriangleId::NONE.index).wrapping_neg();
         let TriangleId { instance, index } = locate(PrimId(hit.triangle.index & !miss));
         hit.triangle = TriangleId { instance: InstanceId(instance.0 | miss), index: index | miss };
