@@ -28,6 +28,11 @@ pub struct Triangles {
 }
 
 impl Triangles {
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
     fn deformation(&self, mesh: MeshId) -> Option<&Deformation> {
         Some(&**self.scene.motion.as_ref()?.deformation(mesh.index())?)
     }

@@ -4,7 +4,9 @@
 //! point (`lookup`, `layers`), how a normal is bent (`shading_normal`), what shines (`lights`).
 
 mod alpha;
+mod emitters;
 mod interpolation;
+mod lamps;
 pub mod lanes;
 mod layers;
 mod light_sampler;
