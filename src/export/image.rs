@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::binary::{Binary, Chunk};
-use super::scene::named;
+use super::object::named;
 use crate::film::png::encode_pixels;
 use crate::film::tonemap::srgb_from_linear;
 use crate::math::TextureId;

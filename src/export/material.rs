@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::baked::{with_alpha, without_glossiness};
 use super::image::Images;
-use super::scene::{named, next_power_of_two};
+use super::object::{named, next_power_of_two};
 use crate::math::{Vec2, Vec3};
 use crate::scene::{AlphaMode, Material, MaterialLayers, TextureRef};
 use crate::texture::ColorSpace;

@@ -7,12 +7,14 @@
 //! | `material` | materials, with the extensions that tell how they answer to light |
 //! | `image` | textures and their images, as PNG |
 //! | `baked` | images that are made for what glTF has no texture for |
+//! | `object` | what objects have in common |
 //! | `binary` | the document and what lies behind it |
 
 mod baked;
 mod binary;
 mod image;
 mod material;
+mod object;
 mod scene;
 
 pub use scene::{Exported, write};

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::binary::{Binary, Chunk};
 use super::image::Images;
 use super::material::write_material;
+use super::object::{named, next_power_of_two};
 use crate::camera::{Camera, Projection};
 use crate::geom::Mesh;
 use crate::light::{Punctual, PunctualKind};
@@ -147,14 +148,6 @@ fn accessors<'a>(binary: &mut Binary<'a>, mesh: &'a Mesh, first_uvs: Option<&'a 
     primitive
 }
 
-/// The object with a name, if that is not empty.
-pub fn named(name: &str, mut object: Value) -> Value {
-    if !name.is_empty() {
-        object["name"] = name.into();
-    }
-    object
-}
-
 /// A node at a place.
 fn at(to_world: Affine3A, mut node: Value) -> Value {
     if to_world != Affine3A::IDENTITY {
@@ -212,27 +205,10 @@ fn towards(light: &Punctual) -> Affine3A {
     Affine3A::from_mat3_translation(Mat3::from_cols(tangent, bitangent, normal), light.position)
 }
 
-/// The least power of two that is at least `x`; one if there is none.
-pub fn next_power_of_two(x: f32) -> f32 {
-    let mut power = 1.0_f32;
-    while power < x && power < 1e38 {
-        power *= 2.0;
-    }
-    power
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::Vec3;
-
-    #[test]
-    fn strength_is_divided_out_exactly() {
-        for x in [0.3, 1.0, 1.1, 17.0, 1e30] {
-            let power = next_power_of_two(x);
-            assert!(power >= x && x / power * power == x, "{x} {power}");
-        }
-    }
 
     #[test]
     fn lights_keep_their_direction() {
