@@ -41,8 +41,8 @@ pub fn run(args: &ShellArgs) -> Result<ExitCode, CliError> {
 }
 
 /// Runs all numbers of a function, so many at a time. Signals go to what runs: a shell that waits
-/// would not hand them on. `wait -n` only wakes: some versions of bash lose the code of what a signal
-/// ended, so each is asked for by its process.
+/// would not hand them on. `wait -n` only wakes: some versions of bash lose the code of what a
+/// signal ended, so each is asked for by its process.
 const RUN: &str = r#"
 # Runs $1 for the numbers 0 to $2, $JOBS at a time.
 run() {
@@ -115,8 +115,9 @@ fn script(plan: &Plan) -> String {
          #   bash FILE         all tasks, $JOBS of them at a time\n\
          #   bash FILE TASK    one of the tasks 0 to {last}\n\
          {}\
-         # Tasks that are done end at once; those that were stopped go on. Exit code 75: saved, start\n\
-         # it again. All tasks: the code of the first that failed, or else of the first that stopped.\n\
+         # Tasks that are done end at once; those that were stopped go on.\n\
+         # Exit code 75: saved, start it again. All tasks: the code of the first that failed,\n\
+         # or else of the first that was stopped.\n\
          set -euo pipefail\n\
          mkdir -p {}\n\n\
          {render}{merge}\
