@@ -185,6 +185,11 @@ impl CameraRays {
         Ray::new(to_world.transform_point3(origin), direction, 0.0, f32::INFINITY)
     }
 
+    /// Where the camera stands: the pinhole, the middle of the lens, or that of the film.
+    pub fn centre(&self) -> Vec3 {
+        Vec3::from(self.camera.to_world.translation)
+    }
+
     /// The region of all rays of the film, as far as rounding allows; `None` unless they spread
     /// from a point or a lens, by less than a half-space.
     pub fn region(&self) -> Option<Shaft> {

@@ -1,6 +1,7 @@
 //! The state of a path, and what goes in and out at its vertices.
 
 use super::interior::Interior;
+use super::transit::Transit;
 use crate::light::LightSampleContext;
 use crate::material::Wavelength;
 use crate::math::{MaterialId, Ray, Vec3};
@@ -20,6 +21,11 @@ pub struct Path {
     pub(super) pdf: f32,
     /// The solids that it travels in.
     pub(super) interior: Interior,
+    /// Of each colour, the density with which it would have drawn the path's legs in media, over
+    /// their mean; see [`crate::medium::FreeFlight`].
+    pub(super) densities: Vec3,
+    /// How many of its segments ended where nothing happens: at borders that it passed straight.
+    pub(super) passed: u32,
     /// The wavelength of the light that it follows, once it has met a surface that disperses.
     pub(super) wavelength: Option<Wavelength>,
     /// The random numbers of its sample.
@@ -70,13 +76,15 @@ pub struct ShadowRay {
 pub struct Step {
     /// The ray to a light.
     pub shadow: Option<ShadowRay>,
+    /// Light on its way through borders, instead of a ray.
+    pub transit: Option<Transit>,
     /// The ray to go on with; `None`: the path ends.
     pub next: Option<Ray>,
 }
 
 impl Step {
     /// The path ends, and asks for no light.
-    pub(super) const END: Self = Self { shadow: None, next: None };
+    pub(super) const END: Self = Self { shadow: None, transit: None, next: None };
 }
 
 impl Path {
@@ -88,11 +96,25 @@ impl Path {
             context: LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO },
             pdf: f32::INFINITY,
             interior: Interior::AIR,
+            densities: Vec3::ONE,
+            passed: 0,
             wavelength: None,
             sampler,
             slot,
             key,
         }
+    }
+
+    /// The number of vertices up to the end of segment number `depth`, that one with them: segments
+    /// that ended where nothing happens do not count.
+    #[inline(always)]
+    pub(super) fn vertices(&self, depth: u32) -> u32 {
+        depth - self.passed
+    }
+
+    /// Puts it inside of solids, where it starts.
+    pub fn start_in(&mut self, interior: Interior) {
+        self.interior = interior;
     }
 
     /// Whether it is inside of no solid.

@@ -6,7 +6,7 @@ use super::settings::Settings;
 use super::stream::ray_key;
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
 use crate::camera::Camera;
-use crate::integrator::{FirstHit, PathSample, PathTracer};
+use crate::integrator::{FirstHit, PathSample, PathTracer, Transits, interior_at};
 use crate::math::Ray;
 use crate::world::{AlphaFilter, World};
 
@@ -22,7 +22,15 @@ pub fn replay(
 ) -> String {
     let integrator = PathTracer::new(world, settings.transport);
     let mut tracer = accel.tracer();
-    let (mut ray, mut path) = settings.start(&camera.rays(settings.aspect()), x, y, sample, 0);
+    let camera = camera.rays(settings.aspect());
+    let (mut ray, mut path) = settings.start(&camera, x, y, sample, 0);
+    if world.has_media() {
+        path.start_in(interior_at(world, camera.centre(), |ray| {
+            let mut hit = [ClosestHit::MISS];
+            tracer.closest_hits(&Batch::new(&[*ray]), &mut hit);
+            hit[0]
+        }));
+    }
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
     let mut depth = 1;
@@ -58,6 +66,21 @@ pub fn replay(
             if !blocked[0].0 {
                 result.radiance += shadow.radiance;
             }
+        }
+        let mut transits = Transits::default();
+        if let Some(transit) = step.transit {
+            transits.push(0, ray_key(path.key, 2 * depth + 1), transit);
+        }
+        while !transits.rays.is_empty() {
+            let filter = AlphaFilter::new(world, &transits.keys);
+            let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
+            let mut hit = [ClosestHit::MISS];
+            tracer.closest_hits(&Batch::new(&transits.rays).with_filter(filter), &mut hit);
+            push_line(&mut text, &format!("  light along {}", format_ray(&transits.rays[0])));
+            transits.cross(world, &hit, |_, radiance| {
+                push_line(&mut text, &format!("  arrives: {radiance:?}"));
+                result.radiance += radiance;
+            });
         }
         let Some(next) = step.next else { break };
         (ray, depth) = (next, depth + 1);

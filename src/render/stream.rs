@@ -18,10 +18,11 @@ use super::start::{Started, Starts};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::geom::Shaft;
 use crate::integrator::{
-    Path, PathSample, PathTracer, ShadowRays, Vertices, add_environment_in_lanes, shade_in_lanes,
+    Interior, Path, PathSample, PathTracer, ShadowRays, Transits, Vertices,
+    add_environment_in_lanes, interior_at, shade_in_lanes,
 };
 use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes, SmoothGlassLanes};
-use crate::math::{InstanceId, Ray};
+use crate::math::{InstanceId, Ray, Vec3};
 use crate::simd::lanes::Lanes;
 use crate::simd::{in_lanes, vectorized};
 use crate::world::{AlphaFilter, BsdfClass};
@@ -68,6 +69,7 @@ pub(super) struct Stream<'w> {
     leaving: Vec<u32>,
     shadow_rays: ShadowRays,
     blocked: Vec<AnyHit>,
+    transits: Transits,
     /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
     keys: Vec<u64>,
     /// Results by slot.
@@ -105,6 +107,7 @@ impl<'w> Stream<'w> {
             leaving: Vec::new(),
             shadow_rays: ShadowRays::default(),
             blocked: Vec::new(),
+            transits: Transits::default(),
             keys: Vec::new(),
             samples: Vec::new(),
             follows: false,
@@ -126,6 +129,10 @@ impl<'w> Stream<'w> {
             samples: &mut self.samples,
         };
         in_lanes!(self.level, lanes => starts.start(lanes, started));
+        if self.integrator.world().has_media() {
+            let interior = self.interior_of_camera(starts.camera.centre());
+            self.paths.iter_mut().for_each(|path| path.start_in(interior));
+        }
         self.breakdown.add_since(Stage::Start, start);
         self.follows = false;
         self.segments.clear();
@@ -165,6 +172,15 @@ impl<'w> Stream<'w> {
         &mut self.breakdown
     }
 
+    /// The solids that the camera is in.
+    fn interior_of_camera(&mut self, place: Vec3) -> Interior {
+        interior_at(self.integrator.world(), place, |ray| {
+            let mut hit = [ClosestHit::MISS];
+            self.tracer.closest_hits(&Batch::new(&[*ray]), &mut hit);
+            hit[0]
+        })
+    }
+
     /// Advances all paths by one segment.
     fn bounce(&mut self, depth: u32) {
         let start = Instant::now();
@@ -172,6 +188,7 @@ impl<'w> Stream<'w> {
         let start = self.breakdown.add_since(Stage::ClosestHits, start);
         let start = self.shade(depth, start);
         self.trace_shadow_rays(depth);
+        self.trace_transits();
         self.breakdown.add_since(Stage::ShadowRays, start);
     }
 
@@ -231,6 +248,10 @@ impl<'w> Stream<'w> {
         self.triangles.clear();
         let world = self.integrator.world();
         let goes_on = self.integrator.goes_beyond(depth);
+        if !world.shades_in_lanes() {
+            self.classes[BsdfClass::Other as usize].extend(0..self.paths.len() as u32);
+            return;
+        }
         for (i, (hit, path)) in self.hits.iter().zip(&self.paths).enumerate() {
             let (mut class, mut triangle) = (BsdfClass::Other, (InstanceId::from_index(0), 0));
             if !hit.is_hit() && path.is_in_air() {
@@ -291,6 +312,9 @@ impl<'w> Stream<'w> {
             if let Some(shadow) = step.shadow {
                 self.shadow_rays.push(path, shadow);
             }
+            if let Some(transit) = step.transit {
+                self.transits.push(path.slot, ray_key(path.key, 2 * depth + 1), transit);
+            }
             if let Some(next) = step.next {
                 self.rays[i] = next;
                 self.alive[i] = true;
@@ -332,6 +356,27 @@ impl<'w> Stream<'w> {
             if !blocked.0 {
                 self.samples[end.slot as usize].radiance += end.radiance;
             }
+        }
+    }
+}
+
+impl Stream<'_> {
+    /// Takes lights through borders, and adds those that arrive.
+    fn trace_transits(&mut self) {
+        let world = self.integrator.world();
+        while !self.transits.rays.is_empty() {
+            let Transits { rays, keys, .. } = &self.transits;
+            self.hits.clear();
+            self.hits.resize(rays.len(), ClosestHit::MISS);
+            let filter = AlphaFilter::new(world, keys);
+            let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
+            let batch = Batch::new(rays).with_filter(filter);
+            self.tracer.closest_hits(&batch, &mut self.hits);
+            self.counts.shadow += rays.len() as u64;
+            let samples = &mut self.samples;
+            self.transits.cross(world, &self.hits, |slot, radiance| {
+                samples[slot as usize].radiance += radiance;
+            });
         }
     }
 }

@@ -46,6 +46,9 @@ impl Scene {
                 let _ = write!(digest, "{sun:?}");
             }
         }
+        if let Some(medium) = &self.medium {
+            let _ = write!(digest, "{medium:?}");
+        }
         let _ = write!(digest, "{:?} {:?} {:?}", self.materials, self.lights, self.cameras);
         digest.value()
     }

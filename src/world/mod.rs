@@ -4,12 +4,14 @@
 //! point (`lookup`, `layers`), how a normal is bent (`shading_normal`), what shines (`lights`).
 
 mod alpha;
+mod in_media;
 mod interpolation;
 pub mod lanes;
 mod layers;
 mod light_sampler;
 mod lights;
 mod lookup;
+mod media;
 mod prepared_material;
 mod sample_light;
 mod shading_normal;

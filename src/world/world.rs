@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::interpolation::Interpolation;
 use super::layers::layers_at;
 use super::lookup::{alpha, emission, surface_params};
+use super::media::Media;
 use super::prepared_material::{PreparedMaterial, materials_with_clear_vertices};
 use super::shading_normal::{NormalContext, shading_normal};
 use super::surface::{normal_and_area, triangle_point};
@@ -33,6 +34,7 @@ pub struct World {
     /// units in the last place of the scene's size.
     pub(super) slack: f32,
     pub(super) form: BsdfForm,
+    pub(super) media: Media,
     see_through: bool,
 }
 
@@ -80,7 +82,8 @@ impl World {
         let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
         let slack = extent.max_element() * SLACK;
-        Ok(Self { scene, triangles, lights, materials, slack, form, see_through })
+        let media = Media::new(&scene);
+        Ok(Self { scene, triangles, lights, materials, slack, form, media, see_through })
     }
 
     /// Whether hits must be judged by their alpha; see [`super::AlphaFilter`].

@@ -40,6 +40,7 @@ mod select;
 mod skin;
 mod specular_glossiness;
 mod texture;
+mod translucency;
 mod variants;
 
 use std::path::Path;
