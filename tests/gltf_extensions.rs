@@ -5,7 +5,7 @@ mod gltf_file;
 use dapple::camera::Projection;
 use dapple::formats::{LoadError, LoadOptions, gltf};
 use dapple::material::BsdfForm;
-use dapple::math::{Vec2, Vec3, Vec4};
+use dapple::math::{Vec3, Vec4};
 use dapple::scene::Scene;
 use dapple::world::{Attributes, World};
 use gltf_file::{File, message};
@@ -144,7 +144,7 @@ fn an_unlit_surface_shows_its_colour_and_reflects_nothing() {
     });
     let world = World::new(file.load().expect("loads"), BsdfForm::Conserving);
     let world = world.expect("is small");
-    let at = Attributes { uv: [Vec2::ZERO; 2], color: Vec4::new(1.0, 0.5, 1.0, 1.0) };
+    let at = Attributes { color: Vec4::new(1.0, 0.5, 1.0, 1.0), ..Attributes::NONE };
     let material = world.scene.instances[0].material;
     assert_eq!(world.emission(material, &at), Vec3::new(0.5, 0.125, 1.0));
     assert_eq!(world.bare_bsdf(material, &at).albedo(), Vec3::ZERO);

@@ -3,15 +3,18 @@
 mod stage;
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use dapple::Transport;
 use dapple::camera::Camera;
 use dapple::geom::Mesh;
 use dapple::light::{Environment, Punctual, PunctualKind};
+use dapple::material::BsdfForm;
 use dapple::math::{MaterialId, Vec3, Vec4};
 use dapple::medium::{HenyeyGreenstein, Medium};
 use dapple::render::Settings;
 use dapple::scene::{Material, ScatterColor, Scattering, Scene, Volume};
+use dapple::world::{LightSamplerKind, World};
 use stage::{assert_mean, flat_camera, lambert, mean, rectangle, run, scene, settings, sphere};
 
 /// More scatterings than any path takes here.
@@ -137,14 +140,17 @@ fn a_half_space_returns_what_chandrasekhar_says() {
     for (albedo, expected) in [(0.5, 1.251_26), (0.9, 1.850_10)] {
         assert!((h_function(albedo)(1.0) - expected).abs() < 2e-4, "{}", h_function(albedo)(1.0));
     }
-    for (albedo, cosine, spp) in [(0.5_f64, 1.0_f64, 40_000), (0.9, 0.4, 8_000), (0.99, 1.0, 3_000)]
+    // Paths end where less than 1e-5 of the light is left, at most `albedo` to that power: those
+    // that never come out of a half-space would be followed for nothing.
+    for (albedo, cosine, spp, depth) in
+        [(0.5_f64, 1.0_f64, 40_000, 20), (0.9, 0.4, 8_000, 110), (0.99, 1.0, 3_000, 1200)]
     {
         let half = Vec3::new(1000.0, 500.0, 1000.0);
         let space = white_world([(cuboid(half), cloud(1.0, albedo as f32, 0.0, 1.0))]);
         let from = Vec3::new(libm::sqrt(1.0 - cosine * cosine) as f32, cosine as f32, 0.0);
         let top = Vec3::Y * half.y;
         let camera = flat_camera(top + from * 10.0, top, 0.1);
-        let (found, error) = mean(&run(space, &camera, &settings(8, spp, ENDLESS)).picture);
+        let (found, error) = mean(&run(space, &camera, &settings(8, spp, depth)).picture);
         let expected = 1.0 - (1.0 - albedo).sqrt() * h_function(f64::from(albedo as f32))(cosine);
         let off = f64::from(found) / expected - 1.0;
         assert!(f64::from(error) < 8e-4 * expected, "{albedo} {cosine}: {error}");
@@ -276,6 +282,23 @@ fn who_starts_in_fog_sees_it() {
     let parts = [(sphere(3), cloud(1.0, 0.5, 0.0, 1.0)), (wall, lamp)];
     let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1e-3);
     assert_mean(&run(scene(parts), &camera, &settings(16, 2048, 1)), libm::expf(-0.5));
+}
+
+/// Other lights in a world leave its media as they are.
+#[test]
+fn media_stay_when_lights_change() {
+    let mut fog = scene([(sphere(1), cloud(2.0, 0.5, 0.0, 1.0))]);
+    fog.medium = Some(Medium::new(Vec3::splat(0.6), Vec3::splat(0.5), 0.0));
+    let mut world = World::new(Arc::new(fog), BsdfForm::Conserving).expect("few triangles");
+    world.relight(LightSamplerKind::default(), |scene| {
+        scene.environment = Some(Environment::constant(Vec3::ONE));
+    });
+    assert!(world.scene.environment.is_some() && !world.lights.is_dark());
+    assert!(world.has_media() && world.has_passable_borders());
+    for (id, extinction) in [(MaterialId::NONE, 0.6), (MaterialId::from_index(0), 2.0)] {
+        let medium = world.medium(id).expect("it scatters");
+        assert!((medium.extinction() - extinction).abs().max_element() < 1e-5, "{medium:?}");
+    }
 }
 
 /// Milk in a glass in water: where solids overlap, the first by priority scatters, and lamps are

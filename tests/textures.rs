@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use dapple::film::exr;
 use image::{DynamicImage, GrayImage, ImageFormat, RgbImage, RgbaImage};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -104,6 +105,30 @@ fn render(folder: &Path, memory: &str, words: &str) -> (Vec<u8>, Value) {
     let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     eprintln!("{memory}: {:.1} s, {told}", start.elapsed().as_secs_f64());
     (fs::read(out).expect("written"), told["textures"].clone())
+}
+
+/// The mean of green in `out.exr`.
+fn mean_green(folder: &Path) -> f32 {
+    let picture = exr::read(&folder.join("out.exr")).expect("a picture");
+    let green = picture.channel("G").expect("green");
+    green.iter().sum::<f32>() / green.len() as f32
+}
+
+#[test]
+fn levels_are_the_same_in_tiles_and_as_bright_as_the_images() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_scene(folder.path(), 24, 512);
+    let words = "--resolution 96x64 --spp 16";
+    render(folder.path(), "1TiB", words);
+    let without = mean_green(folder.path());
+    let words = format!("{words} --texture-lod on");
+    let (unlimited, told) = render(folder.path(), "1TiB", &words);
+    let with = mean_green(folder.path());
+    assert!((with / without - 1.0).abs() < 0.02, "{with} and {without}");
+    assert_eq!((&told["images"], &told["tiled"]), (&json!(24 * 10), &json!(0)));
+    let (limited, told) = render(folder.path(), "2MiB", &words);
+    assert!(limited == unlimited, "{told}");
+    assert!(told["tiled"].as_u64().expect("a number") > 24, "{told}");
 }
 
 #[test]

@@ -47,17 +47,23 @@ fn ball(rings: u32) -> Mesh {
 
 /// Placements of one ball.
 fn placed(transforms: Vec<Affine3A>) -> Arc<dyn TriangleSource> {
-    let place = |to_world: Affine3A| Instance {
-        mesh: MeshId(0),
+    placed_beside(transforms, Vec::new())
+}
+
+/// Placements of one ball beside others, each of its own.
+fn placed_beside(transforms: Vec<Affine3A>, others: Vec<Affine3A>) -> Arc<dyn TriangleSource> {
+    let place = |mesh: u32, to_world: Affine3A| Instance {
+        mesh: MeshId(mesh),
         material: MaterialId(0),
         transform: Transform::new(to_world),
     };
-    let scene = Scene {
-        meshes: vec![Arc::new(ball(6))],
-        materials: vec![Material::default()],
-        instances: transforms.into_iter().map(place).collect(),
-        ..Scene::default()
-    };
+    let own = (1..).zip(others).map(|(mesh, to_world)| place(mesh, to_world));
+    let mut instances: Vec<Instance> = own.collect();
+    let meshes = (0..=instances.len()).map(|mesh| Arc::new(ball(6 + mesh as u32 % 3)));
+    let meshes = meshes.collect();
+    instances.extend(transforms.into_iter().map(|to_world| place(0, to_world)));
+    let materials = vec![Material::default()];
+    let scene = Scene { meshes, materials, instances, ..Scene::default() };
     Arc::new(Triangles::new(Arc::new(scene)).expect("few"))
 }
 
@@ -98,6 +104,13 @@ fn scenes() -> Vec<(&'static str, Arc<dyn TriangleSource>)> {
         ("of all sizes", placed(mixed.collect())),
         ("touching", placed(touching)),
         ("coincident", placed(coincident)),
+        (
+            "among meshes placed once",
+            placed_beside(
+                scattered(20, 1.0, 0.5, Vec3::ZERO),
+                (20..30).map(|i| transform(i, 1.5, 0.5, direction(i) * 3.0)).collect(),
+            ),
+        ),
     ]
 }
 

@@ -31,7 +31,7 @@ pub struct PoolUse {
 }
 
 /// A clock for the phases of a build, one after another.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Phases {
     /// When the one that runs began.
     start: Instant,

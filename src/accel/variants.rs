@@ -185,7 +185,7 @@ pub fn build(
                 (row, &defaults)
             }
         };
-        return Ok(Box::new(TwoLevel::build(placed, (below, above), level)?));
+        return TwoLevel::build(placed, (below, above), level);
     }
     BuildError::check_count(source.len())?;
     let input = BuildInput { source: Arc::clone(&source), options: &spec.options, level };

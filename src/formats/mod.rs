@@ -26,5 +26,5 @@ pub use environment_image::EnvironmentImage;
 pub use environment_repair::NotFinite;
 pub use error::{Broken, LoadError};
 pub use load::load;
-pub use options::{LoadOptions, MissingTexture};
+pub use options::{LoadOptions, MissingTexture, MtlTransparency};
 pub use read::read_file;

@@ -4,12 +4,16 @@ use std::path::Path;
 
 use super::{LoadError, LoadOptions, gltf, obj, ply, read_file, texture_range};
 use crate::scene::Scene;
+use crate::texture::add_levels;
 
 /// Loads a file of one of the formats that hold shapes, on its own or as a part of a TOML scene.
 /// The format is told by the ending, else by the first bytes. Notices are never an error here.
 pub(super) fn load_model(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let mut scene = load_format(path, options)?;
     texture_range::restrict(&mut scene, path, &options.textures)?;
+    if options.texture_levels {
+        add_levels(&mut scene.textures, &options.textures);
+    }
     Ok(scene)
 }
 

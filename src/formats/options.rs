@@ -16,6 +16,17 @@ pub enum MissingTexture {
     Magenta,
 }
 
+/// What `d` and `Tr` of a material of an OBJ file mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MtlTransparency {
+    /// `d` is the opacity; where there is none, `Tr` is, as old exporters had it.
+    D,
+    /// `Tr` is the transparency; where there is none, `d` is the opacity.
+    Tr,
+    /// `d` is the opacity; where there is none, `Tr` is the transparency. Whatever that hides.
+    File,
+}
+
 /// How to load a scene.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
@@ -23,6 +34,9 @@ pub struct LoadOptions {
     pub strict: bool,
     /// What to do about a texture that is missing or broken.
     pub missing_texture: MissingTexture,
+    /// What transparency means in an OBJ file; none: as [`MtlTransparency::File`] has it, but a
+    /// file of which all would be invisible is opaque.
+    pub mtl_transparency: Option<MtlTransparency>,
     /// Which of a file's scenes, by its name or else its number from 0; none: the file's default.
     pub scene: Option<String>,
     /// Which of the file's variants of materials (KHR_materials_variants), by its name or else its
@@ -36,6 +50,8 @@ pub struct LoadOptions {
     /// What decodes and keeps the images of textures; by default a new one without a limit. Scenes
     /// that are loaded with the same one share their images.
     pub textures: Arc<TextureStore>,
+    /// Whether textures get smaller versions of their images, for what is seen from afar.
+    pub texture_levels: bool,
 }
 
 impl LoadOptions {

@@ -33,16 +33,16 @@ pub trait TriangleSource: Send + Sync {
         0.0
     }
 
-    /// Whether all that is known of a primitive is a box, from vertex `a` to vertex `b` of its
-    /// triangle.
-    fn are_boxes(&self) -> bool {
-        false
+    /// How many primitives are boxes, the last ones: all that is known of these is a box, from
+    /// vertex `a` to vertex `b` of its triangle.
+    fn boxes(&self) -> usize {
+        0
     }
 
     /// The box of the part that lies in a cell; `None`: there is none.
     #[inline]
     fn clip(&self, prim: PrimId, cell: &Aabb) -> Option<Aabb> {
-        if self.are_boxes() {
+        if prim.index() >= self.len() - self.boxes() {
             let part = self.triangle(prim).bounds().intersection(*cell);
             return (!part.is_empty()).then_some(part);
         }

@@ -137,7 +137,7 @@ pub fn interior_at(
         if !hit.is_hit() {
             break;
         }
-        let surface = world.surface(&ray, &hit);
+        let surface = world.surface(&ray, &hit, 0.0);
         let id = surface.material;
         if world.is_solid(id) {
             if surface.front {

@@ -10,6 +10,7 @@
 //! | `lanes` | the same steps for many paths at once |
 //! | `shadow_rays` | the shadow rays of a slice |
 //! | `state` | what a path carries, and what goes in and out |
+//! | `cone` | how wide a path is, for the levels of textures |
 //! | `first_hit` | what the camera sees, apart from its light |
 //! | `light` | emission, the environment and sampled lights, weighed |
 //! | `mis` | multiple importance sampling: the power heuristic |
@@ -21,6 +22,7 @@
 //! | `dimensions` | which random numbers are used where |
 
 mod borders;
+mod cone;
 mod crossing;
 mod dimensions;
 mod first_hit;

@@ -96,7 +96,7 @@ impl<'w> PathTracer<'w> {
         }
 
         // Account for the medium along the segment, then for emission at its end.
-        let surface = world.surface(ray, hit);
+        let surface = world.surface(ray, hit, path.width());
         absorb(world, path, &surface, hit.t);
         add_emission(world, path, &surface, (ray, hit.t), sample);
         if depth > 1 && !self.goes_beyond(depth) {
@@ -180,7 +180,8 @@ impl<'w> PathTracer<'w> {
             path.context.position = ray.origin();
         }
         // Most paths in dense media scatter long before the surface, which then is not asked for.
-        let look = || hit.is_hit().then(|| world.surface(ray, hit));
+        let width = path.width();
+        let look = || hit.is_hit().then(|| world.surface(ray, hit, width));
         let surface = if path.interior.is_air() { look() } else { None };
         let to = if hit.is_hit() { hit.t } else { f32::INFINITY };
         match fly(world, depth, path, surface.as_ref(), to) {
@@ -191,6 +192,7 @@ impl<'w> PathTracer<'w> {
                 let surface = if near { surface.or_else(look) } else { None };
                 let surface = surface.as_ref();
                 let position = point_before(ray, at, surface);
+                path.end_at(at, to);
                 let first = sample.first.is_none();
                 let seen = if first { self.seen_behind(path, surface, hit) } else { None };
                 let here = (position, at, -ray.direction());

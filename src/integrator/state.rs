@@ -1,5 +1,6 @@
 //! The state of a path, and what goes in and out at its vertices.
 
+use super::cone::Cone;
 use super::interior::Interior;
 use super::transit::Transit;
 use crate::light::LightSampleContext;
@@ -19,6 +20,8 @@ pub struct Path {
     /// Density over solid angle with which the current ray's direction was sampled; infinite where
     /// no light could have been sampled in that direction.
     pub(super) pdf: f32,
+    /// How wide it is, where textures have levels.
+    pub(super) cone: Cone,
     /// The solids that it travels in.
     pub(super) interior: Interior,
     /// Of each colour, the density with which it would have drawn the path's legs in media, over
@@ -95,6 +98,7 @@ impl Path {
             eta_squared: 1.0,
             context: LightSampleContext { position: Vec3::ZERO, normal: Vec3::ZERO },
             pdf: f32::INFINITY,
+            cone: Cone::default(),
             interior: Interior::AIR,
             densities: Vec3::ONE,
             passed: 0,
@@ -115,6 +119,27 @@ impl Path {
     /// Puts it inside of solids, where it starts.
     pub fn start_in(&mut self, interior: Interior) {
         self.interior = interior;
+    }
+
+    /// Lets it begin as wide as a pixel; see
+    /// [`Camera::pixel_cone`](crate::camera::Camera::pixel_cone).
+    pub fn set_cone(&mut self, [width, spread]: [f32; 2]) {
+        self.cone = Cone { width, spread };
+    }
+
+    /// Lets it widen along a segment of length `t`.
+    pub fn widen(&mut self, t: f32) {
+        self.cone.widen(self.pdf, t);
+    }
+
+    /// Ends its current ray, which is `t` metres long, at the point `at` along it.
+    pub(super) fn end_at(&mut self, at: f32, t: f32) {
+        self.cone.end_at(at, t);
+    }
+
+    /// How wide it is at the end of its current ray, once it is widened; metres.
+    pub fn width(&self) -> f32 {
+        self.cone.width
     }
 
     /// Whether it is inside of no solid.

@@ -75,7 +75,7 @@ impl Transit {
             self.dim(world, whole);
             return self.arrive();
         }
-        let surface = world.surface(&self.ray, hit);
+        let surface = world.surface(&self.ray, hit, 0.0);
         if !surface.front && world.is_solid(surface.material) && self.interior.is_air() {
             self.interior = self.interior.behind(surface.material, world);
         }

@@ -24,7 +24,7 @@ pub struct EnvironmentSample {
 /// An image is a map of latitude and longitude: its centre looks towards -Z, +X is to the right of
 /// it and +Y is up. The first row lies on the pole +Y and the last on -Y; columns lie half a column
 /// inside the image's edges, which meet towards +Z (Mitsuba has them so).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Environment {
     source: Source,
     /// Mean over the sphere.
@@ -33,7 +33,7 @@ pub struct Environment {
     sun: Option<(Sun, f32)>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Source {
     Constant(Vec3),
     Image(EnvironmentImage),

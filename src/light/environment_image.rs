@@ -26,7 +26,7 @@ pub struct EnvironmentSamples<L: Lanes> {
 const EVEN_PART: f64 = 0.75;
 
 /// A latitude-longitude map, looked up bilinearly.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct EnvironmentImage {
     width: u32,
     height: u32,

@@ -1,6 +1,6 @@
-//! Orthonormal frames.
+//! Orthonormal frames, and a turn from one to another.
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// A right-handed orthonormal frame; `normal` is its third axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +52,20 @@ impl Frame {
     }
 }
 
+/// The turn by the shortest way that takes +Y to a unit direction.
+pub fn turn_upright(up: Vec3) -> Mat3 {
+    let (axis, cosine) = (Vec3::Y.cross(up), up.y); // of the turn; times its sine
+    if cosine < -0.999_999 {
+        return Mat3::from_diagonal(Vec3::new(1.0, -1.0, -1.0));
+    }
+    let across = Mat3::from_cols(
+        Vec3::new(0.0, axis.z, -axis.y),
+        Vec3::new(-axis.z, 0.0, axis.x),
+        Vec3::new(axis.y, -axis.x, 0.0),
+    );
+    Mat3::IDENTITY + across + across * across * (1.0 / (1.0 + cosine))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -65,5 +79,17 @@ mod tests {
             let v = Vec3::new(0.3, -0.5, 0.7);
             assert!(frame.to_world(frame.to_local(v)).distance(v) < 1e-6);
         }
+    }
+
+    #[test]
+    fn the_turn_takes_up_there_by_the_shortest_way() {
+        assert_eq!(turn_upright(Vec3::Y), Mat3::IDENTITY);
+        for up in [Vec3::X, Vec3::Z, Vec3::NEG_Y, Vec3::NEG_Z, Vec3::new(0.6, -0.64, 0.48)] {
+            let turn = turn_upright(up);
+            assert!((turn * Vec3::Y).abs_diff_eq(up, 1e-6), "{up}");
+            assert!((turn.determinant() - 1.0).abs() < 1e-5);
+            assert!((turn * turn.transpose()).abs_diff_eq(Mat3::IDENTITY, 1e-5));
+        }
+        assert!((turn_upright(Vec3::Z) * Vec3::Z).abs_diff_eq(Vec3::NEG_Y, 1e-6));
     }
 }

@@ -9,7 +9,7 @@ mod ray;
 
 pub use aabb::Aabb;
 pub use digest::Digest;
-pub use frame::Frame;
+pub use frame::{Frame, turn_upright};
 pub use glam::{
     Affine3A, DAffine3, DMat3, DQuat, DVec2, DVec3, Mat3, Mat4, Quat, Vec2, Vec3, Vec4,
 };

@@ -108,7 +108,9 @@ mod tests {
         for i in 0..1000 {
             let u = Sampler::independent(i, 2, 4).next_2d();
             let leg = flight.sample(f32::INFINITY, u).expect("no underflow");
-            assert!(leg.scatters_at.is_some() && leg.weight == Vec3::ONE);
+            // Three sums and products are rounded.
+            let off = (leg.weight - Vec3::ONE).abs().max_element();
+            assert!(leg.scatters_at.is_some() && off <= 2.0 * f32::EPSILON, "{leg:?}");
         }
     }
 

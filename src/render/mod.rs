@@ -14,6 +14,7 @@
 //! | `breakdown` | where the time goes |
 //! | `aov`, `preview` | make the layers of the picture, and a first look at it |
 //! | `rendered` | what a render gives |
+//! | `look_ahead` | how much of a frame shows something, and how much of that is lit |
 //! | `replay` | one path alone, described step by step |
 
 mod aov;
@@ -22,6 +23,7 @@ mod earlier;
 mod fair_mutex;
 mod film;
 mod frame;
+mod look_ahead;
 mod noise;
 mod noise_target;
 mod passes;
@@ -42,6 +44,7 @@ pub use breakdown::{Breakdown, Stage};
 pub(crate) use earlier::Earlier;
 pub use film::Film;
 pub use frame::{Control, render};
+pub use look_ahead::{Sight, look_ahead};
 pub use noise_target::{NoiseReached, NoiseTarget};
 pub use progress::Progress;
 pub use rendered::Rendered;

@@ -22,14 +22,17 @@ pub fn replay(
 ) -> String {
     let integrator = PathTracer::new(world, settings.transport);
     let mut tracer = accel.tracer();
-    let camera = camera.rays(settings.aspect());
-    let (mut ray, mut path) = settings.start(&camera, x, y, sample, 0);
+    let rays = camera.rays(settings.aspect());
+    let (mut ray, mut path) = settings.start(&rays, x, y, sample, 0);
     if world.has_media() {
-        path.start_in(interior_at(world, camera.centre(), |ray| {
+        path.start_in(interior_at(world, rays.centre(), |ray| {
             let mut hit = [ClosestHit::MISS];
             tracer.closest_hits(&Batch::new(&[*ray]), &mut hit);
             hit[0]
         }));
+    }
+    if world.has_levels() {
+        path.set_cone(camera.pixel_cone(settings.resolution.1));
     }
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
@@ -46,7 +49,10 @@ pub fn replay(
             &mut text,
             &format!("segment {depth}: {}, throughput {throughput:?}", format_ray(&ray)),
         );
-        describe_hit(&mut text, world, &ray, &hit[0]);
+        if world.has_levels() {
+            path.widen(hit[0].t);
+        }
+        describe_hit(&mut text, world, &ray, &hit[0], path.width());
 
         let before = result.radiance;
         let step = integrator.advance(depth, &mut path, &ray, &hit[0], &mut result);
@@ -93,12 +99,12 @@ pub fn replay(
     text
 }
 
-fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit) {
+fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit, width: f32) {
     if !hit.is_hit() {
         push_line(text, "  hit nothing");
         return;
     }
-    let surface = world.surface(ray, hit);
+    let surface = world.surface(ray, hit, width);
     let material = world.material(surface.material);
     let side = if surface.front { "front" } else { "back" };
     let head =

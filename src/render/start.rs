@@ -90,6 +90,11 @@ impl Starts<'_> {
         self.start_block(lanes, &mut block, started);
     }
 
+    /// How wide a pixel is.
+    pub fn pixel_cone(&self) -> [f32; 2] {
+        self.camera.camera().pixel_cone(self.settings.resolution.1)
+    }
+
     fn start_one_by_one(&self, started: &mut Started<'_>) {
         for (pixel, (x, y)) in self.pixels().enumerate() {
             for i in 0..self.count {

@@ -80,6 +80,8 @@ pub(super) struct Stream<'w> {
     segments: Vec<u32>,
     /// The cost of a path in nanoseconds, by its number of segments.
     shares: Vec<f32>,
+    /// How wide a pixel is, see [`crate::camera::Camera::pixel_cone`].
+    pixel_cone: [f32; 2],
     /// The raster of pixels whose rays these are, until they have been traced.
     grid: Option<(u32, u32)>,
     counts: RayCounts,
@@ -113,6 +115,7 @@ impl<'w> Stream<'w> {
             follows: false,
             segments: Vec::new(),
             shares: Vec::new(),
+            pixel_cone: [0.0; 2],
             grid: None,
             counts: RayCounts::default(),
             breakdown: Breakdown::default(),
@@ -134,6 +137,7 @@ impl<'w> Stream<'w> {
             self.paths.iter_mut().for_each(|path| path.start_in(interior));
         }
         self.breakdown.add_since(Stage::Start, start);
+        self.pixel_cone = starts.pixel_cone();
         self.follows = false;
         self.segments.clear();
         self.segments.resize(self.samples.len(), 0);
@@ -185,6 +189,7 @@ impl<'w> Stream<'w> {
     fn bounce(&mut self, depth: u32) {
         let start = Instant::now();
         self.trace_paths(depth);
+        self.widen_paths(depth);
         let start = self.breakdown.add_since(Stage::ClosestHits, start);
         let start = self.shade(depth, start);
         self.trace_shadow_rays(depth);
@@ -209,6 +214,19 @@ impl<'w> Stream<'w> {
         }
         self.tracer.closest_hits(&batch, &mut self.hits);
         self.counts.closest += self.rays.len() as u64;
+    }
+
+    /// Lets paths be as wide as they are where they hit something.
+    fn widen_paths(&mut self, depth: u32) {
+        if !self.integrator.world().has_levels() {
+            return;
+        }
+        for (path, hit) in self.paths.iter_mut().zip(&self.hits) {
+            if depth == 1 {
+                path.set_cone(self.pixel_cone);
+            }
+            path.widen(hit.t);
+        }
     }
 
     /// Lets every path scatter; those that go on move up to the front, in order. Returns the time.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{Instance, NamedCamera, Notice, Scene};
 use crate::camera::Camera;
 use crate::light::Environment;
-use crate::math::{Aabb, Vec3};
+use crate::math::{Aabb, Vec3, turn_upright};
 
 /// Vertical field of view of the automatic camera, degrees.
 pub const AUTOMATIC_YFOV: f32 = 40.0;
@@ -39,7 +39,7 @@ impl Scene {
             self.notices.push(notice);
         }
         if self.cameras.is_empty() {
-            let (camera, notice) = automatic_camera(self, aspect, "");
+            let (camera, notice) = automatic_camera(self, Vec3::Y, aspect, "");
             self.cameras.push(NamedCamera { name: String::new(), aspect: None, camera });
             self.notices.push(notice);
         }
@@ -73,10 +73,10 @@ fn bounds_of_points(scene: &Scene, points: &[Vec<Vec3>]) -> Aabb {
 }
 
 /// A camera that sees all of the scene, from the front, a little to the right and above, in a
-/// picture of `aspect`, and how to say so. `file` is for the message.
-pub fn automatic_camera(scene: &Scene, aspect: f32, file: &str) -> (Camera, Notice) {
+/// picture of `aspect`, and how to say so. `up` is a unit direction; `file` is for the message.
+pub fn automatic_camera(scene: &Scene, up: Vec3, aspect: f32, file: &str) -> (Camera, Notice) {
     let bounds = bounds(scene);
-    let camera = Camera::framing(&bounds, AUTOMATIC_YFOV.to_radians(), aspect);
+    let camera = Camera::framing_upright(&bounds, up, AUTOMATIC_YFOV.to_radians(), aspect);
     let eye = camera.to_world.translation;
     // To the last bit: who goes on from there starts with the same picture.
     let message = format!(
@@ -100,19 +100,25 @@ pub fn describe_empty_scene(scene: &Scene, file: &str) -> Option<Notice> {
 /// A neutral sky for a scene without any light, brightest above, and how to say so; none if
 /// something shines.
 pub fn automatic_sky(scene: &Scene, file: &str) -> Option<(Environment, Notice)> {
+    if shines(scene) {
+        return None;
+    }
+    let message = "no light: under a neutral sky, brightest above (--light sky, --env)".to_owned();
+    Some((neutral_sky(Vec3::Y), Notice { place: file.to_owned(), message }))
+}
+
+/// Whether anything in or around a scene is said to shine, whatever its light does.
+pub fn shines(scene: &Scene) -> bool {
     let emits = scene.instances.iter().any(|instance| {
         scene.materials[instance.material.index()].is_emissive()
             && !scene.meshes[instance.mesh.index()].indices.is_empty()
     });
-    if emits || !scene.lights.is_empty() || scene.environment.is_some() {
-        return None;
-    }
-    let message = "no light: under a neutral sky, brightest above (--env)".to_owned();
-    Some((neutral_sky(), Notice { place: file.to_owned(), message }))
+    emits || !scene.lights.is_empty() || scene.environment.is_some()
 }
 
-/// A neutral sky, brightest above: [`automatic_sky_radiance`].
-pub fn neutral_sky() -> Environment {
+/// A neutral sky, brightest above: [`automatic_sky_radiance`], turned to where `up` is.
+pub fn neutral_sky(up: Vec3) -> Environment {
+    let to_sky = turn_upright(up).transpose();
     const HEIGHT: usize = 64;
     const WIDTH: usize = 2 * HEIGHT;
     let pixel = |i: usize| {
@@ -121,7 +127,7 @@ pub fn neutral_sky() -> Environment {
         let latitude = (0.5 - (y as f32 + 0.5) / HEIGHT as f32) * std::f32::consts::PI;
         let (sin, cos) = (libm::sinf(latitude), libm::cosf(latitude));
         let across = Vec3::new(libm::sinf(longitude), 0.0, -libm::cosf(longitude));
-        [automatic_sky_radiance(across * cos + Vec3::Y * sin); 3]
+        [automatic_sky_radiance(to_sky * (across * cos + Vec3::Y * sin)); 3]
     };
     Environment::image(WIDTH, HEIGHT, (0..WIDTH * HEIGHT).map(pixel).collect(), 1.0, 0.0)
 }
@@ -156,7 +162,7 @@ mod tests {
                 let scene = scene(size, at);
                 let box_of_it = bounds(&scene);
                 assert_eq!(box_of_it.min, at);
-                let (camera, _) = automatic_camera(&scene, aspect, "a.obj");
+                let (camera, _) = automatic_camera(&scene, Vec3::Y, aspect, "a.obj");
                 let half_y = libm::tanf(0.5 * AUTOMATIC_YFOV.to_radians());
                 let to_camera = camera.to_world.inverse();
                 for corner in [at, at + Vec3::X * size, at + Vec3::Y * size] {
@@ -171,13 +177,27 @@ mod tests {
     #[test]
     fn who_pastes_the_automatic_cameras_place_stands_there() {
         let scene = scene(1e-3, Vec3::new(0.1, 1e-7, -77.3));
-        let (camera, notice) = automatic_camera(&scene, 1.5, "a.obj");
+        let (camera, notice) = automatic_camera(&scene, Vec3::Y, 1.5, "a.obj");
         let (_, place) = notice.message.split_once("--look-from ").expect("it says where");
         let place: Vec<f32> = place.split(',').map(|x| x.parse().expect("a number")).collect();
         assert_eq!(place, camera.to_world.translation.to_array());
         let centre = bounds(&scene).centre();
         let yfov = AUTOMATIC_YFOV.to_radians();
         assert_eq!(Camera::look_at(Vec3::from_slice(&place), centre, Vec3::Y, yfov), camera);
+    }
+
+    #[test]
+    fn with_z_up_camera_and_sky_turn() {
+        let scene = scene(1.0, Vec3::ZERO);
+        let (camera, _) = automatic_camera(&scene, Vec3::Z, 1.0, "a.obj");
+        let turned = camera.to_world.matrix3;
+        // From the front, which is -Y, from above, and upright.
+        assert!(camera.to_world.translation.y < 0.0 && camera.to_world.translation.z > 0.0);
+        assert!(turned.x_axis.z.abs() < 1e-6 && turned.y_axis.z > 0.5, "{turned:?}");
+        let sky = neutral_sky(Vec3::Z);
+        let radiance = |direction| sky.radiance(direction).x;
+        assert!(radiance(Vec3::Z) > radiance(Vec3::Y) && radiance(Vec3::Y) > radiance(-Vec3::Z));
+        assert!((radiance(Vec3::Z) - automatic_sky_radiance(Vec3::Y)).abs() < 0.01);
     }
 
     #[test]
@@ -211,7 +231,7 @@ mod tests {
             assert!((radiance.x - automatic_sky_radiance(direction)).abs() < 0.01, "{radiance}");
             assert!(radiance.x == radiance.y && radiance.y == radiance.z, "it is grey");
         }
-        assert_eq!(notice.message, "no light: under a neutral sky, brightest above (--env)");
+        assert!(notice.message.starts_with("no light: under a neutral sky"), "{notice:?}");
         scene.materials[0].emissive = Vec3::X;
         assert!(automatic_sky(&scene, "a.obj").is_none());
         scene.materials[0].emissive = Vec3::ZERO;

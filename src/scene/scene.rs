@@ -61,7 +61,7 @@ pub struct Contents {
 }
 
 /// Everything that a picture is made of.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Unique meshes.
     pub meshes: Vec<Arc<Mesh>>,

@@ -1,11 +1,13 @@
 //! Tiles of textures that do not fit in memory: where they are kept, and those that are at hand.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::io;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
+use super::pack::{Packed, unpack};
 use super::texels::{Depth, Texels};
 use crate::files::Spool;
 
@@ -16,7 +18,7 @@ pub(super) const MOST_AT_HAND: usize = 256;
 const SHARD_BYTES: u64 = 4 << 20;
 
 /// A tile of usual size, in bytes.
-const USUAL_TILE: u64 = 16 << 10;
+const USUAL_TILE: u64 = 4 << 10;
 
 /// Where a tile is kept.
 #[derive(Debug)]
@@ -39,7 +41,8 @@ pub struct CacheFigures {
     pub limit: u64,
     /// The most that they have taken.
     pub peak: u64,
-    /// Bytes of all tiles as they are kept, in the temporary file or, if that is full, in memory.
+    /// Bytes of all tiles as they are kept: in the temporary file or, where that is full, in
+    /// memory.
     pub stored: u64,
     /// The part of it that is in memory.
     pub stored_in_memory: u64,
@@ -53,8 +56,8 @@ pub struct CacheFigures {
 
 /// Keeps tiles in a temporary file, and some of them decoded: as many as fit. All threads share it.
 ///
-/// It is cut into shards, each with a lock. Who makes room in a shard is told by a clock (the
-/// second chance of Corbato 1968): a tile that was asked for since the hand last passed stays.
+/// It is cut into shards, each with a lock. Who makes room in a shard is told by a clock (Corbató
+/// 1968): a tile that was asked for since the hand last passed has a second chance.
 #[derive(Debug)]
 pub struct TileCache {
     shards: Vec<Mutex<Shard>>,
@@ -164,23 +167,28 @@ impl TileCache {
         self.failure.get().map(String::as_str)
     }
 
-    /// Keeps tiles, each of so many bytes; in memory where the temporary file has no room.
-    pub(super) fn keep(&self, tiles: &[&[u8]]) -> Vec<Place> {
-        let packed: Vec<Vec<u8>> = tiles.iter().map(|tile| pack(tile)).collect();
-        let bytes = packed.iter().map(Vec::len).sum::<usize>() as u64;
+    /// Keeps tiles, in memory where the temporary file has no room, and forgets them in `packed`.
+    pub(super) fn keep(&self, packed: &mut Packed) -> Vec<Place> {
+        let bytes = packed.bytes().len() as u64;
         self.stored.fetch_add(bytes, Relaxed);
         let spool = self.spool.get_or_init(|| Spool::new().ok()).as_ref();
-        let start = spool.and_then(|spool| spool.append(&packed.concat()).ok());
-        let Some(mut start) = start else {
+        let start = spool.and_then(|spool| spool.append(packed.bytes()).ok());
+        if start.is_none() {
             self.stored_in_memory.fetch_add(bytes, Relaxed);
-            return packed.into_iter().map(|tile| Place::Memory(tile.into())).collect();
-        };
-        let place = |tile: &Vec<u8>| {
-            let place = Place::File { start, length: tile.len() as u32 };
-            start += tile.len() as u64;
+        }
+        let mut from = 0;
+        let place = |&length: &u32| {
+            let tile = &packed.bytes()[from..from + length as usize];
+            let place = match start {
+                Some(start) => Place::File { start: start + from as u64, length },
+                None => Place::Memory(tile.into()),
+            };
+            from += length as usize;
             place
         };
-        packed.iter().map(place).collect()
+        let places = packed.lengths().iter().map(place).collect();
+        packed.clear();
+        places
     }
 
     /// The tile `key`, kept at `place`, of so many values.
@@ -218,31 +226,22 @@ impl TileCache {
                 if *length as usize == bytes.len() {
                     return spool.read(*start, bytes);
                 }
-                let mut packed = vec![0; *length as usize];
-                spool.read(*start, &mut packed)?;
-                unpack(&packed, bytes)
+                SCRATCH.with_borrow_mut(|scratch| {
+                    let length = *length as usize;
+                    if scratch.len() < length {
+                        scratch.resize(length, 0);
+                    }
+                    spool.read(*start, &mut scratch[..length])?;
+                    unpack(&scratch[..length], bytes)
+                })
             }
         }
     }
 }
 
-/// A tile compressed, or as it is if that is no larger.
-fn pack(tile: &[u8]) -> Vec<u8> {
-    let packed = lz4_flex::block::compress(tile);
-    if packed.len() < tile.len() { packed } else { tile.to_vec() }
-}
-
-/// The inverse of [`pack`].
-fn unpack(packed: &[u8], tile: &mut [u8]) -> io::Result<()> {
-    if packed.len() == tile.len() {
-        tile.copy_from_slice(packed);
-        return Ok(());
-    }
-    match lz4_flex::block::decompress_into(packed, tile) {
-        Ok(length) if length == tile.len() => Ok(()),
-        Ok(_) => Err(io::Error::other("a tile in the temporary file is too short")),
-        Err(error) => Err(io::Error::other(format!("a tile in the temporary file: {error}"))),
-    }
+thread_local! {
+    /// Room for a tile as it is kept.
+    static SCRATCH: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
 }
 
 fn lock(shard: &Mutex<Shard>) -> MutexGuard<'_, Shard> {
@@ -302,7 +301,12 @@ mod tests {
     fn tiles_come_back_as_they_were_and_stay_within_the_limit() {
         let cache = TileCache::new(8 << 10);
         let tiles: Vec<Vec<u8>> = (0..64).map(tile).collect();
-        let places = cache.keep(&tiles.iter().map(|tile| &tile[..]).collect::<Vec<_>>());
+        let mut packed = Packed::default();
+        for tile in &tiles {
+            packed.push(tile);
+        }
+        let places = cache.keep(&mut packed);
+        assert!(packed.bytes().is_empty());
         for round in 0..3_u64 {
             for i in (0..64).map(|i| (i * (2 * round + 1)) % 64) {
                 let found = cache.tile(i, &places[i as usize], Depth::U8, 1024);
@@ -336,10 +340,11 @@ mod tests {
     #[test]
     fn a_tile_that_cannot_be_read_is_told() {
         let cache = TileCache::new(1 << 20);
-        cache.keep(&[&[1; 100]]);
+        let mut packed = Packed::default();
+        packed.push(&[1; 100]);
+        cache.keep(&mut packed);
         let beyond = Place::File { start: 1 << 30, length: 50 };
         assert_eq!(*cache.tile(1, &beyond, Depth::U8, 100), Texels::U8(vec![0; 100]));
         assert!(cache.failure().is_some());
-        assert!(unpack(&[0xff; 10], &mut [0; 100]).is_err());
     }
 }

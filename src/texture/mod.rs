@@ -5,15 +5,18 @@
 //! | `texture` | an image, its colour space, wraps and filter: the look-up |
 //! | `texels`, `transfer` | values of one to four channels and three depths; what they stand for |
 //! | `image` | an image, whole or in tiles |
-//! | `decode` | images from the bytes of their files |
+//! | `decode`, `ktx2`, `zstandard` | images from the bytes of their files |
 //! | `store` | each file decoded once, within the memory that textures may take |
-//! | `tiles`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
+//! | `tiles`, `pack`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
+//! | `levels` | smaller versions of images, for what is seen from afar |
 //! | `range` | floats taken to what a material can do |
 
 mod cache;
 mod decode;
 mod image;
 mod ktx2;
+mod levels;
+mod pack;
 mod range;
 mod store;
 mod texels;
@@ -26,6 +29,7 @@ mod zstandard;
 pub use cache::{CacheFigures, TileCache};
 pub use decode::ImageError;
 pub use image::Image;
+pub use levels::add_levels;
 pub use range::TextureRange;
 pub use store::{Decoded, ImageId, ImagePart, ImageSource, TextureFigures, TextureStore};
 pub use texels::{Depth, Texels, Value, spread};

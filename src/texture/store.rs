@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::SystemTime;
 
@@ -87,6 +87,7 @@ pub struct TextureFigures {
 pub struct TextureStore {
     limit: u64,
     resident: AtomicU64,
+    is_full: AtomicBool,
     images: AtomicU64,
     tiled: AtomicU64,
     known: Mutex<Known>,
@@ -112,6 +113,7 @@ impl TextureStore {
         Self {
             limit,
             resident: AtomicU64::new(0),
+            is_full: AtomicBool::new(false),
             images: AtomicU64::new(0),
             tiled: AtomicU64::new(0),
             known: Mutex::default(),
@@ -225,21 +227,32 @@ impl TextureStore {
         sources.par_iter().zip(files).map(decode).collect()
     }
 
-    /// Sets memory aside for images, if all of it is there: an eighth is left for the cache.
+    /// Sets memory aside for images, if all of it is there: an eighth is left for the cache. Once
+    /// some do not fit, none is asked for any more: the cache has what is left.
     fn reserve(&self, bytes: u64) -> bool {
         let most = self.limit - self.limit / 8;
         let add = |resident: u64| resident.checked_add(bytes).filter(|&all| all <= most);
-        match self.resident.fetch_update(Relaxed, Relaxed, add) {
-            Ok(before) => {
-                self.cache.set_limit(self.limit - before - bytes);
-                true
-            }
-            Err(_) => false,
+        let fits = !self.is_full.load(Relaxed)
+            && self.resident.fetch_update(Relaxed, Relaxed, add).is_ok();
+        if fits {
+            self.leave_the_rest_to_the_cache();
+        } else {
+            self.is_full.store(true, Relaxed);
         }
+        fits
+    }
+
+    fn leave_the_rest_to_the_cache(&self) {
+        let rest = self.limit.saturating_sub(self.resident.load(Relaxed));
+        self.cache.set_limit(rest.max(self.limit / 8));
     }
 
     fn admit(&self, image: Image, fits: bool) -> Arc<Image> {
         let image = if fits { image } else { image.into_tiles(&self.cache) };
+        if !fits && !image.is_tiled() {
+            self.resident.fetch_add(image.texel_bytes(), Relaxed);
+            self.leave_the_rest_to_the_cache();
+        }
         self.images.fetch_add(1, Relaxed);
         self.tiled.fetch_add(image.is_tiled().into(), Relaxed);
         Arc::new(image)

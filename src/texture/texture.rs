@@ -39,6 +39,8 @@ pub struct Texture {
     wrap: [Wrap; 2],
     filter: Filter,
     tables: Tables,
+    /// Images half as wide and high, and so on; empty where there are none.
+    levels: Option<Arc<[Arc<Image>]>>,
 }
 
 impl fmt::Debug for Texture {
@@ -61,7 +63,7 @@ impl Texture {
     ) -> Self {
         let tables = Tables::new(image.depth(), color_space);
         let name = String::new();
-        Self { name, image, color_space, wrap, filter, tables }
+        Self { name, image, color_space, wrap, filter, tables, levels: None }
     }
 
     /// The same called `name`.
@@ -71,7 +73,17 @@ impl Texture {
 
     /// The same of another image of the same kind of texels.
     pub(super) fn with_image(&self, image: Arc<Image>) -> Self {
-        Self { image, ..self.clone() }
+        Self { image, levels: None, ..self.clone() }
+    }
+
+    /// Gives it images half as wide and high, and so on down to one texel.
+    pub(super) fn set_levels(&mut self, levels: Arc<[Arc<Image>]>) {
+        self.levels = Some(levels);
+    }
+
+    /// Whether it has smaller images for what is seen from afar.
+    pub fn has_levels(&self) -> bool {
+        self.levels.is_some()
     }
 
     /// What its file calls it; empty if nothing.
@@ -103,18 +115,42 @@ impl Texture {
     /// Linear red, green, blue and alpha (not premultiplied) at `uv`: (0, 0) is the corner of the
     /// image's first texel, (1, 1) that of its last. NaN counts as 0.
     pub fn sample(&self, uv: Vec2) -> Vec4 {
-        let (width, height) = (self.image.width(), self.image.height());
+        self.sample_image(&self.image, uv)
+    }
+
+    /// The same over a square of such a side about `uv`, by the two levels whose texels are nearest
+    /// to it (Williams 1983); without levels, at `uv` alone.
+    pub fn sample_over(&self, uv: Vec2, side: f32) -> Vec4 {
+        let Some(levels) = self.levels.as_deref() else { return self.sample(uv) };
+        let texels = self.image.width() as f32 * self.image.height() as f32;
+        let level = libm::log2f(side * texels.sqrt());
+        if level.is_nan() || level <= 0.0 {
+            return self.sample(uv);
+        }
+        let level = level.min(levels.len() as f32);
+        let (finer, part) = (level as usize, level.fract());
+        let at = |level: usize| match level.checked_sub(1) {
+            Some(below) => self.sample_image(&levels[below], uv),
+            None => self.sample(uv),
+        };
+        if part == 0.0 { at(finer) } else { mix(at(finer), at(finer + 1), part) }
+    }
+
+    #[inline]
+    fn sample_image(&self, image: &Image, uv: Vec2) -> Vec4 {
+        let (width, height) = (image.width(), image.height());
         match self.filter {
             Filter::Nearest => {
                 let x = nearest(self.wrap[0].into_unit(uv.x), width);
                 let y = nearest(self.wrap[1].into_unit(uv.y), height);
-                self.texel(x, y)
+                let [texel] = self.gather(image, [(x, y)]);
+                texel
             }
             Filter::Bilinear => {
                 let (x, fx) = around(self.wrap[0], uv.x, width);
                 let (y, fy) = around(self.wrap[1], uv.y, height);
                 let at = [(x[0], y[0]), (x[1], y[0]), (x[0], y[1]), (x[1], y[1])];
-                let [a, b, c, d] = self.gather(at);
+                let [a, b, c, d] = self.gather(image, at);
                 let (above, below) = (mix(a, b, fx), mix(c, d, fx));
                 mix(above, below, fy)
             }
@@ -124,18 +160,18 @@ impl Texture {
     /// The linear value of one texel; `x` and `y` lie within the image.
     #[inline]
     pub fn texel(&self, x: u32, y: u32) -> Vec4 {
-        let [texel] = self.gather([(x, y)]);
+        let [texel] = self.gather(&self.image, [(x, y)]);
         texel
     }
 
-    /// The linear values of texels at columns and rows within the image.
+    /// The linear values of texels of an image at columns and rows within it.
     #[inline]
-    fn gather<const K: usize>(&self, at: [(u32, u32); K]) -> [Vec4; K] {
-        match self.image.store() {
+    fn gather<const K: usize>(&self, image: &Image, at: [(u32, u32); K]) -> [Vec4; K] {
+        match image.store() {
             Store::Whole(texels) => {
-                let width = self.image.width() as usize;
+                let width = image.width() as usize;
                 let at = at.map(|(x, y)| y as usize * width + x as usize);
-                self.tables.gather(texels, self.image.channels(), at)
+                self.tables.gather(texels, image.channels(), at)
             }
             Store::Tiles(tiles) => tiles.gather(self.tables, at),
         }

@@ -6,12 +6,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use super::cache::{MOST_AT_HAND, Place, TileCache, mix};
+use super::pack::Packed;
 use super::texels::{Depth, Texels};
 use super::transfer::Tables;
 use crate::math::Vec4;
 
 /// Texels across and down a tile. Those beyond an image's edge are zero and are never looked at.
-pub(super) const SIDE: u32 = 64;
+///
+/// Paths that have bounced ask for tiles at random, so that a small one is the better one.
+pub(super) const SIDE: u32 = 32;
 
 /// Bits of a key that number a tile within its image.
 const TILE_BITS: u32 = 20;
@@ -61,20 +64,23 @@ impl Tiles {
         let bytes = texels.as_bytes();
         let mut tile = vec![0; (SIDE * SIDE) as usize * texel];
         let mut places = Vec::with_capacity((columns * rows) as usize);
+        let mut packed = Packed::default();
         for row in 0..rows {
-            let cut = |column: u32| {
+            for column in 0..columns {
                 let (x, y) = (column * SIDE, row * SIDE);
-                let across = SIDE.min(width - x) as usize * texel;
-                tile.fill(0);
-                for down in 0..SIDE.min(height - y) {
-                    let from = ((y + down) as usize * width as usize + x as usize) * texel;
-                    let to = (down * SIDE) as usize * texel;
+                let (across, down) = (SIDE.min(width - x), SIDE.min(height - y));
+                if across < SIDE || down < SIDE {
+                    tile.fill(0);
+                }
+                let across = across as usize * texel;
+                for line in 0..down {
+                    let from = ((y + line) as usize * width as usize + x as usize) * texel;
+                    let to = (line * SIDE) as usize * texel;
                     tile[to..to + across].copy_from_slice(&bytes[from..from + across]);
                 }
-                tile.clone()
-            };
-            let tiles: Vec<Vec<u8>> = (0..columns).map(cut).collect();
-            places.extend(cache.keep(&tiles.iter().map(|tile| &tile[..]).collect::<Vec<_>>()));
+                packed.push(&tile);
+            }
+            places.extend(cache.keep(&mut packed));
         }
         let first_key = NEXT.fetch_add(1, Relaxed) << TILE_BITS;
         Self { cache, first_key, width, height, columns, channels, depth, places }

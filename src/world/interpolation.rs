@@ -8,13 +8,15 @@ use crate::math::{Vec2, Vec3, Vec4};
 pub struct Attributes {
     /// Both sets of texture coordinates; zero where the mesh has none or no texture asks.
     pub uv: [Vec2; 2],
+    /// How wide the path that looks here is, along each set: the side of a square; zero: a point.
+    pub footprint: [f32; 2],
     /// Linear colour and alpha that multiply the base colour.
     pub color: Vec4,
 }
 
 impl Attributes {
     /// Those of a mesh that says nothing.
-    pub const NONE: Self = Self { uv: [Vec2::ZERO; 2], color: Vec4::ONE };
+    pub const NONE: Self = Self { uv: [Vec2::ZERO; 2], footprint: [0.0; 2], color: Vec4::ONE };
 }
 
 /// Corners and weights of a point in a mesh.
@@ -65,5 +67,18 @@ impl Interpolation {
             attributes.color = self.vec4(&mesh.colors);
         }
         attributes
+    }
+
+    /// How wide along each set of texture coordinates a path is that is `width` metres wide on the
+    /// triangle, whose area is `area`: by the ratio of both areas (Akenine-Möller et al. 2019).
+    pub fn footprint(&self, mesh: &Mesh, area: f32, width: f32) -> [f32; 2] {
+        mesh.uvs.each_ref().map(|all| {
+            if all.is_empty() || area <= 0.0 {
+                return 0.0;
+            }
+            let [a, b, c] = self.corners.map(|i| all[i]);
+            let uv_area = 0.5 * (b - a).perp_dot(c - a).abs();
+            width * (uv_area / area).sqrt()
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! What lies on a material at a point of a surface: factors times textures, and the directions
 //! that coats and brush strokes have there.
 
+use super::Attributes;
 use super::lookup::look_up;
 use super::shading_normal::{NormalContext, mapped_normal, smooth_normal, tangent};
 use crate::material::Layers;
@@ -40,7 +41,7 @@ pub(super) fn layers_at(
     at: &NormalContext<'_>,
     frame: &Frame,
 ) -> Layers {
-    let mut layers = textured_layers(at.scene, described, at.uv);
+    let mut layers = textured_layers(at.scene, described, at.attributes);
     if layers.clearcoat > 0.0 {
         layers.clearcoat_normal = coat_normal(described, at, frame);
     }
@@ -51,8 +52,8 @@ pub(super) fn layers_at(
 }
 
 /// Factors times textures, but for directions.
-fn textured_layers(scene: &Scene, described: &MaterialLayers, uv: &[Vec2; 2]) -> Layers {
-    let texel = |texture: &Option<TextureRef>| texture.map(|texture| look_up(scene, &texture, uv));
+fn textured_layers(scene: &Scene, described: &MaterialLayers, at: &Attributes) -> Layers {
+    let texel = |texture: &Option<TextureRef>| texture.map(|texture| look_up(scene, &texture, at));
     let mut layers = constant_layers(described);
     if let Some(texel) = texel(&described.clearcoat_texture) {
         layers.clearcoat *= texel.x;
@@ -95,7 +96,7 @@ fn set_anisotropy(
 ) {
     let mut way = Vec2::X;
     if let Some(texture) = &described.anisotropy_texture {
-        let texel = look_up(at.scene, texture, at.uv);
+        let texel = look_up(at.scene, texture, at.attributes);
         layers.anisotropy *= texel.z;
         way = (texel.truncate().truncate() * 2.0 - 1.0).try_normalize().unwrap_or(way);
     }

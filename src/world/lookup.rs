@@ -2,13 +2,19 @@
 
 use super::Attributes;
 use crate::material::SurfaceParams;
-use crate::math::{Vec2, Vec3, Vec4};
+use crate::math::{Vec3, Vec4};
 use crate::scene::{Material, Scene, TextureRef};
 
 /// Looks a texture up where a material asks for it.
-pub(super) fn look_up(scene: &Scene, texture: &TextureRef, uv: &[Vec2; 2]) -> Vec4 {
-    let uv = texture.transform(uv[usize::from(texture.uv_set.min(1))]);
-    scene.textures[texture.texture.index()].sample(uv)
+pub(super) fn look_up(scene: &Scene, texture: &TextureRef, at: &Attributes) -> Vec4 {
+    let set = usize::from(texture.uv_set.min(1));
+    let (uv, footprint) = (texture.transform(at.uv[set]), at.footprint[set]);
+    let image = &scene.textures[texture.texture.index()];
+    if footprint > 0.0 {
+        let scale = (texture.scale.x * texture.scale.y).abs().sqrt();
+        return image.sample_over(uv, footprint * scale);
+    }
+    image.sample(uv)
 }
 
 /// What a material emits at a point.
@@ -17,7 +23,7 @@ pub(super) fn emission(scene: &Scene, material: &Material, at: &Attributes) -> V
         return base_color(scene, material, at).truncate();
     }
     match &material.emissive_texture {
-        Some(texture) => material.emissive * look_up(scene, texture, &at.uv).truncate(),
+        Some(texture) => material.emissive * look_up(scene, texture, at).truncate(),
         None => material.emissive,
     }
 }
@@ -26,7 +32,7 @@ pub(super) fn emission(scene: &Scene, material: &Material, at: &Attributes) -> V
 pub(super) fn base_color(scene: &Scene, material: &Material, at: &Attributes) -> Vec4 {
     let color = material.base_color * at.color;
     match &material.base_color_texture {
-        Some(texture) => color * look_up(scene, texture, &at.uv),
+        Some(texture) => color * look_up(scene, texture, at),
         None => color,
     }
 }
@@ -35,7 +41,7 @@ pub(super) fn base_color(scene: &Scene, material: &Material, at: &Attributes) ->
 pub(super) fn alpha(scene: &Scene, material: &Material, at: &Attributes) -> f32 {
     let mut alpha = base_color(scene, material, at).w;
     if let Some(texture) = &material.alpha_texture {
-        alpha *= look_up(scene, texture, &at.uv).x;
+        alpha *= look_up(scene, texture, at).x;
     }
     alpha
 }
@@ -47,7 +53,7 @@ pub(super) fn surface_params(scene: &Scene, material: &Material, at: &Attributes
         return SurfaceParams { base_color: Vec3::ZERO, specular: 0.0, ..SurfaceParams::default() };
     }
     let texel = |texture: &Option<TextureRef>| match texture {
-        Some(texture) => look_up(scene, texture, &at.uv),
+        Some(texture) => look_up(scene, texture, at),
         None => Vec4::ONE,
     };
     let metallic_roughness = texel(&material.metallic_roughness_texture);

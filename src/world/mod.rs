@@ -13,6 +13,7 @@ mod lights;
 mod lookup;
 mod media;
 mod prepared_material;
+mod relight;
 mod sample_light;
 mod shading_normal;
 mod surface;

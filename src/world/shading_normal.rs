@@ -1,6 +1,6 @@
 //! Shading normals: interpolated, then bent by normal and height maps.
 
-use super::interpolation::Interpolation;
+use super::interpolation::{Attributes, Interpolation};
 use super::lookup::look_up;
 use crate::geom::{Mesh, Triangle};
 use crate::math::{Frame, Vec2, Vec3};
@@ -17,7 +17,7 @@ pub(super) struct NormalContext<'a> {
     pub point: &'a Interpolation,
     /// The unit geometric normal.
     pub normal: Vec3,
-    pub uv: &'a [Vec2; 2],
+    pub attributes: &'a Attributes,
 }
 
 /// The unit shading normal, on the side of the geometric one.
@@ -45,7 +45,7 @@ pub(super) fn mapped_normal(
     smooth: Vec3,
 ) -> Vec3 {
     let Some((tangent, sign)) = tangent(at, texture, smooth) else { return smooth };
-    let mut mapped = look_up(at.scene, texture, at.uv).truncate() * 2.0 - 1.0;
+    let mut mapped = look_up(at.scene, texture, at.attributes).truncate() * 2.0 - 1.0;
     mapped.x *= scale;
     mapped.y *= scale * sign;
     let mapped = Frame::from_normal_tangent(smooth, tangent).to_world(mapped);
@@ -64,7 +64,7 @@ fn bumped_normal(
     let map = &at.scene.textures[texture.texture.index()];
     let [width, height] = map.size();
     let step = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
-    let here = texture.transform(at.uv[usize::from(texture.uv_set.min(1))]);
+    let here = texture.transform(at.attributes.uv[usize::from(texture.uv_set.min(1))]);
     let scale = at.material.normal_scale;
     let height_at = |x: f32, y: f32| map.sample(here + Vec2::new(x, y)).x * scale;
     let by_u = (height_at(step.x, 0.0) - height_at(-step.x, 0.0)) / (2.0 * step.x);

@@ -6,7 +6,7 @@ use super::interpolation::Interpolation;
 use super::layers::layers_at;
 use super::lookup::{alpha, emission, surface_params};
 use super::media::Media;
-use super::prepared_material::{PreparedMaterial, materials_with_clear_vertices};
+use super::prepared_material::{BsdfClass, PreparedMaterial, materials_with_clear_vertices};
 use super::shading_normal::{NormalContext, shading_normal};
 use super::surface::{normal_and_area, triangle_point};
 use super::{Attributes, LightSamplerKind, Lights, Surface};
@@ -18,6 +18,7 @@ use crate::math::{Frame, InstanceId, MaterialId, Ray, Vec2, Vec3, Vec4};
 use crate::scene::defaults::bounds;
 use crate::scene::{AlphaMode, Instance, Material, Scene, TooManyPlacements, Triangles};
 use crate::simd::lanes::Scalar;
+use crate::texture::Texture;
 
 /// A scene with its triangles numbered, its lights tabled and its materials resolved as far as
 /// they are the same everywhere.
@@ -33,10 +34,16 @@ pub struct World {
     /// Bounds how far off an exact test in f64 may put a plane of the scene, metres: some 2000
     /// units in the last place of the scene's size.
     pub(super) slack: f32,
+    /// Half of the scene's diagonal, metres: as far as lights without extent must reach.
+    pub(super) radius: f32,
     pub(super) form: BsdfForm,
     pub(super) media: Media,
     see_through: bool,
+    has_levels: bool,
 }
+
+/// Paths count as no wider on a surface than where they meet it at such a cosine.
+const LEAST_COSINE: f32 = 0.05;
 
 /// 2^-42.
 const SLACK: f32 = 1.0 / (1_u64 << 42) as f32;
@@ -78,12 +85,30 @@ impl World {
             materials[material.index()].opaque = false;
         }
         let extent = bounds(&scene).extent().max(Vec3::ZERO);
-        let lights = Lights::new(&scene, &triangles, 0.5 * extent.length(), kind);
+        let radius = 0.5 * extent.length();
+        let lights = Lights::new(&scene, &triangles, radius, kind);
         let used = |instance: &Instance| !materials[instance.material.index()].opaque;
         let see_through = scene.instances.iter().any(used);
+        let has_levels = scene.textures.iter().any(Texture::has_levels);
+        if has_levels {
+            // How wide a path is, only the stages one by one know.
+            let textured = materials.iter_mut().filter(|material| material.textured);
+            textured.for_each(|material| material.class = BsdfClass::Other);
+        }
         let slack = extent.max_element() * SLACK;
         let media = Media::new(&scene);
-        Ok(Self { scene, triangles, lights, materials, slack, form, media, see_through })
+        Ok(Self {
+            scene,
+            triangles,
+            lights,
+            materials,
+            slack,
+            radius,
+            form,
+            media,
+            see_through,
+            has_levels,
+        })
     }
 
     /// Whether hits must be judged by their alpha; see [`super::AlphaFilter`].
@@ -97,9 +122,14 @@ impl World {
         &self.scene.materials[id.index()]
     }
 
-    /// The surface that `ray` has hit.
+    /// Whether textures have levels, so that it counts how wide paths are.
+    pub fn has_levels(&self) -> bool {
+        self.has_levels
+    }
+
+    /// The surface that `ray` has hit, of a path that is `width` metres wide there; 0: a point.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &ClosestHit) -> Surface {
+    pub fn surface(&self, ray: &Ray, hit: &ClosestHit, width: f32) -> Surface {
         let (id, index) = (hit.triangle.instance, hit.triangle.index as usize);
         let instance = &self.scene.instances[id.index()];
         let mesh = &*self.scene.meshes[instance.mesh.index()];
@@ -112,7 +142,11 @@ impl World {
         let (normal, area) = normal_and_area(&triangle);
 
         let prepared = &self.materials[instance.material.index()];
-        let attributes = point.attributes(mesh, prepared.textured);
+        let mut attributes = point.attributes(mesh, prepared.textured);
+        if width > 0.0 && prepared.textured {
+            let cosine = normal.dot(ray.direction()).abs().max(LEAST_COSINE);
+            attributes.footprint = point.footprint(mesh, area, width / cosine);
+        }
         let shading = shading_normal(&NormalContext {
             scene: &self.scene,
             material: self.material(instance.material),
@@ -121,7 +155,7 @@ impl World {
             triangle: &triangle,
             point: &point,
             normal,
-            uv: &attributes.uv,
+            attributes: &attributes,
         });
         let towards_viewer = -ray.direction();
         let front = normal.dot(towards_viewer) > 0.0;
@@ -198,7 +232,7 @@ impl World {
             triangle: &Triangle { a, b, c },
             point: &point,
             normal: surface.normal,
-            uv: &surface.attributes.uv,
+            attributes: &surface.attributes,
         };
         Bsdf::layered(&params, &layers_at(described, &at, &surface.frame), self.form)
     }

@@ -94,7 +94,7 @@ impl<'a> Cutter<'a> {
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let floor = largest * Self::OF_COORDINATES + Self::ABSOLUTE + source.slack();
         let reach = largest * Self::REACH;
-        let can_be_cut = largest <= Self::LARGEST && !source.are_boxes();
+        let can_be_cut = largest <= Self::LARGEST && source.boxes() == 0;
         can_be_cut.then_some(Self { source, bounds, floor, reach })
     }
 

@@ -79,7 +79,7 @@ impl Flat {
     pub fn build(input: &BuildInput<'_>) -> Option<Self> {
         let count = input.source.len();
         let limit = Self::LIMIT * vectorized!(input.level, simd => count_lanes(simd));
-        let exact = !input.source.are_boxes() && input.source.slack() == 0.0;
+        let exact = input.source.boxes() == 0 && input.source.slack() == 0.0;
         if !exact || !(1..limit).contains(&count) {
             return None;
         }

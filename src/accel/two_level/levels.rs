@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::placement::{Shape, ToMesh, error_inside};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use crate::accel::Phases;
-use crate::geom::TriangleSource;
+use crate::geom::Placements;
 use crate::math::{Affine3A, InstanceId, MeshId, PrimId};
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
@@ -20,25 +20,45 @@ pub struct Apart {
     pub grown: [DVec3; 2],
 }
 
+/// The way into a placement.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// The placement.
+    pub placement: InstanceId,
+    /// Its mesh.
+    pub mesh: MeshId,
+    /// Into the mesh's space.
+    pub to_mesh: ToMesh,
+}
+
+impl Way {
+    #[inline]
+    fn new(placements: &dyn Placements, placement: InstanceId) -> Self {
+        let to_mesh = ToMesh::new(&placements.to_world(placement));
+        Self { placement, mesh: placements.mesh(placement), to_mesh }
+    }
+}
+
 /// How a scene is divided: which placements are kept apart, and which are flattened together.
 pub struct Levels {
     /// The scene.
     pub placed: Placed,
     /// The placements that are kept apart; what the upper structure numbers.
     pub placements: Arc<[InstanceId]>,
-    /// The ways back, as long as they are few; else each is computed when it is needed.
-    to_mesh: Vec<ToMesh>,
+    /// The ways into them, as long as they are few; else each is computed when it is needed.
+    ways: Vec<Way>,
     /// Of each mesh that is kept apart what it takes.
     pub meshes: Vec<Option<Apart>>,
+    /// The triangles of what is flattened.
+    pub flat: FlatTriangles,
     shapes: Arc<[Option<Shape>]>,
-    flat: Vec<InstanceId>,
 }
 
 /// A mesh of fewer triangles is flattened: a placement costs as much.
 const FEW: usize = 16;
 
-/// Ways back take 96 bytes each.
-const MOST_WAYS_BACK: usize = 1 << 18;
+/// Each takes 104 bytes.
+const MOST_WAYS: usize = 1 << 18;
 
 impl Levels {
     /// Divides a scene. Meshes that are placed once are flattened, and with them what can't be kept
@@ -50,10 +70,11 @@ impl Levels {
             let mesh = placements.mesh(InstanceId::from_index(placement)).index();
             uses[mesh] = uses[mesh].saturating_add(1);
         }
+        let small = find_small(placements, &uses);
         let shape = |(mesh, &uses): (usize, &u32)| {
             let mesh = MeshId::from_index(mesh);
             let worth_it = uses > 1 && placements.mesh_len(mesh) >= FEW;
-            worth_it.then(|| Shape::new(placements, mesh)).flatten()
+            (worth_it && !small[mesh.index()]).then(|| Shape::new(placements, mesh)).flatten()
         };
         let shapes: Vec<Option<Shape>> = uses.par_iter().enumerate().map(shape).collect();
         let error = |placement: usize| {
@@ -84,22 +105,19 @@ impl Levels {
             Some(Apart { slack, grown: shape.grown(slack) })
         };
         let meshes = shapes.iter().zip(&off).map(keep).collect();
-        let to_mesh: Vec<ToMesh> = if placements.len() <= MOST_WAYS_BACK {
-            let all = (0..placements.len()).into_par_iter().map(InstanceId::from_index);
-            all.map(|placement| ToMesh::new(&placements.to_world(placement))).collect()
-        } else {
-            Vec::new()
-        };
+        let few = if apart.len() <= MOST_WAYS { &*apart } else { &[] };
+        let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
+        let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
-        Self { placements: apart.into(), to_mesh, meshes, shapes: shapes.into(), flat, placed }
+        Self { placements: apart.into(), ways, meshes, flat, shapes: shapes.into(), placed }
     }
 
-    /// The way into the space of a placement's mesh.
+    /// The way into a placement, by its number in the upper structure.
     #[inline(always)]
-    pub fn to_mesh(&self, placement: InstanceId) -> ToMesh {
-        match self.to_mesh.get(placement.index()) {
+    pub fn way(&self, number: usize) -> Way {
+        match self.ways.get(number) {
             Some(known) => *known,
-            None => ToMesh::new(&self.placed.get().to_world(placement)),
+            None => Way::new(self.placed.get(), self.placements[number]),
         }
     }
 
@@ -110,10 +128,18 @@ impl Levels {
         (placement, self.placed.get().to_world(placement))
     }
 
-    /// The boxes of placements, for the upper structure.
+    /// The boxes of placements by those of their meshes, for the upper structure.
     pub fn boxes(&self) -> PlacementBoxes {
         let (placements, shapes) = (Arc::clone(&self.placements), Arc::clone(&self.shapes));
         PlacementBoxes { placed: self.placed.clone(), placements, shapes }
+    }
+
+    /// Whether there is time to look at all triangles of placements that are kept apart.
+    pub fn are_few_triangles(&self) -> bool {
+        let placements = self.placed.get();
+        let len = |&placement: &InstanceId| placements.mesh_len(placements.mesh(placement));
+        let total = self.placements.iter().map(len).try_fold(0, usize::checked_add);
+        total.is_some_and(|total| total <= MOST_LOOKED_AT)
     }
 
     /// The triangles of a mesh that is kept apart.
@@ -121,10 +147,28 @@ impl Levels {
         let slack = self.meshes[mesh].as_ref()?.slack;
         Some(MeshTriangles { placed: self.placed.clone(), mesh: MeshId::from_index(mesh), slack })
     }
-
-    /// What is flattened, if anything.
-    pub fn flat(&self) -> Option<FlatTriangles> {
-        let flat = FlatTriangles::new(self.placed.clone(), self.flat.clone());
-        (!flat.is_empty()).then_some(flat)
-    }
 }
+
+/// So many triangles are flattened of meshes that are placed more than once: 150 MB.
+const MOST_FLATTENED: u64 = 1 << 21;
+
+/// Which meshes are small enough to be flattened however often they are placed: from the smallest
+/// on, while all copies so made have no more than twice the triangles of all meshes. Small parts
+/// lie within the boxes of others: a ray enters many, and that takes as long as some ten nodes. In
+/// a hall of robots rays entered half as many placements, and took four fifths of the time.
+fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
+    let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
+    let mut copied: Vec<usize> = (0..uses.len()).filter(|&mesh| uses[mesh] > 1).collect();
+    copied.sort_by_key(|&mesh| len(mesh));
+    let unique: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
+    let mut room = MOST_FLATTENED.min(2 * unique);
+    let mut small = vec![false; uses.len()];
+    for mesh in copied {
+        let Some(left) = room.checked_sub(len(mesh) * u64::from(uses[mesh])) else { break };
+        (small[mesh], room) = (true, left);
+    }
+    small
+}
+
+/// All triangles of placements are looked at if these are no more; it takes some 10 ms a million.
+const MOST_LOOKED_AT: usize = 1 << 23;

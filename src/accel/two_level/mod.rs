@@ -31,17 +31,23 @@
 //! | [`placement`] | a mesh where it is placed: its box, a ray in its space, errors |
 //! | `levels` | how a scene is divided |
 //! | `sources` | what the structures are built over |
+//! | `mesh_trees` | the trees of all meshes in one piece of memory |
+//! | `parts` | placements opened |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
-//! | `wide` | hierarchies of eight children on both levels, in flight |
+//! | `wide_levels` | hierarchies of eight children on both levels |
+//! | `wide` | the walk through them, in flight |
 
 mod levels;
+mod mesh_trees;
+mod parts;
 pub mod placement;
 mod sources;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod two_level;
 mod verdict;
 mod wide;
+mod wide_levels;
 
 pub use sources::Placed;
 pub use two_level::TwoLevel;

@@ -58,11 +58,12 @@ impl TriangleSource for MeshTriangles {
 }
 
 /// The triangles of some placements in the world, one after the other.
+#[derive(Clone)]
 pub struct FlatTriangles {
     placed: Placed,
-    placements: Vec<InstanceId>,
+    placements: Arc<[InstanceId]>,
     /// Of each placement its first number, and last how many there are.
-    first: Vec<u64>,
+    first: Arc<[u64]>,
 }
 
 impl FlatTriangles {
@@ -75,7 +76,7 @@ impl FlatTriangles {
             count += placed.get().mesh_len(placed.get().mesh(placement)) as u64;
             first.push(count);
         }
-        Self { placed, placements, first }
+        Self { placed, placements: placements.into(), first: first.into() }
     }
 }
 
@@ -106,7 +107,8 @@ pub struct PlacementBoxes {
 }
 
 impl PlacementBoxes {
-    fn world_box(&self, prim: PrimId) -> Aabb {
+    /// The box of a placement.
+    pub fn world_box(&self, prim: PrimId) -> Aabb {
         let placement = self.placements[prim.index()];
         let placements = self.placed.get();
         let to_world: Affine3A = placements.to_world(placement);
@@ -129,7 +131,68 @@ impl TriangleSource for PlacementBoxes {
         self.world_box(prim)
     }
 
-    fn are_boxes(&self) -> bool {
-        true
+    fn boxes(&self) -> usize {
+        self.len()
+    }
+}
+
+/// Boxes of parts of placements.
+pub struct Boxes(pub Vec<Aabb>);
+
+impl TriangleSource for Boxes {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        let Aabb { min, max } = self.0[prim.index()];
+        Triangle { a: min, b: max, c: max }
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        self.0[prim.index()]
+    }
+
+    fn boxes(&self) -> usize {
+        self.len()
+    }
+}
+
+/// What is flattened, and behind it boxes of placements, for one tree of both.
+pub struct Together {
+    /// The former.
+    pub flat: FlatTriangles,
+    /// The latter.
+    pub boxes: Box<dyn TriangleSource>,
+}
+
+impl Together {
+    /// Whose a number is.
+    #[inline]
+    fn find(&self, prim: PrimId) -> (&dyn TriangleSource, PrimId) {
+        match prim.index().checked_sub(self.flat.len()) {
+            None => (&self.flat, prim),
+            Some(number) => (&*self.boxes, PrimId::from_index(number)),
+        }
+    }
+}
+
+impl TriangleSource for Together {
+    fn len(&self) -> usize {
+        self.flat.len() + self.boxes.len()
+    }
+
+    fn triangle(&self, prim: PrimId) -> Triangle {
+        let (source, prim) = self.find(prim);
+        source.triangle(prim)
+    }
+
+    fn own_box(&self, prim: PrimId) -> Aabb {
+        let (source, prim) = self.find(prim);
+        source.own_box(prim)
+    }
+
+    fn boxes(&self) -> usize {
+        self.boxes.len()
     }
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::levels::Levels;
 use super::sources::Placed;
 use super::verdict::Above;
-use super::wide::WideLevels;
+use super::wide_levels::WideLevels;
 use crate::accel::bvh::wide::build_auto_tree;
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::accel::located::Located;
@@ -29,7 +29,7 @@ pub struct TwoLevel {
     flat: Option<Located>,
     /// `None` without placements that are kept apart.
     above: Option<Box<dyn Accel>>,
-    /// Of each mesh; empty if the structure above has them.
+    /// Of each mesh.
     below: Vec<Option<Box<dyn Accel>>>,
     level: Level,
     report: BuildReport,
@@ -42,29 +42,35 @@ impl TwoLevel {
         placed: Placed,
         (below, above): (Row<'_>, Row<'_>),
         level: Level,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Box<dyn Accel>, BuildError> {
         let mut phases = Phases::start();
         let levels = Arc::new(Levels::new(placed, &mut phases));
-        let flat = match levels.flat() {
-            Some(flat) => {
-                let source: Arc<dyn TriangleSource> = Arc::new(flat);
-                BuildError::check_count(source.len())?;
-                let accel = build_row(below, Arc::clone(&source), level)?;
-                Some(Located { accel, source })
+        let is_split = !levels.placements.is_empty();
+        let eight = if below.0.id == above.0.id { eight_children(below.0.id) } else { None };
+        if let Some(eight) = eight.filter(|_| is_split) {
+            let tree = |source| eight(&BuildInput { source, options: below.1, level });
+            let below = build_meshes(&levels, tree)?;
+            if let Some(wide) = WideLevels::build(&levels, below, tree, phases.clone())? {
+                return Ok(Box::new(wide));
             }
-            None => None,
-        };
+        }
+        let row = |row| move |source| build_row(row, source, level);
+        let flat = (!levels.flat.is_empty()).then(|| {
+            let source: Arc<dyn TriangleSource> = Arc::new(levels.flat.clone());
+            BuildError::check_count(source.len())?;
+            let accel = row(below)(Arc::clone(&source))?;
+            Ok(Located { accel, source })
+        });
+        let flat = flat.transpose()?;
         phases.end("flat meshes");
-        let (above, below) = if levels.placements.is_empty() {
-            (None, Vec::new())
-        } else {
-            let (above, below) = build_placed(&levels, (below, above), level, &mut phases)?;
-            (Some(above), below)
-        };
+        let below = if is_split { build_meshes(&levels, row(below))? } else { Vec::new() };
+        phases.end("meshes");
+        let above = is_split.then(|| row(above)(Arc::new(levels.boxes()))).transpose()?;
+        phases.end("tree of placements");
         let report = BuildReport::default();
         let mut two_level = Self { levels, flat, above, below, level, report };
         two_level.report = two_level.sum_up(phases);
-        Ok(two_level)
+        Ok(Box::new(two_level))
     }
 
     /// All structures, that above first.
@@ -107,53 +113,25 @@ fn build_row(
     (variant.build)(&BuildInput { source, options, level })
 }
 
-/// A structure above, and one of each mesh.
-type Structures<T> = (T, Vec<Option<T>>);
-
-/// Builds a structure of placements and those of their meshes, the latter side by side.
-fn build_structures<T: Send>(
+/// The structures of all meshes that are kept apart, built side by side.
+fn build_meshes<T: Send>(
     levels: &Levels,
-    phases: &mut Phases,
-    below: impl Fn(Arc<dyn TriangleSource>) -> Result<T, BuildError> + Sync,
-    above: impl FnOnce(Arc<dyn TriangleSource>) -> Result<T, BuildError>,
-) -> Result<Structures<T>, BuildError> {
-    let of_mesh = |mesh| levels.mesh(mesh).map(|mesh| below(Arc::new(mesh))).transpose();
-    let of_meshes = (0..levels.meshes.len()).into_par_iter().map(of_mesh);
-    let of_meshes = of_meshes.collect::<Result<_, _>>()?;
-    phases.end("meshes");
-    let above = above(Arc::new(levels.boxes()))?;
-    phases.end("tree of placements");
-    Ok((above, of_meshes))
+    build: impl Fn(Arc<dyn TriangleSource>) -> Result<T, BuildError> + Sync,
+) -> Result<Vec<Option<T>>, BuildError> {
+    let of_mesh = |mesh| levels.mesh(mesh).map(|mesh| build(Arc::new(mesh))).transpose();
+    (0..levels.meshes.len()).into_par_iter().map(of_mesh).collect()
 }
 
-/// Builds what is placed: hierarchies of eight children are walked together.
-fn build_placed(
-    levels: &Arc<Levels>,
-    (below, above): (Row<'_>, Row<'_>),
-    level: Level,
-    phases: &mut Phases,
-) -> Result<Structures<Box<dyn Accel>>, BuildError> {
-    let eight: Option<fn(&BuildInput<'_>) -> _> = match below.0.id {
-        _ if below.0.id != above.0.id => None,
+/// What builds a hierarchy of eight children.
+type BuildEight = fn(&BuildInput<'_>) -> Result<WideBvh<8>, BuildError>;
+
+/// The same for those rows that are such hierarchies: both levels of them are walked together.
+fn eight_children(id: &str) -> Option<BuildEight> {
+    match id {
         "auto" => Some(build_auto_tree),
         "mbvh8" => Some(WideBvh::<8>::build),
         _ => None,
-    };
-    let Some(eight) = eight else {
-        let row = |row| move |source| build_row(row, source, level);
-        return build_structures(levels, phases, row(below), row(above));
-    };
-    let options = below.1;
-    let tree = |source| eight(&BuildInput { source, options, level });
-    let (above, below) = build_structures(levels, phases, tree, tree)?;
-    Ok(match WideLevels::new(Arc::clone(levels), above, below) {
-        Ok(both) => (Box::new(both), Vec::new()),
-        Err(trees) => {
-            let (above, below) = *trees;
-            let boxed = |tree| Box::new(tree) as Box<dyn Accel>;
-            (boxed(above), below.into_iter().map(|tree| tree.map(boxed)).collect())
-        }
-    })
+    }
 }
 
 impl Accel for TwoLevel {
@@ -171,18 +149,13 @@ impl Accel for TwoLevel {
 
     fn memory(&self) -> MemoryReport {
         let total = |accel: &dyn Accel| accel.memory().total();
-        let mut report = match (&self.above, self.below.is_empty()) {
-            (Some(both), true) => both.memory(),
-            (above, _) => {
-                let above = above.iter().map(|accel| total(&**accel)).sum();
-                let below = self.below.iter().flatten().map(|accel| total(&**accel)).sum();
-                MemoryReport::new([("placements", above), ("meshes", below)])
-            }
-        };
-        let list = size_of_val(&*self.levels.placements);
-        let flat = self.flat.iter().map(|flat| total(flat)).sum();
-        report.parts.extend([("list of placements", list), ("flat meshes", flat)]);
-        report
+        let sum_of = |boxed: &Box<dyn Accel>| total(&**boxed);
+        MemoryReport::new([
+            ("placements", self.above.iter().map(sum_of).sum()),
+            ("meshes", self.below.iter().flatten().map(sum_of).sum()),
+            ("list of placements", size_of_val(&*self.levels.placements)),
+            ("flat meshes", self.flat.iter().map(|flat| total(flat)).sum()),
+        ])
     }
 
     fn report(&self) -> &BuildReport {
@@ -206,9 +179,6 @@ impl<'a> LevelsTracer<'a> {
     fn ask(&mut self, batch: &Batch<'_>, ask: impl FnOnce(&mut dyn Tracer, &Batch<'_>)) {
         let Self { two_level, make, above, below, rays, .. } = self;
         let Some(tracer) = above else { return };
-        if two_level.below.is_empty() {
-            return ask(&mut **tracer, &batch.with_rays(rays));
-        }
         let two_level: &'a TwoLevel = two_level;
         let make =
             |mesh: usize| make(two_level.below[mesh].as_deref().expect("its mesh is kept apart"));

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use fearless_simd::Simd;
 
-use super::levels::{Apart, Levels};
+use super::levels::Levels;
 use super::placement::{Entered, LocalRay, limit};
 use crate::accel::{
     AnyHit, Batch, BlockFilter, ClosestHit, HitFilter, PreparedRay, Tracer, Verdict,
@@ -25,10 +25,10 @@ pub struct Inside {
 }
 
 impl Inside {
-    /// A ray that has entered a placement of a mesh that is kept apart, at `shift`.
+    /// A ray that has entered a placement at `shift`, of a mesh whose boxes are grown by `slack`.
     #[inline(always)]
-    pub fn new(placement: InstanceId, apart: &Apart, shift: f64) -> Self {
-        Self { placement, shift, slack: apart.slack }
+    pub fn new(placement: InstanceId, slack: f32, shift: f64) -> Self {
+        Self { placement, shift, slack }
     }
 
     /// What the exact test says of a triangle of the mesh and the ray in the world.
@@ -145,9 +145,9 @@ impl Verdict for Above<'_, '_> {
         let mesh = self.levels.placed.get().mesh(placement).index();
         let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
         let world = &self.rays[ray];
-        let entered = self.levels.to_mesh(placement).enter(&apart.grown, world, nearest.t);
+        let entered = self.levels.way(prim.index()).to_mesh.enter(&apart.grown, world, nearest.t);
         let world = &PreparedRay::new(world, ray, self.filter);
-        let inside = |shift| Inside::new(placement, apart, shift);
+        let inside = |shift| Inside::new(placement, apart.slack, shift);
         let (ray, shift) = match entered {
             Entered::Missed => return None,
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),

@@ -1,73 +1,30 @@
 //! Wide hierarchies on both levels, a slice of rays with sixteen of them in flight.
 //!
 //! As in [`crate::accel::bvh::wide`] each ray takes one step in turn and asks for what its next one
-//! needs. A step may lead into a placement: then the ray goes on below, in the mesh's space and
-//! nodes, on the same stack, where a key of zero marks the way back. So the memory of both levels
+//! needs. The tree above is one of placements and of what is flattened, so that the nearest comes
+//! first whichever it is of. A step may lead into a placement: then the ray goes on below, in the
+//! mesh's space and nodes, on the same stack, where a key of zero marks the way back. So the memory of both levels
 //! is waited for together, and nothing is called through a table.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use fearless_simd::{Simd, f32x8};
 
-use super::levels::{Apart, Levels};
+use super::levels::{Levels, Way};
+use super::parts::Part;
 use super::placement::{Entered, LocalRay};
+use super::sources::FlatTriangles;
 use super::verdict::{Inside, nearest_of_all};
+use super::wide_levels::{BACK, W, WideLevels};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::node;
-use crate::accel::bvh::wide::stack::{DEEPEST, Sorting, Stack};
-use crate::accel::bvh::wide::wide_bvh::{RAYS, WideBvh};
-use crate::accel::{
-    Built, Counters, Event, MemoryReport, PreparedRay, Query, SliceContext, Structure, Traverse,
-};
-use crate::geom::SlabRay;
+use crate::accel::bvh::wide::stack::{Sorting, Stack};
+use crate::accel::bvh::wide::wide_bvh::RAYS;
+use crate::accel::{ClosestHit, Counters, Event, PreparedRay, Query, SliceContext, Traverse};
+use crate::geom::{BlockRef, SlabRay, TriangleSource, intersect_triangle};
 use crate::math::{InstanceId, PrimId};
 use crate::simd::order::key_limit;
-
-/// Lanes of a vector, children of a node.
-const W: usize = 8;
-
-/// A hierarchy of placements, and one of each mesh.
-pub struct WideLevels {
-    levels: Arc<Levels>,
-    above: WideBvh<W>,
-    below: Vec<Option<WideBvh<W>>>,
-    /// Places of leaves from here on are placements.
-    first_placement: usize,
-    built: Built,
-}
-
-/// The tree of placements, and those of meshes.
-pub type Trees = (WideBvh<W>, Vec<Option<WideBvh<W>>>);
-
-impl WideLevels {
-    /// Both levels of trees that store what is in their leaves; hands them back if they can't be
-    /// walked together.
-    pub fn new(
-        levels: Arc<Levels>,
-        mut above: WideBvh<W>,
-        below: Vec<Option<WideBvh<W>>>,
-    ) -> Result<Self, Box<Trees>> {
-        let deepest = below.iter().flatten().map(|tree| tree.report().max_depth).max();
-        // A level of its own each: the leaf of placements, and the way back.
-        let depth = above.report().max_depth + deepest.unwrap_or(0) + 2;
-        let first_placement = above.arena.stripes().count();
-        let placements = levels.placements.last().map_or(0, |last| last.index() + 1);
-        let in_place = below.iter().flatten().chain([&above]).all(WideBvh::stores_triangles);
-        if depth > DEEPEST || first_placement + placements >= Link::LIMIT || !in_place {
-            return Err(Box::new((above, below)));
-        }
-        above.renumber(|prim| PrimId(levels.placements[prim.index()].0));
-        let mut report = above.report().clone();
-        for tree in below.iter().flatten() {
-            report.nodes += tree.report().nodes;
-            report.leaves += tree.report().leaves;
-        }
-        let built = Built { level: above.level(), report };
-        Ok(Self { levels, above, below, first_placement, built })
-    }
-}
 
 /// A ray under way.
 struct Flight<'a, Q> {
@@ -86,11 +43,13 @@ struct Flight<'a, Q> {
     stack: usize,
 }
 
-/// The tree of placements, as a walk reads it.
+/// The upper tree, as a walk reads it.
 #[derive(Clone, Copy)]
 struct Above<'a> {
     levels: &'a WideLevels,
     stripes: Stripes<'a, W>,
+    /// Of all meshes.
+    meshes: Stripes<'a, W>,
     root: Link,
 }
 
@@ -103,7 +62,8 @@ impl WideLevels {
         stacks: &mut [Stack<W>],
     ) {
         let Some(root) = self.above.root else { return slice.answer_nothing() };
-        let above = Above { levels: self, stripes: self.above.arena.stripes(), root };
+        let (stripes, meshes) = (self.above.arena.stripes(), self.below.stripes());
+        let above = Above { levels: self, stripes, meshes, root };
         let count = slice.batch.rays().len();
         let mut next = count.min(RAYS);
         let mut flights: Vec<Flight<'_, Q>> =
@@ -156,6 +116,10 @@ impl<'a> Above<'a> {
         while flight.key > limit {
             (flight.key, flight.link) = stack.pop(&mut flight.top);
         }
+        if flight.key == 0 && flight.inside.is_some() {
+            self.leave(flight, stack);
+            return ControlFlow::Continue(());
+        }
         if !flight.link.is_leaf() {
             let Flight { here, query, stripes, link, top, .. } = flight;
             counters.count(Event::InnerNode);
@@ -164,82 +128,101 @@ impl<'a> Above<'a> {
             let (keys, hits) = node::intersect_children(simd, planes, here, query.t_max());
             stack.push(simd, sorting::<Q>(), keys, hits, links, top);
         } else if flight.inside.is_some() {
-            if flight.key == 0 {
-                self.leave(flight);
-            } else {
-                self.test_leaf(simd, counters, flight)?;
-            }
+            self.test_leaf(simd, counters, flight)?;
         } else if flight.key == 0 {
             return ControlFlow::Break(());
-        } else if flight.link.place() < self.levels.first_placement {
-            self.open_leaf(simd, counters, flight, stack);
+        } else if flight.link.place() < self.levels.first_part {
+            self.open_leaf(simd, counters, flight, stack)?;
         } else {
             counters.count(Event::Restart);
             self.enter(flight, stack)?;
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
-        // Placements lie beyond all stripes: there is nothing to wait for.
-        let place = flight.link.place().min(flight.stripes.count());
-        flight.stripes.prefetch(Link::to_node(place));
+        if flight.key == 0 && flight.inside.is_some() {
+            self.leave(flight, stack);
+        }
+        self.prefetch(flight);
         ControlFlow::Continue(())
     }
 
-    /// Puts those placements of a leaf on the stack whose boxes the ray enters.
+    /// Asks for what a ray needs in its next turn: a node, a leaf, or a part of a placement.
     #[inline(always)]
-    fn open_leaf<S: Simd, Q: Query>(
+    fn prefetch<Q: Query>(&self, flight: &Flight<'a, Q>) {
+        let place = flight.link.place();
+        // Both without a branch: one of them is there already.
+        self.levels.prefetch_part(place.saturating_sub(self.levels.first_part));
+        flight.stripes.prefetch(Link::to_node(place.min(flight.stripes.count())));
+    }
+
+    /// Tests the triangles of a leaf of the upper tree, and puts those of its placements on the
+    /// stack whose boxes the ray enters.
+    #[inline(always)]
+    fn open_leaf<S: Simd, Q: Query, C: Counters>(
         &self,
         simd: S,
-        counters: &mut impl Counters,
+        counters: &mut C,
         flight: &mut Flight<'_, Q>,
         stack: &mut Stack<W>,
-    ) {
+    ) -> ControlFlow<()> {
         counters.count(Event::Leaf);
-        counters.count(Event::BoxTest);
         let block = self.stripes.block(flight.link);
+        let flat = &self.levels.levels.flat;
+        let first_box = flat.len() as u32;
+        // Lanes that are not used repeat a primitive, without its id.
+        let lanes_where = |holds: fn(u32, u32) -> bool| {
+            (0..W).fold(0, |lanes, lane| {
+                lanes | u32::from(holds(block.ids[lane].0, first_box)) << lane
+            })
+        };
+        let triangles = lanes_where(|id, first_box| id < first_box);
+        if triangles != 0 {
+            test_flat(simd, counters, flight, (&block, triangles), flat)?;
+        }
+        let boxes = lanes_where(|id, first_box| id >= first_box && id != PrimId::NONE.0);
+        if boxes == 0 {
+            return ControlFlow::Continue(());
+        }
+        counters.count(Event::BoxTest);
         let (ray, t_max) = (&flight.world, flight.query.t_max());
         let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
-        // Lanes that are not used repeat a box.
-        let hits = hits & ((1 << block.len()) - 1);
+        let hits = hits & boxes;
         let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
-        let first = self.levels.first_placement;
-        let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.index())).0);
+        let first = (self.levels.first_part as u32).wrapping_sub(first_box);
+        let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.0) as usize).0);
         stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
+        ControlFlow::Continue(())
     }
 
     /// Takes a ray into a placement, if it meets its box.
     #[inline(always)]
     fn enter<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &mut Stack<W>) -> ControlFlow<()> {
         let levels = &*self.levels.levels;
-        let placement = InstanceId::from_index(flight.link.place() - self.levels.first_placement);
-        let placements = levels.placed.get();
-        let mesh = placements.mesh(placement).index();
-        let (Some(apart), Some(tree)) = (&levels.meshes[mesh], &self.levels.below[mesh]) else {
-            return ControlFlow::Continue(());
-        };
-        let Some(root) = tree.root else { return ControlFlow::Continue(()) };
-        let to_mesh = levels.to_mesh(placement);
+        let number = flight.link.place() - self.levels.first_part;
+        let Some(part) = self.levels.part(number) else { return ControlFlow::Continue(()) };
+        let Part { way: Way { placement, to_mesh, .. }, root, grown, slack } = &*part;
         let t_max = flight.query.nearest().t;
-        let (ray, shift) = match to_mesh.enter(&apart.grown, &flight.world.ray, t_max) {
+        let (ray, shift) = match to_mesh.enter(grown, &flight.world.ray, t_max) {
             Entered::Missed => return ControlFlow::Continue(()),
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
-            Entered::Far => return test_all(levels, flight, placement, apart),
+            Entered::Far => return test_all(levels, flight, *placement),
         };
-        flight.inside = Some(Inside::new(placement, apart, shift));
+        flight.inside = Some(Inside::new(*placement, *slack, shift));
         (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
-        flight.stripes = tree.arena.stripes();
+        flight.stripes = self.meshes;
         flight.query.set_limit(ray.t_max());
         stack.put(0, BACK, &mut flight.top);
-        stack.put(1, root, &mut flight.top);
+        stack.put(1, *root, &mut flight.top);
         ControlFlow::Continue(())
     }
 
     /// Takes a ray back among placements.
     #[inline(always)]
-    fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>) {
+    fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &Stack<W>) {
         flight.inside = None;
         (flight.here.ray, flight.here.slab) = (flight.world.ray, flight.world.slab);
         flight.stripes = self.stripes;
         flight.query.set_limit(flight.query.nearest().t);
+        (flight.key, flight.link) = stack.pop(&mut flight.top);
     }
 
     /// Tests the triangles of a leaf in a mesh.
@@ -280,12 +263,34 @@ impl<'a> Above<'a> {
     }
 }
 
-/// A link that no walk follows, since its key is zero; a leaf, so that it is no node either.
-const BACK: Link = Link(1 << 31);
-
 #[inline(always)]
 fn sorting<Q: Query>() -> Sorting {
     if Q::ANY { Sorting::None } else { Sorting::ByDistance }
+}
+
+/// Tests those triangles of a leaf that are flattened.
+#[inline(always)]
+fn test_flat<S: Simd, Q: Query, C: Counters>(
+    simd: S,
+    counters: &mut C,
+    flight: &mut Flight<'_, Q>,
+    (block, triangles): (&BlockRef<'_, W>, u32),
+    flat: &FlatTriangles,
+) -> ControlFlow<()> {
+    let Flight { world, query, .. } = flight;
+    counters.count(Event::TriangleTest);
+    let mut lanes =
+        block.find_candidates::<S, f32x8<S>>(simd, &world.ray, query.t_max()) & triangles;
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize % W;
+        lanes &= lanes - 1;
+        counters.count(Event::ExactTest);
+        let found = intersect_triangle(simd, &world.slab, &world.shear, &block.lane(lane));
+        let Some([t, u, v]) = found.filter(|[t, ..]| *t <= query.nearest().t) else { continue };
+        let triangle = flat.locate(block.ids[lane]);
+        query.offer(&world.criteria(), ClosestHit { t, u, v, triangle })?;
+    }
+    ControlFlow::Continue(())
 }
 
 /// Holds a ray that can't be placed against all triangles of a placement.
@@ -295,36 +300,13 @@ fn test_all<Q: Query>(
     levels: &Levels,
     flight: &mut Flight<'_, Q>,
     placement: InstanceId,
-    apart: &Apart,
 ) -> ControlFlow<()> {
     let placements = levels.placed.get();
-    let inside = Inside::new(placement, apart, 0.0);
+    let inside = Inside::new(placement, 0.0, 0.0);
     let nearest = flight.query.nearest();
     match nearest_of_all(placements, &inside, &flight.world, &nearest, Q::ANY) {
         Some(hit) => flight.query.take(hit, hit.t),
         None => ControlFlow::Continue(()),
-    }
-}
-
-impl Structure for WideLevels {
-    type Scratch = Box<[Stack<W>]>;
-
-    fn scratch(&self) -> Box<[Stack<W>]> {
-        let with_bottom = |_| {
-            let mut stack = Stack::new();
-            stack.put(0, BACK, &mut 0);
-            stack
-        };
-        (0..RAYS).map(with_bottom).collect()
-    }
-
-    fn built(&self) -> &Built {
-        &self.built
-    }
-
-    fn memory(&self) -> MemoryReport {
-        let below = self.below.iter().flatten().map(|tree| tree.arena.bytes()).sum();
-        MemoryReport::new([("placements", self.above.arena.bytes()), ("meshes", below)])
     }
 }
 

@@ -4,33 +4,39 @@
 //! |---|---|
 //! | `scene` | loads the scene at a time, with its environment light |
 //! | `view` | chooses the camera |
+//! | `light` | decides what lights the scene |
+//! | `dark` | says why a picture will be black or empty |
 //! | `shutter` | says at which moments the scene is posed, and for which samples |
 
+mod dark;
+mod light;
+#[cfg(test)]
+mod light_tests;
 mod scene;
 mod shutter;
 mod view;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::accel::{self, Accel, BuildError};
+use crate::accel::BuildError;
 use crate::camera::Camera;
 use crate::cli::error::CliError;
 use crate::cli::input;
 use crate::cli::memory;
 use crate::cli::settings::RenderArgs;
+use crate::cli::settings::parse::LightArg;
 use crate::film::Window;
 use crate::integrator::Transport;
-use crate::render::{Aov, NoiseTarget, Settings, film_bytes};
-use crate::scene::defaults::{automatic_sky, describe_empty_scene, neutral_sky};
+use crate::render::{Aov, NoiseTarget, Settings, Sight, film_bytes};
+use crate::scene::defaults::describe_empty_scene;
 use crate::scene::{Notice, SceneMemory};
 use crate::texture::TextureStore;
 use crate::world::World;
+pub use dark::percent;
+use light::{Decided, Lighting, Structure};
 pub use shutter::Shutter;
-
-/// Width of a picture whose size no one has said.
-const DEFAULT_WIDTH: u32 = 1280;
 
 /// The fewest and the most samples a pixel under a target for the noise, if no one says.
 const MIN_SPP: u64 = 64;
@@ -48,8 +54,12 @@ pub struct Job {
     pub textures: Arc<TextureStore>,
     /// The scene at the first moment.
     pub first: Moment,
-    /// Whether the environment light was chosen for the user.
-    automatic_sky: bool,
+    /// What a look ahead has found, if there was one.
+    pub sight: Option<Sight>,
+    /// What lights the scene.
+    lighting: Lighting,
+    /// That of the first moment, if it was built to look ahead.
+    structure: Mutex<Option<Structure>>,
     /// See [`Job::digest_moments`].
     moments_digest: OnceLock<u64>,
 }
@@ -67,35 +77,71 @@ pub struct Moment {
 }
 
 impl Job {
-    /// Loads the scene and works out what the settings leave open.
+    /// Loads the scene and works out what the settings leave open. Nobody looks at it, unless they
+    /// ask for a lamp at the camera: a scene in which nothing shines is under a neutral sky.
     ///
     /// # Errors
     /// What is wrong with the scene, or with the settings for this scene.
-    pub fn prepare(mut args: RenderArgs) -> Result<Self, CliError> {
+    pub fn prepare(args: RenderArgs) -> Result<Self, CliError> {
+        let needs_look = args.light == LightArg::Camera;
+        Self::load(args, needs_look)
+    }
+
+    /// The same after a look ahead, which decides what lights the scene if no one says.
+    ///
+    /// # Errors
+    /// As [`Job::prepare`], and if the structure cannot be built.
+    pub fn prepare_looking(args: RenderArgs) -> Result<Self, CliError> {
+        Self::load(args, true)
+    }
+
+    fn load(mut args: RenderArgs, looks: bool) -> Result<Self, CliError> {
         let start = Instant::now();
         args.spp = count_samples(&args);
+        let settled = light::settle(&mut args);
         let shutter = Shutter::new(&args);
         let memory = args.texture_memory.unwrap_or_else(|| crate::files::memory::limit() / 2);
         let textures = Arc::new(TextureStore::new(memory));
+        let at_zero =
+            if looks { light::decide_at_zero(&args, shutter.time(0), &textures)? } else { None };
         let (mut scene, mut notices) = scene::load(&args, shutter.time(0), &textures)?;
         let file = args.scene_file.display().to_string();
-        let sky = automatic_sky(&scene, &file);
-        let automatic_sky = sky.is_some();
-        if let Some((sky, notice)) = sky {
-            scene.environment = Some(sky);
-            notices.push(notice);
-        }
+        let place_of_light = notices.len();
+        notices.extend(settled);
         notices.extend(describe_empty_scene(&scene, &file));
         let (camera, aspect) = view::choose(&scene, &args, &mut notices)?;
         let settings = choose_settings(&args, aspect)?;
         args.resolution = Some(settings.resolution);
-        let memory = SceneMemory::of(&scene);
-        let parts = memory::parts(&memory, film_bytes(&settings));
-        memory::require_parts(&file, &parts, args.memory)?;
-        let world = scene::build_world(scene, &args)?;
-        let first = Moment { world, camera, notices, elapsed: start.elapsed() };
-        let moments_digest = OnceLock::new();
-        Ok(Self { args, settings, shutter, textures, first, automatic_sky, moments_digest })
+        let memory = memory::parts(&SceneMemory::of(&scene), film_bytes(&settings));
+        memory::require_parts(&file, &memory, args.memory)?;
+
+        let (world, decided, structure) = if looks {
+            let (world, decided, structure) = light::look(&args, scene, &camera, at_zero)?;
+            (world, decided, Some(structure))
+        } else {
+            let decided = Decided::as_asked(&args, &scene);
+            decided.lighting.apply(&mut scene, &camera);
+            (scene::build_world(scene, &args)?, decided, None)
+        };
+        args.light = decided.lighting.light;
+        notices.splice(place_of_light..place_of_light, decided.notice);
+        if let Some(sight) = &decided.sight {
+            notices.extend(dark::explain(&args, &world.scene, sight));
+        }
+        let built = structure.as_ref().map_or(Duration::ZERO, |(_, built)| *built);
+        let elapsed = start.elapsed().saturating_sub(built);
+        let first = Moment { world, camera, notices, elapsed };
+        Ok(Self {
+            args,
+            settings,
+            shutter,
+            textures,
+            first,
+            sight: decided.sight,
+            lighting: decided.lighting,
+            structure: Mutex::new(structure),
+            moments_digest: OnceLock::new(),
+        })
     }
 
     /// The scene at a later moment; none for the first, which is there. What the first left to be
@@ -111,9 +157,6 @@ impl Job {
         let (args, first) = (&self.args, &self.first);
         let time = self.shutter.time(moment);
         let (mut scene, mut notices) = scene::load(args, time, &self.textures)?;
-        if self.automatic_sky {
-            scene.environment = Some(neutral_sky());
-        }
         let mut camera = first.camera;
         if args.look_from.is_none() && !first.world.scene.cameras.is_empty() {
             if scene.cameras.len() != first.world.scene.cameras.len() {
@@ -127,6 +170,7 @@ impl Job {
             };
             camera.to_world = now.camera.to_world;
         }
+        self.lighting.apply(&mut scene, &camera);
         notices.retain(|notice| !first.notices.contains(notice));
         let world = scene::build_world(scene, args)?;
         Ok(Some(Moment { world, camera, notices, elapsed: start.elapsed() }))
@@ -153,12 +197,27 @@ impl Job {
         Ok(Some(*self.moments_digest.get_or_init(|| hasher.finish())))
     }
 
+    /// The structure of the first moment, which may be there since the look ahead; whoever asks for
+    /// it takes it away. On the threads of the current pool.
+    ///
+    /// # Errors
+    /// As [`Job::build`].
+    pub fn take_structure(&self) -> Result<Structure, BuildError> {
+        let there = self.structure.lock().unwrap_or_else(PoisonError::into_inner).take();
+        there.map_or_else(|| light::build(&self.args, &self.first.world), Ok)
+    }
+
+    /// Drops that structure: the samples of the first moment are there.
+    pub fn forget_structure(&self) {
+        self.structure.lock().unwrap_or_else(PoisonError::into_inner).take();
+    }
+
     /// Builds the structure that was asked for, on the threads of the current pool.
     ///
     /// # Errors
     /// If it has limits that the scene exceeds, or the machine lacks the instruction set.
-    pub fn build(&self, world: &World) -> Result<Box<dyn Accel>, BuildError> {
-        accel::build(&self.args.accel, world.triangles.clone(), self.args.isa)
+    pub fn build(&self, world: &World) -> Result<Structure, BuildError> {
+        light::build(&self.args, world)
     }
 
     /// Runs `work` on as many threads as were asked for.
@@ -181,10 +240,7 @@ fn count_samples(args: &RenderArgs) -> u64 {
 
 /// Chooses the library's settings, for a camera of such an aspect.
 fn choose_settings(args: &RenderArgs, aspect: f32) -> Result<Settings, CliError> {
-    let resolution = args.resolution.unwrap_or_else(|| {
-        let height = (DEFAULT_WIDTH as f32 / aspect).round().clamp(1.0, 16_384.0);
-        (DEFAULT_WIDTH, height as u32)
-    });
+    let resolution = view::resolution(args, aspect);
     let frame = Window::of_size(resolution.0 as usize, resolution.1 as usize);
     let crop = args.crop.unwrap_or(frame);
     if crop.x0 < 0 || crop.y0 < 0 || crop.x1 > frame.x1 || crop.y1 > frame.y1 {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::cli::error::CliError;
 use crate::cli::settings::RenderArgs;
-use crate::cli::settings::parse::MissingTextureArg;
-use crate::formats::{self, LoadError, LoadOptions, MissingTexture, NotFinite};
+use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg, TextureLod};
+use crate::formats::{self, LoadError, LoadOptions, MissingTexture, MtlTransparency, NotFinite};
 use crate::scene::{Notice, Scene};
 use crate::texture::TextureStore;
 use crate::world::World;
@@ -27,11 +27,17 @@ pub fn load(
             Some(MissingTextureArg::Magenta) => MissingTexture::Magenta,
             None => MissingTexture::Error,
         },
+        mtl_transparency: args.mtl_transparency.map(|told| match told {
+            MtlTransparencyArg::D => MtlTransparency::D,
+            MtlTransparencyArg::Tr => MtlTransparency::Tr,
+            MtlTransparencyArg::File => MtlTransparency::File,
+        }),
         scene: args.scene.clone(),
         variant: args.variant.clone(),
         animation: args.animation.clone(),
         time,
         textures: Arc::clone(textures),
+        texture_levels: args.texture_lod == TextureLod::On,
     };
     let mut scene = formats::load(&args.scene_file, &options)?;
     let mut notices = std::mem::take(&mut scene.notices);

@@ -9,6 +9,9 @@ use crate::math::{DVec3, Vec3};
 use crate::scene::defaults::{AUTOMATIC_YFOV, automatic_camera, bounds};
 use crate::scene::{NamedCamera, Notice, Scene};
 
+/// Width of a picture whose size no one has said.
+const DEFAULT_WIDTH: u32 = 1280;
+
 /// Aspect of a picture whose camera has none.
 const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 
@@ -49,6 +52,14 @@ pub fn choose(
     Ok((camera, aspect.unwrap_or(DEFAULT_ASPECT)))
 }
 
+/// The size of the whole frame, pixels: as it was asked for, or for a camera of such an aspect.
+pub fn resolution(args: &RenderArgs, aspect: f32) -> (u32, u32) {
+    args.resolution.unwrap_or_else(|| {
+        let height = (DEFAULT_WIDTH as f32 / aspect).round().clamp(1.0, 16_384.0);
+        (DEFAULT_WIDTH, height as u32)
+    })
+}
+
 /// One's own camera, or that of the scene, or else one that sees all of it; and its aspect, if it
 /// has one.
 fn choose_place(
@@ -74,10 +85,18 @@ fn choose_place(
             let message = format!("{count} cameras: looking through the first (--camera)");
             notices.push(Notice { place: file, message });
         }
+        if args.up.is_some() {
+            let message = "--up has no effect: the scene's camera says what is up".to_owned();
+            notices.push(Notice { place: args.scene_file.display().to_string(), message });
+        }
         return Ok((named.camera, named.aspect.or(named.camera.aspect())));
     }
+    let up = args.up.map_or(Some(Vec3::Y), |up| up.as_dvec3().try_normalize().map(DVec3::as_vec3));
+    let Some(up) = up else {
+        return Err(CliError::Usage("--up is zero: give another direction".to_owned()));
+    };
     let asked = args.resolution.map(|(width, height)| width as f32 / height as f32);
-    let (camera, notice) = automatic_camera(scene, asked.unwrap_or(DEFAULT_ASPECT), &file);
+    let (camera, notice) = automatic_camera(scene, up, asked.unwrap_or(DEFAULT_ASPECT), &file);
     notices.push(notice);
     Ok((camera, None))
 }

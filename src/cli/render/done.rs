@@ -13,7 +13,7 @@ use crate::part::Part;
 
 /// Whether a job that goes on by itself has nothing left to do: its files are there, whole and of
 /// the same scene and settings, and no checkpoint says otherwise. A task that a farm starts again
-/// costs no more than reading the scene.
+/// costs no more than reading the scene and the look ahead.
 ///
 /// # Errors
 /// If the scene cannot be read at a later moment.

@@ -2,7 +2,6 @@
 
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use serde_json::json;
 
@@ -22,9 +21,8 @@ const PATHS: u64 = 1 << 15;
 pub fn run(job: &Job) -> Result<ExitCode, CliError> {
     job.on_threads(|| {
         let scene = SceneMemory::of(&job.first.world.scene);
-        let start = Instant::now();
-        let accel = job.build(&job.first.world)?;
-        let build_s = start.elapsed().as_secs_f64();
+        let (accel, built) = job.take_structure()?;
+        let build_s = built.as_secs_f64();
         let settings = thin_out(&job.settings);
         let cancel = AtomicBool::new(false);
         let control = Control { cancel: &cancel, progress: &|_| {} };

@@ -109,6 +109,7 @@ impl Exposure<'_> {
             let end = job.shutter.end(moment).min(film.range().end);
             let is_taken = film.next_sample() >= end;
             if is_taken {
+                job.forget_structure();
                 took.moments += 1;
                 continue;
             }
@@ -146,9 +147,11 @@ impl Exposure<'_> {
         }
         let now = later.as_ref().unwrap_or(&job.first);
         watch.enter(Phase::Build);
-        let start = Instant::now();
-        let accel = job.build(&now.world)?;
-        took.built += start.elapsed();
+        let (accel, built) = match &later {
+            None => job.take_structure()?,
+            Some(later) => job.build(&later.world)?,
+        };
+        took.built += built;
         if job.args.verbose > 0 && moment == 0 {
             say(&format!("built {} in {:.2} s", job.args.accel, took.built.as_secs_f64()));
         }

@@ -4,12 +4,12 @@ use serde_json::{Value, json};
 
 use super::checkpoint;
 use super::moments::{Outcome, Took};
-use crate::cli::job::Job;
+use crate::cli::job::{Job, percent};
 use crate::cli::progress::{note, say};
 use crate::cli::shell;
 use crate::files::memory;
 use crate::geom::TriangleSource;
-use crate::render::{LostSample, Rendered, Stage};
+use crate::render::{LostSample, Rendered, Sight, Stage};
 use crate::texture::TextureFigures;
 
 /// Says what the scene asks for that is not honoured, and what was decided for the user.
@@ -119,9 +119,12 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
     });
     let memory = memory::peak()
         .map_or(String::new(), |bytes| format!(", peak {:.0} MB", bytes as f64 / 1e6));
+    let sight = job.sight.map_or(String::new(), |Sight { seen, lit, .. }| {
+        format!(", seen {}, lit {}", percent(seen), percent(lit))
+    });
     format!(
-        "{}: {width}x{height}, {samples} spp{noise}, {:.1} M rays in {:.2} s, {:.2} Mrays/s, \
-         {:.2} µs a path; load {:.2} s, build {:.2} s{denoised}{memory}",
+        "{}: {width}x{height}, {samples} spp{noise}{sight}, {:.1} M rays in {:.2} s, {:.2} \
+         Mrays/s, {:.2} µs a path; load {:.2} s, build {:.2} s{denoised}{memory}",
         outputs.join(", "),
         rays / 1e6,
         seconds,
@@ -201,6 +204,9 @@ pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
         "noise": rendered.reached.map(|reached| reached.largest),
         "noise_reached": rendered.reached.map(|reached| reached.share),
         "pixels_without_samples": rendered.without_samples,
+        "light": job.args.light.name(),
+        "seen": job.sight.map(|sight| sight.seen),
+        "lit": job.sight.map(|sight| sight.lit),
     })
     .to_string()
 }

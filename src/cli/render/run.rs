@@ -14,6 +14,7 @@ use super::{done, dry_run, frames, report};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::progress::note;
+use crate::cli::settings::parse::LightArg;
 use crate::cli::settings::{self, Request, Table, Typed};
 use crate::cli::status::Phase;
 use crate::cli::watch::Watch;
@@ -28,10 +29,14 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     let signals = listen()?;
     let Request { args, from } = settings::resolve(typed)?;
-    let mut said = Vec::new();
+    let mut before = Before::default();
     for args in frames::split(args)? {
-        let request = Request { args: args?, from: from.clone() };
-        let code = run_one(request, (start, &signals), &mut said)?;
+        let mut args = args?;
+        if args.light == LightArg::Auto {
+            args.light = before.light;
+        }
+        let request = Request { args, from: from.clone() };
+        let code = run_one(request, (start, &signals), &mut before)?;
         signals.go_on();
         if signals.is_cancelled() {
             return Ok(ExitCode::from(code));
@@ -40,12 +45,20 @@ pub fn run(typed: &Typed) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Renders a picture, while someone watches. What has been `said` of the scene already is not said
-/// again. Returns the exit code.
+/// What frames before have told of the scene.
+#[derive(Default)]
+struct Before {
+    /// It is not said again.
+    said: Vec<Notice>,
+    /// What lights all frames, unless that must be asked anew.
+    light: LightArg,
+}
+
+/// Renders a picture, while someone watches. Returns the exit code.
 fn run_one(
     Request { args, from }: Request,
     (start, signals): (Instant, &Signals),
-    said: &mut Vec<Notice>,
+    before: &mut Before,
 ) -> Result<u8, CliError> {
     let stops = args.debug_sample.is_some() || args.dry_run || args.print_config;
     let checkpoint = checkpoint::path(&args)?;
@@ -57,7 +70,7 @@ fn run_one(
     let denoiser = denoises.then(|| Denoiser::find(args.threads)).transpose()?;
     let watch = if stops { Watch::silent() } else { Watch::start(&args)? };
     let request = Request { args, from };
-    let ended = run_watched(request, denoiser.as_ref(), (start, signals, &watch), said);
+    let ended = run_watched(request, denoiser.as_ref(), (start, signals, &watch), before);
     let told = watch.finish(ended.as_ref().map_or_else(CliError::exit_code, |&code| code));
     let code = ended?;
     told.map(|()| code)
@@ -67,11 +80,23 @@ fn run_watched(
     Request { args, from }: Request,
     denoiser: Option<&Denoiser>,
     (start, signals, watch): (Instant, &Signals, &Watch),
-    said: &mut Vec<Notice>,
+    before: &mut Before,
 ) -> Result<u8, CliError> {
-    let mut job = Job::prepare(args)?;
-    job.first.notices.retain(|notice| !said.contains(notice));
-    said.extend(job.first.notices.iter().cloned());
+    let mut job = if args.print_config {
+        // What settings say needs no look at the scene, and leaves the light open.
+        let light = args.light;
+        let mut job = Job::prepare(args)?;
+        job.args.light = light;
+        job
+    } else {
+        Job::prepare_looking(args)?
+    };
+    job.first.notices.retain(|notice| !before.said.contains(notice));
+    before.said.extend(job.first.notices.iter().cloned());
+    // How bright a lamp is, is found out by a look.
+    if matches!(job.args.light, LightArg::File | LightArg::Sky) {
+        before.light = job.args.light;
+    }
     if !job.args.quiet {
         report::print_scene(&job);
         if let Some(from) = &from {
@@ -152,7 +177,10 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<u8, CliError> {
     let later = job.pose(job.shutter.moment_of(sample.2))?;
     let now = later.as_ref().unwrap_or(&job.first);
     let path = job.on_threads(|| {
-        let accel = job.build(&now.world)?;
+        let (accel, _) = match &later {
+            None => job.take_structure()?,
+            Some(later) => job.build(&later.world)?,
+        };
         Ok::<_, CliError>(replay(&now.world, &now.camera, &*accel, &job.settings, sample))
     })??;
     text::print(&path)?;

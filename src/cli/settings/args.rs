@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::frames::Frames;
-use super::parse::{CameraModel, MissingTextureArg, ProgressStyle, RouletteDepth};
+use super::parse::{
+    CameraModel, LightArg, MissingTextureArg, MtlTransparencyArg, ProgressStyle, RouletteDepth,
+    TextureLod,
+};
 use super::parse_long::{Every, Resume, Share};
 use super::parse_watch::{Show, TevAddress};
 use crate::accel::AccelSpec;
@@ -46,11 +49,13 @@ pub struct RenderArgs {
     pub crop: Option<Window>,
     pub filter: PixelFilter,
     pub transparent: bool,
+    pub texture_lod: TextureLod,
 
     pub max_depth: u32,
     pub rr_depth: RouletteDepth,
     pub bsdf: BsdfForm,
     pub lights: LightSamplerKind,
+    pub light: LightArg,
     pub env: Option<EnvironmentSource>,
     pub sky: Option<f32>,
     pub sun_elevation: Option<f32>,
@@ -98,6 +103,7 @@ pub struct RenderArgs {
     pub fps: Option<f32>,
     pub strict: bool,
     pub missing_texture: Option<MissingTextureArg>,
+    pub mtl_transparency: Option<MtlTransparencyArg>,
 
     pub threads: usize,
     pub accel: AccelSpec,

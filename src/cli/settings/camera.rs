@@ -1,7 +1,7 @@
 //! Settings: from where the scene is seen, and for how long.
 
 use super::parse::{
-    CameraModel, choice, choices, field_of_view, from_str, positive, vector, whole,
+    CameraModel, choice, choices, direction, field_of_view, from_str, positive, vector, whole,
 };
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
@@ -48,13 +48,15 @@ pub static CAMERA: &[Setting] = &[
     Setting {
         name: "up",
         form: Form::Numbers,
-        value: "X,Y,Z",
+        value: "X,Y,Z|AXIS",
         otherwise: "0,1,0",
         example: "0,0,1",
-        help: "Which direction is up for that camera",
+        help: "Which direction is up for that camera, or for one that frames all: also by x, y, z, \
+               -x, …",
+        details: "Scans and CAD models often have z upwards: with --up z the automatic camera and \
+                  the neutral sky turn with it.",
         advanced: true,
-        requires: &["look-from"],
-        read: Reader::Text(|word| assign(vector(word), |args| &mut args.up)),
+        read: Reader::Text(|word| assign(direction(word), |args| &mut args.up)),
         write: |args| args.up.to_toml(),
         ..VIEW
     },

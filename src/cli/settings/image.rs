@@ -1,6 +1,6 @@
 //! Settings: pixels and samples.
 
-use super::parse::{from_str, resolution, switch, whole, window};
+use super::parse::{TextureLod, choice, choices, from_str, resolution, switch, whole, window};
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 use crate::film::PixelFilter;
@@ -86,6 +86,23 @@ pub static IMAGE: &[Setting] = &[
         help: "Makes the background transparent (alpha is 1 everywhere otherwise)",
         read: Reader::Text(|word| assign(switch(word), |args| &mut args.transparent)),
         write: |args| args.transparent.to_toml(),
+        ..SETTING
+    },
+    Setting {
+        name: "texture-lod",
+        value: "WHETHER",
+        choices: Some(choices::<TextureLod>),
+        default: Some("off"),
+        example: "on",
+        help: "Looks textures up in smaller versions where they are far away or seen in rough \
+               mirrors",
+        details: "Off, each sample sees a point of the texture, and samples average: exact, but \
+                  it takes many samples, and with little --texture-memory many tiles. On, each \
+                  sees about what its pixel covers, which is a little blurred. Alpha that cuts \
+                  holes and the emission of light sources are looked up as they are.",
+        advanced: true,
+        read: Reader::Text(|word| assign(choice::<TextureLod>(word), |args| &mut args.texture_lod)),
+        write: |args| args.texture_lod.to_toml(),
         ..SETTING
     },
 ];

@@ -1,7 +1,9 @@
 //! Settings: what is read.
 
 use super::frames::frames;
-use super::parse::{MissingTextureArg, choice, choices, finite, from_str, positive, switch};
+use super::parse::{
+    MissingTextureArg, MtlTransparencyArg, choice, choices, finite, from_str, positive, switch,
+};
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
 
@@ -109,6 +111,23 @@ pub static INPUT: &[Setting] = &[
             assign(choice::<MissingTextureArg>(word), |args| &mut args.missing_texture)
         }),
         write: |args| args.missing_texture.to_toml(),
+        ..SCENE
+    },
+    Setting {
+        name: "mtl-transparency",
+        value: "HOW",
+        choices: Some(choices::<MtlTransparencyArg>),
+        otherwise: "as file, but not so that nothing is seen",
+        example: "d",
+        help: "What transparency means in an OBJ file's materials, on which writers do not agree",
+        details: "d is an opacity, and Tr a transparency, 1 - d; where both are given d counts. \
+                  Old exporters wrote Tr 1 for what is opaque: a file of which all would be \
+                  invisible is taken as opaque.",
+        advanced: true,
+        read: Reader::Text(|word| {
+            assign(choice::<MtlTransparencyArg>(word), |args| &mut args.mtl_transparency)
+        }),
+        write: |args| args.mtl_transparency.to_toml(),
         ..SCENE
     },
 ];

@@ -1,7 +1,8 @@
 //! Settings: how light is followed, and where it comes from.
 
 use super::parse::{
-    diameter, elevation, finite, from_str, not_negative, share, switch, turbidity, vector, whole,
+    LightArg, choice, choices, diameter, elevation, finite, from_str, not_negative, share, switch,
+    turbidity, vector, whole,
 };
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
@@ -69,6 +70,23 @@ pub static LIGHT: &[Setting] = &[
         }),
         write: |args| args.lights.to_toml(),
         ..TRANSPORT
+    },
+    Setting {
+        name: "light",
+        value: "WHOSE",
+        choices: Some(choices::<LightArg>),
+        default: Some("auto"),
+        example: "file",
+        help: "What lights the scene",
+        details: "With auto, a look ahead of some ten thousand paths through the whole frame tells \
+                  how much of what the camera sees is lit. Where that is less than a quarter, and \
+                  there is neither --env nor --sky, a neutral sky is put around the scene; where \
+                  that does not light a quarter either, there is a lamp at the camera instead. \
+                  What was decided is said, and stands in the picture's header. In motion, the \
+                  scene at 0 seconds decides for all frames. --strict takes what is asked for.",
+        read: Reader::Text(|word| assign(choice::<LightArg>(word), |args| &mut args.light)),
+        write: |args| args.light.to_toml(),
+        ..AROUND
     },
     Setting {
         name: "env",

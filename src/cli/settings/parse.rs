@@ -18,11 +18,58 @@ pub enum CameraModel {
     Panorama,
 }
 
+/// What lights the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum LightArg {
+    /// The first of the following that lights what is seen.
+    #[default]
+    Auto,
+    /// What the scene and the other flags have, and nothing else.
+    File,
+    /// That, under a neutral sky.
+    Sky,
+    /// That, and a lamp at the camera.
+    Camera,
+}
+
+impl LightArg {
+    /// The name by which it is chosen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::File => "file",
+            Self::Sky => "sky",
+            Self::Camera => "camera",
+        }
+    }
+}
+
 /// What to show in place of a texture that cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MissingTextureArg {
     /// Bright magenta; what holds no colours is left out.
     Magenta,
+}
+
+/// Whether textures are looked up in levels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TextureLod {
+    /// In the images as they are.
+    #[default]
+    Off,
+    /// In images as coarse as what is seen of them.
+    On,
+}
+
+/// What `d` and `Tr` of a material of an OBJ file mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MtlTransparencyArg {
+    /// Both are opacities; d counts first.
+    D,
+    /// Tr is a transparency and counts first.
+    Tr,
+    /// Tr is a transparency; d counts first.
+    File,
 }
 
 /// How to report the progress of a render.
@@ -174,6 +221,20 @@ pub(super) fn vector(text: &str) -> Result<Vec3, String> {
     if vector.is_finite() { Ok(vector) } else { Err("a number is not finite".to_owned()) }
 }
 
+/// A direction: three numbers between commas, or the name of an axis.
+pub(super) fn direction(text: &str) -> Result<Vec3, String> {
+    let (sign, axis) = match text.trim().strip_prefix('-') {
+        Some(axis) => (-1.0, axis),
+        None => (1.0, text.trim().trim_start_matches('+')),
+    };
+    match axis {
+        "x" | "X" => Ok(Vec3::X * sign),
+        "y" | "Y" => Ok(Vec3::Y * sign),
+        "z" | "Z" => Ok(Vec3::Z * sign),
+        _ => vector(text),
+    }
+}
+
 /// Two corners of a part of the frame.
 pub(super) fn window(text: &str) -> Result<Window, String> {
     let [x0, y0, x1, y1] = numbers::<4, i32>(text, "four whole numbers: x0,y0,x1,y1")?;
@@ -228,6 +289,13 @@ mod tests {
         assert!(not_negative("-1").is_err() && not_negative("nan").is_err());
         assert!(positive("0").is_err() && field_of_view("180").is_err());
         assert!(threads("4097").is_err() && threads("-1").is_err());
+    }
+
+    #[test]
+    fn directions_may_be_axes() {
+        assert_eq!((direction("z"), direction("-Y")), (Ok(Vec3::Z), Ok(Vec3::NEG_Y)));
+        assert_eq!(direction("0,-1,2"), Ok(Vec3::new(0.0, -1.0, 2.0)));
+        assert!(direction("w").is_err() && direction("").is_err());
     }
 
     #[test]

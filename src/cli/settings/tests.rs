@@ -155,10 +155,10 @@ fn what_is_typed_takes_precedence_over_what_the_scene_says() {
     // Of what the scene leaves open, the rest may be typed.
     let closer = args(scene, &["--look-at", "0,0,0", "--env-scale", "2"]).expect("good");
     assert!(closer.look_at.is_some());
-    let error = args("", &["--up", "0,0,1"]).expect_err("no eye");
+    let error = args("", &["--look-at", "0,0,1"]).expect_err("no eye");
     assert_eq!(
         (error.exit_code(), &*error.to_string()),
-        (2, "--up is of no use without --look-from")
+        (2, "--look-at is of no use without --look-from")
     );
 }
 
@@ -173,7 +173,7 @@ fn settings_that_make_no_sense_are_told_with_their_line() {
         ("[render]\nspp = 'many'\n", "s.toml:2: invalid value 'many' for '--spp <N>'"),
         ("[render]\nspp = true\n", "s.toml:2: invalid value 'true' for '--spp <N>': is no switch"),
         ("[render]\nstrict = 1\n", "s.toml:2: invalid value '1' for '--strict': is either true"),
-        ("[render]\nup = [0, 1, 0]\n", "s.toml:2: --up is of no use without --look-from"),
+        ("[render]\nlook-at = [0, 1, 0]\n", "s.toml:2: --look-at is of no use without --look-from"),
         ("[render]\nfov = nan\n", "s.toml:2: invalid value 'nan' for '--fov <DEGREES>'"),
         ("[render]\ncamera-model = 'x'\n", "for '--camera-model <KIND>': expected one of panorama"),
         ("[render]\ncamera = '0'\nlook-from = [0, 0, 0]\n", "s.toml:2: the argument '--camera"),

@@ -5,7 +5,9 @@ use std::time::Duration;
 use clap::ValueEnum;
 use toml::Value;
 
-use super::parse::{CameraModel, MissingTextureArg, RouletteDepth};
+use super::parse::{
+    CameraModel, LightArg, MissingTextureArg, MtlTransparencyArg, RouletteDepth, TextureLod,
+};
 use crate::accel::AccelSpec;
 use crate::film::tonemap::Tonemap;
 use crate::film::{PixelFilter, Window};
@@ -136,4 +138,4 @@ macro_rules! listed {
         }
     )*};
 }
-listed!(CameraModel, MissingTextureArg);
+listed!(CameraModel, LightArg, MissingTextureArg, MtlTransparencyArg, TextureLod);

@@ -9,7 +9,7 @@
 //! | `illum` 3 or 5 | `Ks` is the reflectance at normal incidence: a mirror if `Kd` is 0 |
 //! | `Ns` | roughness: the exponent's width is alpha² = 2 / (Ns + 2), roughness = √alpha |
 //! | `Ke` | emitted radiance |
-//! | `d`, `1 - Tr`, `map_d` | the share of rays that the surface stops |
+//! | `d`, `1 - Tr`, `map_d` | the share of rays that the surface stops; see `transparency.rs` |
 //! | `illum` 4, 6, 7 or 9 with d < 1 or `Tf` | smooth solid glass of index `Ni` (1.5 if absent) |
 //! | `Tf` and `Ni` without `illum` | the same |
 //! | `Pr`, `Pm` | roughness, metalness, instead of the above |
@@ -25,19 +25,27 @@ use super::map_texels::Use;
 use super::maps::Maps;
 use super::mtl::MtlMaterial;
 use super::remarks::Remarks;
+use super::transparency::Reading;
 use crate::math::Vec3;
 use crate::scene::DEFAULT_GREY;
 use crate::scene::{AlphaMode, Material, Volume};
 
-/// The material that stands in `file`; `remarks` are about that file.
+/// Whether nothing is to be seen of what is made of it, by such a reading.
+pub(super) fn is_invisible(mtl: &MtlMaterial, reading: Reading) -> bool {
+    let opacity = reading.opacity(mtl);
+    opacity <= 0.0 && !is_glass(mtl, opacity)
+}
+
+/// The material that stands in `file`, its transparency by such a reading; `remarks` are about that
+/// file.
 pub(super) fn convert(
     mtl: &MtlMaterial,
-    file: &Path,
+    (file, reading): (&Path, Reading),
     maps: &mut Maps,
     remarks: &mut Remarks,
 ) -> Material {
     let mut material = Material { name: mtl.name.clone(), metallic: 0.0, ..Material::default() };
-    let opacity = opacity(mtl, remarks);
+    let opacity = opacity(mtl, reading, remarks);
     let absent = if mtl.map_kd.is_some() { 1.0 } else { DEFAULT_GREY };
     let kd = clamp_to_one(mtl.kd.unwrap_or(Vec3::splat(absent)), "Kd", mtl, remarks);
     material.base_color = kd.extend(1.0);
@@ -51,7 +59,8 @@ pub(super) fn convert(
         material.alpha_texture =
             mtl.map_d.as_ref().and_then(|map| maps.texture(map, file, Use::Opacity));
         if opacity == 0.0 {
-            remarks.add(mtl.line, format!("material {:?} is invisible: its d is 0", mtl.name));
+            let what = if mtl.d == Some(0.0) { "d is 0" } else { "opacity is 0 (Tr)" };
+            remarks.add(mtl.line, format!("material {:?} is invisible: its {what}", mtl.name));
         }
     }
     material.emissive = match (mtl.ke, &mtl.map_ke) {
@@ -170,9 +179,8 @@ fn textures(
     }
 }
 
-/// `d`, else 1 - `Tr`.
-fn opacity(mtl: &MtlMaterial, remarks: &mut Remarks) -> f32 {
-    let opacity = mtl.d.or(mtl.tr.map(|tr| 1.0 - tr)).unwrap_or(1.0);
+fn opacity(mtl: &MtlMaterial, reading: Reading, remarks: &mut Remarks) -> f32 {
+    let opacity = reading.opacity(mtl);
     if !(0.0..=1.0).contains(&opacity) {
         remarks.add(mtl.line, "an opacity outside of 0 to 1 is clamped");
     }
@@ -190,7 +198,7 @@ fn clamp_to_one(color: Vec3, what: &str, mtl: &MtlMaterial, remarks: &mut Remark
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::MissingTexture;
+    use crate::formats::{MissingTexture, MtlTransparency};
     use crate::texture::TextureStore;
 
     /// The only material of an MTL file, and what is remarked on.
@@ -201,7 +209,8 @@ mod tests {
         let parsed = super::super::mtl::parse(text.as_bytes(), file, &mut remarks).unwrap();
         let store = TextureStore::default();
         let mut maps = Maps::new(Path::new("."), MissingTexture::Magenta, &store);
-        let material = convert(&parsed[0], file, &mut maps, &mut remarks);
+        let reading = Reading::Told(MtlTransparency::File);
+        let material = convert(&parsed[0], (file, reading), &mut maps, &mut remarks);
         (material, remarks.finish().into_iter().map(|notice| notice.message).collect())
     }
 

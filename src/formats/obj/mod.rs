@@ -31,6 +31,7 @@ mod paths;
 mod remarks;
 mod smoothing;
 mod texture_statement;
+mod transparency;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -39,8 +40,9 @@ use geometry::Geometry;
 use libraries::Libraries;
 use maps::Maps;
 use remarks::Remarks;
+use transparency::Reading;
 
-use super::{LoadError, LoadOptions, read_file};
+use super::{LoadError, LoadOptions, MtlTransparency, read_file};
 use crate::math::{Affine3A, MaterialId, MeshId, Vec4};
 use crate::scene::{Instance, Material, Scene, Transform};
 use crate::texture::TextureStore;
@@ -67,7 +69,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let used = geometry.materials.iter().filter_map(|(name, _)| libraries.materials.get(name));
     maps.preload(used.flat_map(|(_, material)| material.used_maps()));
     let mut scene = Scene::default();
-    let ids = materials(&geometry, &mut libraries, &mut maps, &mut scene, &mut remarks);
+    let reading = choose_reading(&geometry, &libraries, options, &mut remarks);
+    let ids = materials(&geometry, (&mut libraries, reading), &mut maps, &mut scene, &mut remarks);
     scene.textures = maps.finish(path, &mut libraries.notices)?;
 
     let meshes = mesh::build(&geometry)
@@ -90,10 +93,37 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     Ok(scene)
 }
 
+/// How transparency is told: as someone says, else as the file does, unless nothing would be seen.
+fn choose_reading(
+    geometry: &Geometry,
+    libraries: &Libraries,
+    options: &LoadOptions,
+    remarks: &mut Remarks,
+) -> Reading {
+    if let Some(told) = options.mtl_transparency {
+        return Reading::Told(told);
+    }
+    let reading = Reading::Told(MtlTransparency::File);
+    let is_invisible = |part: &geometry::Part| {
+        let name = part.material.map(|used| &geometry.materials[used].0);
+        let found = name.and_then(|name| libraries.materials.get(name));
+        found.is_some_and(|(_, mtl)| material::is_invisible(mtl, reading))
+    };
+    let mut parts = geometry.parts.iter().filter(|part| !part.polygons.is_empty()).peekable();
+    if parts.peek().is_none() || !parts.all(is_invisible) {
+        return reading;
+    }
+    remarks.add_file(
+        "all of it would be invisible by its d or Tr: it is taken as opaque \
+         (--mtl-transparency file: as it says)",
+    );
+    Reading::Opaque
+}
+
 /// The materials that the geometry uses, in the order of their first use, and their ids.
 fn materials(
     geometry: &Geometry,
-    libraries: &mut Libraries,
+    (libraries, reading): (&mut Libraries, Reading),
     maps: &mut Maps,
     scene: &mut Scene,
     remarks: &mut Remarks,
@@ -102,7 +132,7 @@ fn materials(
     for (name, line) in &geometry.materials {
         let id = if let Some((file, parsed)) = libraries.materials.get(name) {
             let mut about = Remarks::new(file);
-            scene.materials.push(material::convert(parsed, file, maps, &mut about));
+            scene.materials.push(material::convert(parsed, (file, reading), maps, &mut about));
             libraries.notices.append(&mut about.finish());
             MaterialId::from_index(scene.materials.len() - 1)
         } else {
@@ -147,8 +177,64 @@ pub fn check_mtl(bytes: &[u8]) -> Result<(), LoadError> {
     let mut remarks = Remarks::new(path);
     let store = TextureStore::default();
     let mut maps = Maps::new(Path::new("/nowhere"), super::MissingTexture::Magenta, &store);
+    let reading = Reading::Told(MtlTransparency::File);
     for parsed in mtl::parse(bytes, path, &mut remarks)? {
-        material::convert(&parsed, path, &mut maps, &mut remarks);
+        material::convert(&parsed, (path, reading), &mut maps, &mut remarks);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::AlphaMode;
+
+    /// A model of two parts, of materials with such statements; and what is said of it.
+    fn load_with(mtl: [&str; 2], told: Option<MtlTransparency>) -> (Vec<f32>, Vec<String>) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        let text = format!("newmtl a\n{}\nnewmtl b\n{}\n", mtl[0], mtl[1]);
+        std::fs::write(place("a.mtl"), text).expect("written");
+        let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n\
+                    usemtl a\nf 1 2 3\nusemtl b\nf 3 2 1\n";
+        std::fs::write(place("a.obj"), text).expect("written");
+        let options = LoadOptions { mtl_transparency: told, ..LoadOptions::default() };
+        let scene = load(&place("a.obj"), &options).expect("a good file");
+        let opacity = |material: &Material| match material.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            _ => material.base_color.w,
+        };
+        let said = scene.notices.into_iter().map(|notice| notice.message).collect();
+        (scene.materials.iter().map(opacity).collect(), said)
+    }
+
+    #[test]
+    fn a_model_is_not_invisible_as_a_whole() {
+        for mtl in [["Tr 1.0", "Tr 1"], ["d 0", "Tr 1"]] {
+            let (opacities, said) = load_with(mtl, None);
+            assert_eq!(opacities, [1.0, 1.0]);
+            assert!(said.len() == 1 && said[0].contains("taken as opaque"), "{said:?}");
+        }
+        // Parts that are hidden stay so.
+        assert_eq!(load_with(["Tr 1", "Tr 0.25"], None).0, [0.0, 0.75]);
+        assert_eq!(load_with(["d 0", ""], None).0, [0.0, 1.0]);
+        // Glass is not invisible: nothing is mended.
+        let (_, said) = load_with(["illum 4\nd 0", "d 0"], None);
+        assert!(said.iter().all(|it| !it.contains("taken as opaque")), "{said:?}");
+    }
+
+    #[test]
+    fn transparency_is_as_someone_says() {
+        use MtlTransparency::{D, File, Tr};
+        for (mtl, told, expected) in [
+            (["Tr 1", "Tr 0.75"], D, [1.0, 0.75]),
+            (["Tr 1", "Tr 0.75"], Tr, [0.0, 0.25]),
+            (["Tr 1", "Tr 1"], File, [0.0, 0.0]),
+            (["d 0.5\nTr 1", "d 0.5"], D, [0.5, 0.5]),
+            (["d 0.5\nTr 1", "d 0.5"], Tr, [0.0, 0.5]),
+            (["d 0.5\nTr 1", "d 0.5"], File, [0.5, 0.5]),
+        ] {
+            assert_eq!(load_with(mtl, Some(told)).0, expected, "{mtl:?} {told:?}");
+        }
+    }
 }

@@ -107,8 +107,10 @@ fn an_image_that_was_made_has_its_place_too() {
     let make = || Image::of(512, 512, vec![[7_u8, 8, 9]; 512 * 512]);
     let [first, second] = [store.keep(make()), store.keep(make())];
     assert!(!first.is_tiled() && second.is_tiled() && first == second);
-    let small = store.keep(Image::of(64, 64, vec![[1.0_f32; 4]; 64 * 64]));
+    let small = store.keep(Image::of(32, 32, vec![[1.0_f32; 4]; 32 * 32]));
     assert!(!small.is_tiled());
+    // What came too late for memory does not take it from the cache.
+    assert!(store.keep(Image::of(33, 32, vec![[0_u8]; 33 * 32])).is_tiled());
     // What is in memory leaves the cache the rest.
     assert!(store.figures().cache.limit <= (1 << 20) - 512 * 512 * 3);
 }
@@ -144,7 +146,7 @@ proptest! {
         let cache = Arc::new(TileCache::new(100_000));
         let of = |image: Image| Texture::new(Arc::new(image), space, wrap, filter);
         let (whole, tiled) = (of(make()), of(make().into_tiles(&cache)));
-        prop_assert_eq!(tiled.image().is_tiled(), size.0 * size.1 > 64 * 64);
+        prop_assert_eq!(tiled.image().is_tiled(), size.0 * size.1 > 32 * 32);
         for (u, v) in points {
             let at = Vec2::new(u, v);
             let bits = |texture: &Texture| texture.sample(at).to_array().map(f32::to_bits);

@@ -109,6 +109,13 @@ impl<const W: usize> NodeStripes<W> {
     }
 }
 
+/// Replaces all links of a node by its stripes, also those of lanes that are not used.
+pub fn map_links<const W: usize>(node: &mut [[f32; W]], to: impl Fn(Link) -> Link) {
+    for bits in &mut node[LINKS] {
+        *bits = f32::from_bits(to(Link(bits.to_bits())).0);
+    }
+}
+
 /// Puts triangles into a leaf's stripes.
 pub fn write_block<const W: usize>(stripes: &mut [[f32; W]], block: &TriangleBlock<W>) {
     stripes[..9].copy_from_slice(&block.vertices);
@@ -124,6 +131,11 @@ impl<'a, const W: usize> Stripes<'a, W> {
     /// How many there are.
     pub fn count(&self) -> usize {
         self.floats.len()
+    }
+
+    /// Copies all of them.
+    pub fn copy_to(&self, stripes: &mut [[f32; W]]) {
+        stripes.copy_from_slice(self.floats);
     }
 
     /// A node's planes, lower and upper by axis, and its links.

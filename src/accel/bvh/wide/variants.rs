@@ -55,14 +55,14 @@ pub const AUTO: Variant = Variant {
             return Ok(Box::new(flat));
         }
         let mut tree = build_auto_tree(input)?;
-        tree.side_by_side = !input.source.are_boxes();
+        tree.side_by_side = input.source.boxes() == 0;
         Ok(Box::new(tree))
     },
 };
 
 /// The tree of [`AUTO`].
 pub fn build_auto_tree(input: &BuildInput<'_>) -> Result<WideBvh<8>, BuildError> {
-    let many_boxes = input.source.are_boxes() && input.source.len() > MANY_BOXES;
+    let many_boxes = input.source.boxes() > MANY_BOXES;
     let choices = if many_boxes { "leaves=any,build=direct" } else { "leaves=any" };
     let options = Options::parse(MBVH8.id, MBVH8.options, choices);
     let options = &options.expect("declared by its row");

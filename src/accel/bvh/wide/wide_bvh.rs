@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Level, Simd};
 
-use super::arena::{Arena, BLOCK, Stripes};
+use super::arena::{Arena, BLOCK, NODE, Stripes, map_links};
 use super::packet::PacketScratch;
 use super::shape::{Shape, Source};
 use super::stack::{Sorting, Stack};
@@ -83,17 +83,29 @@ where
         self.fetch.is_none() && self.parts.is_none()
     }
 
-    /// Gives all triangles other ids.
-    pub fn renumber(&mut self, id: impl Fn(PrimId) -> PrimId) {
-        let (first, leaves) = (self.first_leaf, self.built.report.leaves);
-        let stripes = self.arena.floats_mut();
-        for leaf in 0..leaves {
-            for bits in &mut stripes[first + leaf * BLOCK + BLOCK - 1] {
-                let old = PrimId(bits.to_bits());
-                if old != PrimId::NONE {
-                    *bits = f32::from_bits(id(old).0);
-                }
-            }
+    /// Copies nodes and leaves into a larger arena from place `first` on; its root there.
+    pub fn copy_to(&self, stripes: &mut [[f32; W]], first: usize) -> Option<Link> {
+        let own = self.arena.stripes();
+        own.copy_to(&mut stripes[first..first + own.count()]);
+        let moved = |link: Link| Link(link.0 + first as u32);
+        for node in stripes[first..first + self.first_leaf].chunks_exact_mut(NODE) {
+            map_links(node, moved);
+        }
+        self.root.map(moved)
+    }
+
+    /// Leads links to leaves elsewhere: `link` is asked about a leaf's place and its ids.
+    pub fn redirect(&mut self, link: impl Fn(&[PrimId; W]) -> Option<Link>) {
+        let (first_leaf, leaves) = (self.first_leaf, self.built.report.leaves);
+        let stripes = self.arena.stripes();
+        let to = |leaf: usize| link(stripes.block(Link::to_leaf(first_leaf + leaf * BLOCK)).ids);
+        let redirected: Vec<Option<Link>> = (0..leaves).map(to).collect();
+        let to = |old: Link| {
+            let leaf = old.is_leaf().then(|| (old.place() - first_leaf) / BLOCK);
+            leaf.and_then(|leaf| redirected[leaf]).unwrap_or(old)
+        };
+        for node in self.arena.floats_mut()[..first_leaf].chunks_exact_mut(NODE) {
+            map_links(node, to);
         }
     }
 

@@ -1,0 +1,142 @@
+//! Placements opened: parts of them in place of the whole, where that is large.
+//!
+//! Boxes of placements overlap, and most of a large one is empty: a ray enters many for nothing.
+//! So the upper tree has subtrees of the meshes' trees in it, each with the box in the world of its
+//! own triangles (Benthin et al., "Improved Two-Level BVHs using Partial Re-Braiding", 2017; there
+//! they are opened while the tree is built, here before).
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::levels::{Levels, Way};
+use super::mesh_trees::MeshTrees;
+use crate::accel::bvh::link::Link;
+use crate::accel::bvh::wide::arena::Stripes;
+use crate::geom::own_box;
+use crate::math::{Aabb, InstanceId, PrimId, TriangleId, Vec3};
+
+/// More placements are left whole.
+const MOST_OPENED: usize = 1 << 14;
+
+/// What is larger than the mean placement by this is opened. Smaller parts are entered more often
+/// than their boxes spare.
+const LARGE: f64 = 1.0;
+
+/// Nodes are opened down to this depth.
+const DEPTH: u32 = 2;
+
+/// A subtree of a placement.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// The way to it.
+    pub way: Way,
+    /// The root of the subtree.
+    pub root: Link,
+    /// What holds it in the mesh's space, with room for a ray to begin in.
+    pub grown: [DVec3; 2],
+    /// By how much the boxes of its mesh are grown.
+    pub slack: f32,
+}
+
+/// The parts of all placements that are kept apart, each with its box in the world; `None` if it
+/// would take too long to look at all triangles.
+pub fn open(levels: &Levels, trees: &MeshTrees) -> Option<Vec<(Part, Aabb)>> {
+    let count = levels.placements.len();
+    if count > MOST_OPENED || !levels.are_few_triangles() {
+        return None;
+    }
+    let boxes = levels.boxes();
+    let area = |number| boxes.world_box(PrimId::from_index(number)).half_area();
+    let large = (0..count).map(area).sum::<f64>() / count as f64 * LARGE;
+    let open_one = |number| {
+        let way = levels.way(number);
+        let mesh = way.mesh.index();
+        let (Some(apart), Some(root)) = (&levels.meshes[mesh], trees.root(mesh)) else {
+            return Vec::new();
+        };
+        let placement = Placement { levels, stripes: trees.stripes(), placement: way.placement };
+        let mut parts = Vec::new();
+        placement.look((root, apart.grown), DEPTH).cut(large, &mut |node: &Node| {
+            let part = Part { way, root: node.link, grown: node.inside, slack: apart.slack };
+            parts.push((part, node.bounds));
+        });
+        parts
+    };
+    Some((0..count).into_par_iter().flat_map_iter(open_one).collect())
+}
+
+/// A node of a placement's tree, with what is below it as far as it was looked at.
+struct Node {
+    link: Link,
+    /// In the mesh's space, as [`Part::grown`].
+    inside: [DVec3; 2],
+    /// Of its triangles in the world.
+    bounds: Aabb,
+    below: Vec<Self>,
+}
+
+impl Node {
+    /// Hands out this node, or in its place what is below it if it is large.
+    fn cut(&self, large: f64, hand_out: &mut impl FnMut(&Self)) {
+        if self.below.is_empty() || self.bounds.half_area() <= large {
+            return hand_out(self);
+        }
+        for node in &self.below {
+            node.cut(large, hand_out);
+        }
+    }
+}
+
+/// A placement whose triangles are looked at.
+struct Placement<'a> {
+    levels: &'a Levels,
+    stripes: Stripes<'a, 8>,
+    placement: InstanceId,
+}
+
+impl Placement<'_> {
+    /// Looks at a node and what is below it, down to a depth.
+    fn look(&self, (link, inside): (Link, [DVec3; 2]), depth: u32) -> Node {
+        if link.is_leaf() || depth == 0 {
+            return Node { link, inside, bounds: self.find_bounds(link), below: Vec::new() };
+        }
+        let below: Vec<Node> = self
+            .children(link)
+            .map(|(link, bounds)| self.look((link, self.grow(&bounds)), depth - 1))
+            .collect();
+        let bounds = below.iter().map(|node| node.bounds).fold(Aabb::EMPTY, Aabb::union);
+        Node { link, inside, bounds, below }
+    }
+
+    /// A box as it is in the tree, grown by the slack once more.
+    fn grow(&self, bounds: &Aabb) -> [DVec3; 2] {
+        let mesh = self.levels.placed.get().mesh(self.placement).index();
+        let slack = self.levels.meshes[mesh].map_or(0.0, |apart| f64::from(apart.slack));
+        [bounds.min.as_dvec3() - slack, bounds.max.as_dvec3() + slack]
+    }
+
+    /// The box in the world of all triangles below a node.
+    fn find_bounds(&self, link: Link) -> Aabb {
+        if !link.is_leaf() {
+            let below = self.children(link).map(|(link, _)| self.find_bounds(link));
+            return below.fold(Aabb::EMPTY, Aabb::union);
+        }
+        let ids = self.stripes.block(link).ids.iter().filter(|id| **id != PrimId::NONE);
+        let triangle = |id: &PrimId| {
+            let triangle = TriangleId { instance: self.placement, index: id.0 };
+            own_box(&self.levels.placed.get().placed_triangle(triangle))
+        };
+        ids.map(triangle).fold(Aabb::EMPTY, Aabb::union)
+    }
+
+    /// The children of a node with their boxes in the mesh's space.
+    fn children(&self, link: Link) -> impl Iterator<Item = (Link, Aabb)> {
+        let (planes, links) = self.stripes.node(link);
+        (0..links.len()).filter_map(|lane| {
+            let side =
+                |side: usize| Vec3::from_array([0, 1, 2].map(|axis| planes[2 * axis + side][lane]));
+            let bounds = Aabb { min: side(0), max: side(1) };
+            (!bounds.is_empty()).then_some((Link(links[lane]), bounds))
+        })
+    }
+}
