@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use super::settings::Settings;
 use super::stream::ray_key;
-use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
+use super::trace::{find_hits, interior_around};
+use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::camera::Camera;
-use crate::integrator::{FirstHit, PathSample, PathTracer, Transits, interior_at};
-use crate::math::Ray;
+use crate::integrator::{FirstHit, PathSample, PathTracer, Transit, Transits};
+use crate::math::{Ray, Vec3};
 use crate::world::{AlphaFilter, World};
 
 /// Follows the path of one sample of the pixel at column `x`, row `y` of the frame, exactly as
@@ -25,25 +26,17 @@ pub fn replay(
     let rays = camera.rays(settings.aspect());
     let (mut ray, mut path) = settings.start(&rays, x, y, sample, 0);
     if world.has_media() {
-        path.start_in(interior_at(world, rays.centre(), |ray| {
-            let mut hit = [ClosestHit::MISS];
-            tracer.closest_hits(&Batch::new(&[*ray]), &mut hit);
-            hit[0]
-        }));
+        path.start_in(interior_around(world, &mut *tracer, rays.centre()));
     }
     if world.has_levels() {
         path.set_cone(camera.pixel_cone(settings.resolution.1));
     }
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
-    let mut depth = 1;
+    let (mut depth, mut hit) = (1, Vec::new());
     loop {
         let keys = [ray_key(path.key, 2 * depth)];
-        let filter = AlphaFilter::new(world, &keys);
-        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let mut hit = [ClosestHit::MISS];
-        let rays = [ray];
-        tracer.closest_hits(&Batch::new(&rays).with_filter(filter), &mut hit);
+        find_hits(world, &mut *tracer, (&[ray], &keys), None, &mut hit);
         let throughput = path.throughput();
         push_line(
             &mut text,
@@ -73,20 +66,9 @@ pub fn replay(
                 result.radiance += shadow.radiance;
             }
         }
-        let mut transits = Transits::default();
         if let Some(transit) = step.transit {
-            transits.push(0, ray_key(path.key, 2 * depth + 1), transit);
-        }
-        while !transits.rays.is_empty() {
-            let filter = AlphaFilter::new(world, &transits.keys);
-            let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-            let mut hit = [ClosestHit::MISS];
-            tracer.closest_hits(&Batch::new(&transits.rays).with_filter(filter), &mut hit);
-            push_line(&mut text, &format!("  light along {}", format_ray(&transits.rays[0])));
-            transits.cross(world, &hit, |_, radiance| {
-                push_line(&mut text, &format!("  arrives: {radiance:?}"));
-                result.radiance += radiance;
-            });
+            let key = ray_key(path.key, 2 * depth + 1);
+            result.radiance += follow_light(&mut text, world, &mut *tracer, key, transit);
         }
         let Some(next) = step.next else { break };
         (ray, depth) = (next, depth + 1);
@@ -97,6 +79,26 @@ pub fn replay(
     }
     push_line(&mut text, &format!("radiance {:?}", result.radiance));
     text
+}
+
+/// Takes light through borders, describes its way, and returns what arrives.
+fn follow_light(
+    text: &mut String,
+    world: &World,
+    tracer: &mut dyn Tracer,
+    key: u64,
+    transit: Transit,
+) -> Vec3 {
+    let (mut transits, mut hit) = (Transits::default(), Vec::new());
+    let mut arrived = Vec3::ZERO;
+    transits.push(0, key, transit);
+    while let [ray] = *transits.rays {
+        find_hits(world, tracer, (&[ray], &transits.keys), None, &mut hit);
+        push_line(text, &format!("  light along {}", format_ray(&ray)));
+        transits.cross(world, &hit, |_, radiance| arrived += radiance);
+    }
+    push_line(text, &format!("  arrives: {arrived:?}"));
+    arrived
 }
 
 fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit, width: f32) {

@@ -15,14 +15,15 @@ use fearless_simd::Level;
 
 use super::breakdown::{Breakdown, Stage};
 use super::start::{Started, Starts};
+use super::trace::{find_hits, interior_around};
 use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
 use crate::geom::Shaft;
 use crate::integrator::{
-    Interior, Path, PathSample, PathTracer, ShadowRays, Transits, Vertices,
-    add_environment_in_lanes, interior_at, shade_in_lanes,
+    Path, PathSample, PathTracer, ShadowRays, Transits, Vertices, add_environment_in_lanes,
+    shade_in_lanes,
 };
 use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes, SmoothGlassLanes};
-use crate::math::{InstanceId, Ray, Vec3};
+use crate::math::{InstanceId, Ray};
 use crate::simd::lanes::Lanes;
 use crate::simd::{in_lanes, vectorized};
 use crate::world::{AlphaFilter, BsdfClass};
@@ -133,7 +134,8 @@ impl<'w> Stream<'w> {
         };
         in_lanes!(self.level, lanes => starts.start(lanes, started));
         if self.integrator.world().has_media() {
-            let interior = self.interior_of_camera(starts.camera.centre());
+            let (world, centre) = (self.integrator.world(), starts.camera.centre());
+            let interior = interior_around(world, &mut *self.tracer, centre);
             self.paths.iter_mut().for_each(|path| path.start_in(interior));
         }
         self.breakdown.add_since(Stage::Start, start);
@@ -176,15 +178,6 @@ impl<'w> Stream<'w> {
         &mut self.breakdown
     }
 
-    /// The solids that the camera is in.
-    fn interior_of_camera(&mut self, place: Vec3) -> Interior {
-        interior_at(self.integrator.world(), place, |ray| {
-            let mut hit = [ClosestHit::MISS];
-            self.tracer.closest_hits(&Batch::new(&[*ray]), &mut hit);
-            hit[0]
-        })
-    }
-
     /// Advances all paths by one segment.
     fn bounce(&mut self, depth: u32) {
         let start = Instant::now();
@@ -204,15 +197,8 @@ impl<'w> Stream<'w> {
         if world.is_see_through() {
             self.keys.extend(self.paths.iter().map(|path| ray_key(path.key, 2 * depth)));
         }
-        self.hits.clear();
-        self.hits.resize(self.rays.len(), ClosestHit::MISS);
-        let filter = AlphaFilter::new(world, &self.keys);
-        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let mut batch = Batch::new(&self.rays).with_filter(filter);
-        if let Some((width, height)) = self.grid.take() {
-            batch = batch.with_grid(width, height);
-        }
-        self.tracer.closest_hits(&batch, &mut self.hits);
+        let (rays, grid) = ((&*self.rays, &*self.keys), self.grid.take());
+        find_hits(world, &mut *self.tracer, rays, grid, &mut self.hits);
         self.counts.closest += self.rays.len() as u64;
     }
 
@@ -384,12 +370,7 @@ impl Stream<'_> {
         let world = self.integrator.world();
         while !self.transits.rays.is_empty() {
             let Transits { rays, keys, .. } = &self.transits;
-            self.hits.clear();
-            self.hits.resize(rays.len(), ClosestHit::MISS);
-            let filter = AlphaFilter::new(world, keys);
-            let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-            let batch = Batch::new(rays).with_filter(filter);
-            self.tracer.closest_hits(&batch, &mut self.hits);
+            find_hits(world, &mut *self.tracer, (rays, keys), None, &mut self.hits);
             self.counts.shadow += rays.len() as u64;
             let samples = &mut self.samples;
             self.transits.cross(world, &self.hits, |slot, radiance| {
