@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = scene.cameras[0].camera;
     let world = World::new(scene, BsdfForm::default())?;
     let accel = dapple::build(&AccelSpec::default(), world.triangles.clone(), Isa::default())?;
-    let rendered = dapple::render(&world, &camera, &*accel, &settings, &Control::default());
+    let rendered = dapple::render(&world, camera, &*accel, &settings, &Control::default());
     rendered.picture.write_exr(&output)?;
     Ok(())
 }

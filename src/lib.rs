@@ -27,7 +27,7 @@
 //! | 4 | [`scene`]: what a scene is · [`generate`]: scenes by rule |
 //! | 3 | [`accel`], [`material`], [`medium`], [`light`], [`camera`], [`texture`], [`denoise`] |
 //! | 2 | [`geom`] · [`sampling`] · [`film`]: pictures and their comparison |
-//! | 1 | `files` · [`math`] · `simd` |
+//! | 1 | `files` · [`math`] · [`motion`]: how things move while the shutter is open · `simd` |
 //! | 0 | `names`: choices by name |
 //!
 //! # Words that are dapple's own
@@ -62,6 +62,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod medium;
+pub mod motion;
 mod names;
 mod part;
 pub mod render;
@@ -75,6 +76,7 @@ pub use accel::{
     Accel, AccelSpec, AnyHit, Batch, BuildError, ClosestHit, SpecError, Tracer, VARIANTS, build,
 };
 pub use camera::Camera;
+pub use camera::moving::MovingCamera;
 pub use denoise::{DenoiseError, Denoiser};
 pub use film::{Comparison, FilmError, Picture, PixelFilter, Tonemap, Window, diff};
 pub use formats::{LoadError, LoadOptions, MissingTexture, load};

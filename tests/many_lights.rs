@@ -62,7 +62,7 @@ fn run(scene: Scene, choice: LightSamplerKind, settings: &Settings) -> Rendered 
     let cancel = AtomicBool::new(false);
     let control = Control { cancel: &cancel, progress: &|_| {} };
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 7.0), Vec3::ZERO, Vec3::Y, 0.6);
-    let rendered = render(&world, &camera, &*accel, settings, &control);
+    let rendered = render(&world, camera, &*accel, settings, &control);
     assert_eq!(rendered.lost_count, 0, "{:?}", rendered.lost);
     rendered
 }

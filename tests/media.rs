@@ -10,10 +10,11 @@ use dapple::camera::Camera;
 use dapple::geom::Mesh;
 use dapple::light::{Environment, Punctual, PunctualKind};
 use dapple::material::BsdfForm;
-use dapple::math::{MaterialId, Vec3, Vec4};
+use dapple::math::{Affine3A, DQuat, DVec3, MaterialId, Vec3, Vec4};
 use dapple::medium::{HenyeyGreenstein, Medium};
+use dapple::motion::{Link, Motion, MovingParts, Track};
 use dapple::render::Settings;
-use dapple::scene::{Material, ScatterColor, Scattering, Scene, Volume};
+use dapple::scene::{Material, ScatterColor, Scattering, Scene, Transform, Volume};
 use dapple::world::{LightSamplerKind, World};
 use stage::{assert_mean, flat_camera, lambert, mean, rectangle, run, scene, settings, sphere};
 
@@ -74,7 +75,9 @@ fn white_media_in_a_white_world_are_invisible() {
     let milk = cloud(5.0, 1.0, 0.3, 1.33);
     check(milk.clone(), 0.005);
     let wax = Material { transmission: 0.0, diffuse_transmission: 0.8, roughness: 0.5, ..milk };
-    check(wax, 0.005);
+    check(wax.clone(), 0.005);
+    // Light goes in one way and comes out the other.
+    check(Material { transmission: 0.5, roughness: 0.0, ..wax }, 0.005);
 }
 
 /// Few pixels, many samples, no roulette.
@@ -282,6 +285,32 @@ fn who_starts_in_fog_sees_it() {
     let parts = [(sphere(3), cloud(1.0, 0.5, 0.0, 1.0)), (wall, lamp)];
     let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1e-3);
     assert_mean(&run(scene(parts), &camera, &settings(16, 2048, 1)), libm::expf(-0.5));
+}
+
+/// Fog that comes over the camera while the shutter is open: each path begins in what is around at
+/// its time.
+#[test]
+fn fog_comes_with_time() {
+    let lamp = Material { emissive: Vec3::ONE, ..lambert(0.0) };
+    let wall = rectangle(Vec3::NEG_Z * 0.5, Vec3::X, Vec3::Y);
+    let fog = cuboid(Vec3::new(1.0, 1.0, 2.0));
+    let mut scene = scene([(fog, cloud(1.0, 0.5, 0.0, 1.0)), (wall, lamp)]);
+    // Its front is one metre behind the camera at first, and one metre before it at last.
+    let way = [(0.0, DVec3::Z * 3.0), (1.0, DVec3::Z)];
+    let motion = Motion::new([Link::Moving(Arc::new(MovingParts {
+        translation: Track::new(&way).expect("has keys"),
+        rotation: Track::new(&[(0.0, DQuat::IDENTITY)]).expect("has keys"),
+        scale: Track::new(&[(0.0, DVec3::ONE)]).expect("has keys"),
+    }))]);
+    let motion = motion.expect("moves");
+    let start = motion.at(0.0).to_cols_array().map(|x| x as f32);
+    scene.instances[0].transform = Transform::new(Affine3A::from_cols_array(&start));
+    scene.motion_mut().move_placement(0, Arc::new(motion));
+    let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1e-3);
+    // It reaches the camera in the middle, and the wall after three quarters.
+    let whole = libm::expf(-0.5);
+    let expected = 0.5 + 0.5 * (1.0 - whole) + 0.25 * whole;
+    assert_mean(&run(scene, &camera, &settings(16, 2048, 1)), expected);
 }
 
 /// Other lights in a world leave its media as they are.

@@ -55,9 +55,9 @@ fn check(path: &Path, form: BsdfForm, pattern: SamplePattern) {
     let settings = Settings { spp: 1, seed: 3, pattern, ..Settings::new(width, height) };
     for isa in Isa::ALL.into_iter().skip(1).filter(|isa| isa.level().is_some()) {
         let accel = build(&AccelSpec::default(), world.triangles.clone(), isa).expect("it builds");
-        let picture = render(&world, &camera, &*accel, &settings, &Control::default()).picture;
+        let picture = render(&world, camera, &*accel, &settings, &Control::default()).picture;
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let text = replay(&world, &camera, &*accel, &settings, (x, y, 0));
+            let text = replay(&world, camera, &*accel, &settings, (x, y, 0));
             for (channel, expected) in channels(&text) {
                 let found = picture.channel(channel).expect("a layer")[(y * width + x) as usize];
                 let name = path.display();

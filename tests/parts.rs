@@ -52,7 +52,7 @@ proptest! {
         case in prop::sample::select(vec![
             "furnace.gltf",
             "cornell.gltf --transparent",
-            "motion.gltf --time 0 --shutter 1 --moments 3",
+            "motion.gltf --time 0 --shutter 1",
             "gems.gltf --env 3e38,3e38,3e38 --env-scale 9",
         ]),
         backwards in any::<bool>(),

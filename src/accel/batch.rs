@@ -4,7 +4,7 @@ use super::{HitFilter, Verdict};
 use crate::geom::Shaft;
 use crate::math::Ray;
 
-/// Rays to shoot together, with hints, which never change a hit, and a filter of hits.
+/// Rays to shoot together, with hints, which never change a hit, a filter of hits, and times.
 #[derive(Clone, Copy)]
 pub struct Batch<'a> {
     rays: &'a [Ray],
@@ -12,12 +12,13 @@ pub struct Batch<'a> {
     shaft: Option<&'a Shaft>,
     filter: Option<&'a dyn HitFilter>,
     verdict: Option<&'a dyn Verdict>,
+    times: Option<&'a [f32]>,
 }
 
 impl<'a> Batch<'a> {
     /// A slice of rays without hints or filter.
     pub fn new(rays: &'a [Ray]) -> Self {
-        Self { rays, grid: None, shaft: None, filter: None, verdict: None }
+        Self { rays, grid: None, shaft: None, filter: None, verdict: None, times: None }
     }
 
     /// Says that the rays are those of a raster of `width` by `height` cells, row by row, with the
@@ -37,6 +38,19 @@ impl<'a> Batch<'a> {
     #[must_use]
     pub fn with_filter(self, filter: Option<&'a dyn HitFilter>) -> Self {
         Self { filter, ..self }
+    }
+
+    /// Says at which time of the shutter each ray is shot, from 0 to 1; without, all are at 0.
+    /// Heeded where anything moves.
+    #[must_use]
+    pub fn with_times(self, times: Option<&'a [f32]>) -> Self {
+        Self { times, ..self }
+    }
+
+    /// The times of the rays, if they have any.
+    #[inline(always)]
+    pub(super) fn times(&self) -> Option<&'a [f32]> {
+        self.times
     }
 
     /// Other rays in place of these, one for each, under the same hints and filter: each within the

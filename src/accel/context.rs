@@ -7,12 +7,12 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Simd, SimdFloat};
+use fearless_simd::Simd;
 
 use super::{Batch, BlockFilter, ClosestHit, Counters, Event, PreparedRay, Query, Verdict};
 use crate::geom::{BlockRef, Corners, Triangle, intersect_triangle};
 use crate::math::{PrimId, TriangleId, Vec3};
-use crate::simd::baseline;
+use crate::simd::{Vectors, Width, baseline};
 
 /// A ray on its way through a structure.
 pub struct RayContext<'a, S, Q, C> {
@@ -40,10 +40,7 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     pub fn test_triangle(&mut self, id: PrimId, triangle: &impl Corners) -> ControlFlow<()> {
         self.counters.count(Event::ExactTest);
         if let Some(verdict) = self.ray.verdict {
-            let [x, y, z] = [0, 1, 2].map(|axis| triangle.along(axis));
-            let at = |i: usize| Vec3::new(x[i], y[i], z[i]);
-            let corners = Triangle { a: at(0), b: at(1), c: at(2) };
-            return self.judge(verdict, (id, &corners));
+            return self.reborrow().judge(verdict, (id, triangle));
         }
         match intersect_triangle(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
             Some([t, u, v]) => {
@@ -54,10 +51,19 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
         }
     }
 
-    /// Asks another than the exact test about one primitive.
+    /// Asks another than the exact test about one primitive. Kept out of the walks: with it in
+    /// them, rays that have no verdict take a tenth longer.
+    #[cold]
     #[inline(never)]
-    fn judge(&mut self, verdict: &dyn Verdict, prim: (PrimId, &Triangle)) -> ControlFlow<()> {
-        match verdict.judge(self.ray.index, prim, &self.query.nearest(), Q::ANY) {
+    fn judge(
+        &mut self,
+        verdict: &dyn Verdict,
+        (id, triangle): (PrimId, &impl Corners),
+    ) -> ControlFlow<()> {
+        let [x, y, z] = [0, 1, 2].map(|axis| triangle.along(axis));
+        let at = |i: usize| Vec3::new(x[i], y[i], z[i]);
+        let corners = Triangle { a: at(0), b: at(1), c: at(2) };
+        match verdict.judge(self.ray.index, (id, &corners), &self.query.nearest(), Q::ANY) {
             Some(hit) => self.query.take(hit, verdict.limit(hit.t)),
             None => ControlFlow::Continue(()),
         }
@@ -66,27 +72,52 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     /// Tests a block: filters all its triangles at once, then asks the exact test about those that
     /// are left.
     #[inline(always)]
-    pub fn test_block<V, const W: usize>(&mut self, block: BlockRef<'_, W>) -> ControlFlow<()>
+    pub fn test_block<const W: usize>(&mut self, block: BlockRef<'_, W>) -> ControlFlow<()>
     where
-        V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+        Width: Vectors<W>,
     {
         self.counters.count(Event::TriangleTest);
         if C::COUNTS {
             self.counters.add(Event::TriangleLane, block.len() as u64);
         }
-        let (simd, PreparedRay { ray, slab, .. }) = (self.simd, self.ray);
-        let t_max = self.query.t_max();
-        let mut lanes = match self.ray.verdict.map(Verdict::filter) {
-            None => block.find_candidates::<S, V>(simd, ray, t_max),
-            Some(BlockFilter::Near(slack)) => block.find_near::<S, V>(simd, ray, t_max, slack),
-            Some(BlockFilter::Boxes) => block.find_boxes::<S, V>(simd, slab, t_max),
-        };
+        if let Some(verdict) = self.ray.verdict {
+            return self.reborrow().judge_block(verdict, block);
+        }
+        let (simd, ray, t_max) = (self.simd, &self.ray.ray, self.query.t_max());
+        let mut lanes =
+            block.find_candidates::<S, <Width as Vectors<W>>::Floats<S>>(simd, ray, t_max);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let id = block.ids[lane];
             if id != PrimId::NONE {
                 self.test_triangle(id, &block.lane(lane))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Filters a block as a verdict says, then asks it; at the baseline instruction set, since it
+    /// is kept out of the walks as [`Self::judge`] is.
+    #[cold]
+    #[inline(never)]
+    fn judge_block<const W: usize>(
+        &mut self,
+        verdict: &dyn Verdict,
+        block: BlockRef<'_, W>,
+    ) -> ControlFlow<()>
+    where
+        Width: Vectors<W>,
+    {
+        let mut lanes =
+            find_by_verdict(baseline(), &block, (self.ray, self.query.t_max()), verdict.filter());
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let id = block.ids[lane];
+            if id != PrimId::NONE {
+                self.counters.count(Event::ExactTest);
+                self.judge(verdict, (id, &block.lane(lane)))?;
             }
         }
         ControlFlow::Continue(())
@@ -100,6 +131,25 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
             self.test_triangle(id, &block.lane(lane))?;
         }
         ControlFlow::Continue(())
+    }
+}
+
+/// The triangles of a block that a verdict is to be asked about.
+fn find_by_verdict<S: Simd, const W: usize>(
+    simd: S,
+    block: &BlockRef<'_, W>,
+    (ray, t_max): (&PreparedRay<'_>, f32),
+    filter: BlockFilter,
+) -> u32
+where
+    Width: Vectors<W>,
+{
+    type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
+    match filter {
+        BlockFilter::Near(slack) => {
+            block.find_near::<S, Floats<S, W>>(simd, &ray.ray, t_max, slack)
+        }
+        BlockFilter::Boxes => block.find_boxes::<S, Floats<S, W>>(simd, &ray.slab, t_max),
     }
 }
 

@@ -174,18 +174,22 @@ pub fn build(
 ) -> Result<Box<dyn Accel>, BuildError> {
     let level = isa.level().ok_or(BuildError::NoSuchIsa { isa: isa.name() })?;
     let placed = Placed::new(Arc::clone(&source));
-    let are_placed = placed.is_some();
-    if let Some(placed) = placed.filter(|placed| spec.instances.choose(placed)) {
-        let defaults;
-        let below = (spec.variant, &spec.options);
-        let above = match spec.top {
-            None => below,
-            Some(row) => {
-                defaults = Options::defaults(row.options);
-                (row, &defaults)
-            }
-        };
-        return TwoLevel::build(placed, (below, above), level);
+    // With one placement numbers are what hits name already.
+    let are_placed = placed.as_ref().is_some_and(|placed| placed.get().len() > 1);
+    if let Some(placed) = placed {
+        let copies = spec.instances.choose(&placed);
+        if copies || placed.get().motions().is_some() {
+            let defaults;
+            let below = (spec.variant, &spec.options);
+            let above = match spec.top {
+                None => below,
+                Some(row) => {
+                    defaults = Options::defaults(row.options);
+                    (row, &defaults)
+                }
+            };
+            return TwoLevel::build((placed, copies), (below, above), level);
+        }
     }
     BuildError::check_count(source.len())?;
     let input = BuildInput { source: Arc::clone(&source), options: &spec.options, level };

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use super::{Camera, Projection};
+use super::{Camera, CameraRays, Projection};
 
 impl Camera {
     /// How wide a pixel is at the camera, and by how much more at a distance of one metre, on a
@@ -14,6 +14,13 @@ impl Camera {
             Projection::Orthographic { ymag, .. } => [2.0 * ymag / rows, 0.0],
             Projection::Panorama => [0.0, PI / rows],
         }
+    }
+}
+
+impl CameraRays {
+    /// See [`Camera::pixel_cone`].
+    pub fn pixel_cone(&self, rows: u32) -> [f32; 2] {
+        self.camera.pixel_cone(rows)
     }
 }
 

@@ -9,7 +9,7 @@ impl CameraRays {
     /// Whether [`CameraRays::ray_in_lanes`] can make its rays.
     #[inline(always)]
     pub fn has_lanes(&self) -> bool {
-        self.camera.projection != Projection::Panorama
+        self.camera.projection != Projection::Panorama && self.motion.is_none()
     }
 
     /// Origins and directions of the rays of [`CameraRays::ray`], in lanes; of no panorama.

@@ -4,11 +4,14 @@ mod cone;
 pub mod flight;
 mod framing;
 mod lanes;
+pub mod moving;
 
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 
 use crate::geom::Shaft;
 use crate::math::{Aabb, Affine3A, Frame, Mat3, Ray, Vec2, Vec3};
+use crate::motion::Motion;
 use crate::sampling::warp;
 
 /// How points of the film become directions.
@@ -110,7 +113,7 @@ impl Camera {
             Projection::Orthographic { ymag, .. } => ymag,
             Projection::Panorama => 1.0,
         };
-        CameraRays { camera: *self, half: Vec2::new(half * aspect, half) }
+        CameraRays { camera: *self, half: Vec2::new(half * aspect, half), motion: None }
     }
 
     /// The camera's own aspect, where it has one.
@@ -129,22 +132,24 @@ fn normalize_any(v: Vec3) -> Option<Vec3> {
 }
 
 /// A camera prepared for a film.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct CameraRays {
     camera: Camera,
     /// Half of the film at distance one, or in space if orthographic.
     half: Vec2,
+    /// How it moves, if it does.
+    motion: Option<Arc<Motion>>,
 }
 
 impl CameraRays {
-    /// What it was prepared from.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
-    /// See [`Camera::ray`].
+    /// See [`Camera::ray`]; at time 0.
     #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {
+        self.ray_from(&self.camera.to_world, film, lens)
+    }
+
+    #[inline(always)]
+    fn ray_from(&self, to_world: &Affine3A, film: Vec2, lens: Vec2) -> Ray {
         let x = (2.0 * film.x - 1.0) * self.half.x;
         let y = (1.0 - 2.0 * film.y) * self.half.y;
         let (mut origin, mut direction) = match self.camera.projection {
@@ -157,19 +162,16 @@ impl CameraRays {
             origin += (warp::disk(lens) * thin.aperture_radius).extend(0.0);
             direction = focus - origin;
         }
-        let to_world = &self.camera.to_world;
         let direction = to_world.transform_vector3(direction).normalize();
         Ray::new(to_world.transform_point3(origin), direction, 0.0, f32::INFINITY)
     }
 
-    /// Where the camera stands: the pinhole, the middle of the lens, or that of the film.
-    pub fn centre(&self) -> Vec3 {
-        Vec3::from(self.camera.to_world.translation)
-    }
-
     /// The region of all rays of the film, as far as rounding allows; `None` unless they spread
-    /// from a point or a lens, by less than a half-space.
+    /// from a point or a lens, by less than a half-space, and from the same place at all times.
     pub fn region(&self) -> Option<Shaft> {
+        if self.motion.is_some() {
+            return None;
+        }
         let Projection::Perspective { .. } = self.camera.projection else { return None };
         let lens = self.camera.lens.map_or((0.0, 1.0), |l| (l.aperture_radius, l.focus_distance));
         // From the lens's edge, what is in focus is as much farther aside.

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Subcommand;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::camera::flight;
 use crate::cli::error::CliError;
@@ -187,6 +187,28 @@ impl CommonArgs {
         }
         Ok(written.expect("was written without an error"))
     }
+
+    /// Tells what was written since `start`: `counts` in words, and `summary` as JSON.
+    fn tell(
+        &self,
+        start: Instant,
+        (counts, bytes): (&str, u64),
+        mut summary: Value,
+    ) -> Result<ExitCode, CliError> {
+        let seconds = start.elapsed().as_secs_f64();
+        let (output, megabytes) = (&self.output, bytes as f64 / 1e6);
+        let place = output.display();
+        self.quiet.tell(&format!("{place}: {counts}, {megabytes:.1} MB in {seconds:.2} s"));
+        if self.json {
+            summary["output"] = json!(output);
+            summary["path"] = json!(self.path);
+            summary["bytes"] = json!(bytes);
+            summary["seed"] = json!(self.seed);
+            summary["seconds"] = json!(seconds);
+            text::print(&format!("{summary}\n"))?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
@@ -210,31 +232,18 @@ fn generate_forest(args: &ForestArgs) -> Result<ExitCode, CliError> {
         let name = common.output.file_name().unwrap_or_default().to_string_lossy();
         write_text(scene, &Forest::scene(&name))?;
     }
-    let seconds = start.elapsed().as_secs_f64();
-    common.quiet.tell(&format!(
-        "{}: {} triangles, {} copies, {} triangles placed, {:.1} MB in {seconds:.2} s",
-        common.output.display(),
-        written.triangles,
-        written.copies,
-        written.placed,
-        written.bytes as f64 / 1e6,
-    ));
-    if common.json {
-        let summary = json!({
-            "output": common.output,
-            "path": common.path,
-            "scene": args.scene,
-            "triangles": written.triangles,
-            "copies": written.copies,
-            "placed_triangles": written.placed,
-            "vertices": written.vertices,
-            "bytes": written.bytes,
-            "seed": common.seed,
-            "seconds": seconds,
-        });
-        text::print(&format!("{summary}\n"))?;
-    }
-    Ok(ExitCode::SUCCESS)
+    let counts = format!(
+        "{} triangles, {} copies, {} triangles placed",
+        written.triangles, written.copies, written.placed
+    );
+    let summary = json!({
+        "scene": args.scene,
+        "triangles": written.triangles,
+        "copies": written.copies,
+        "placed_triangles": written.placed,
+        "vertices": written.vertices,
+    });
+    common.tell(start, (&counts, written.bytes), summary)
 }
 
 fn generate(generator: Generator, args: &SceneArgs) -> Result<ExitCode, CliError> {
@@ -244,25 +253,10 @@ fn generate(generator: Generator, args: &SceneArgs) -> Result<ExitCode, CliError
         |file| generator.write(triangles, common.seed, file),
         || generator.flight(triangles, common.seed),
     )?;
-    let seconds = start.elapsed().as_secs_f64();
-    common.quiet.tell(&format!(
-        "{}: {} triangles, {} vertices, {:.1} MB in {seconds:.2} s",
-        common.output.display(),
-        written.triangles,
-        written.vertices,
-        written.bytes as f64 / 1e6,
-    ));
-    if common.json {
-        let summary = json!({
-            "output": common.output,
-            "path": common.path,
-            "triangles": written.triangles,
-            "vertices": written.vertices,
-            "bytes": written.bytes,
-            "seed": common.seed,
-            "seconds": seconds,
-        });
-        text::print(&format!("{summary}\n"))?;
-    }
-    Ok(ExitCode::SUCCESS)
+    let counts = format!("{} triangles, {} vertices", written.triangles, written.vertices);
+    let summary = json!({
+        "triangles": written.triangles,
+        "vertices": written.vertices,
+    });
+    common.tell(start, (&counts, written.bytes), summary)
 }

@@ -47,6 +47,9 @@ pub struct LoadOptions {
     pub animation: Option<String>,
     /// The time at which animations are posed, seconds; none: all is in its rest pose.
     pub time: Option<f32>,
+    /// How long the shutter is open from that time on, seconds, while what is animated moves; none:
+    /// an instant.
+    pub shutter: Option<f32>,
     /// What decodes and keeps the images of textures; by default a new one without a limit. Scenes
     /// that are loaded with the same one share their images.
     pub textures: Arc<TextureStore>,

@@ -10,6 +10,7 @@
 //! | [`bundle`] | bundles of eight rays: the slab test and the filter |
 //! | [`slab`] | the slab test, and why culling by it is exact |
 //! | [`shaft`] | regions that hold rays, to cull boxes for all of them at once |
+//! | `numbering` | one running number over the triangles of many meshes |
 //! | `usable` | which rays can be traced, in lanes |
 //! | `clip` | the part of a triangle in a box, for builders |
 //! | `mesh`, `tangents`, `source` | meshes, their tangents, triangles in world space |
@@ -17,11 +18,13 @@
 pub mod block;
 pub mod bundle;
 mod clip;
+mod deformation;
 mod heading;
 mod intersect_bundle;
 mod intersect_pairs;
 pub mod intersect_triangle;
 mod mesh;
+mod numbering;
 pub mod planes;
 mod ray_lanes;
 pub mod shaft;
@@ -35,16 +38,18 @@ mod usable;
 pub use block::{BlockRef, TriangleBlock};
 pub use bundle::{FilterTriangle, RayBundle};
 pub use clip::clip_bounds;
+pub use deformation::{Deformation, Posed, VertexKey};
 pub use heading::Heading;
 pub use intersect_bundle::BundleHits;
 pub use intersect_pairs::{PairHits, PairTriangle};
 pub use intersect_triangle::{ShearRay, intersect_triangle};
 pub use mesh::Mesh;
+pub use numbering::Numbering;
 pub use planes::{FilterLanes, FilterPlane, FilterSides, Reach};
 pub use ray_lanes::RayLanes;
 pub use shaft::Shaft;
 pub use slab::{SlabRay, grow_own_box, own_box};
-pub use source::{Placements, TriangleList, TriangleSource};
+pub use source::{Motions, Placements, TriangleList, TriangleSource};
 pub use tangents::add_tangents;
 pub use triangle::{Corners, Triangle};
 pub use usable::are_usable;

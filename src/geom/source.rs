@@ -1,9 +1,11 @@
 //! Triangles in world space, and where they come from.
 
 use super::clip::clip_bounds;
+use super::deformation::Posed;
 use super::slab::own_box;
 use super::triangle::Triangle;
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
+use crate::motion::Piece;
 
 /// Hands out the triangles of a scene in world space, by a running number over all instances.
 ///
@@ -96,6 +98,37 @@ pub trait Placements: Send + Sync {
 
     /// A triangle's vertices in world space: the ones that the verdict is about.
     fn placed_triangle(&self, triangle: TriangleId) -> Triangle;
+
+    /// The motions of what does not stand still, if anything moves.
+    fn motions(&self) -> Option<&dyn Motions> {
+        None
+    }
+}
+
+/// Placements that move while the shutter is open: what is asked at a time is so at all times from
+/// 0 to 1.
+pub trait Motions: Send + Sync {
+    /// Whether a placement does not stand still, or its mesh does not keep its shape.
+    fn is_moving(&self, placement: InstanceId) -> bool;
+
+    /// Whether a mesh does not keep its shape.
+    fn is_deforming(&self, mesh: MeshId) -> bool;
+
+    /// From the mesh's space to the world at a time.
+    fn to_world_at(&self, placement: InstanceId, time: f32) -> Affine3A;
+
+    /// A mesh at a time, in its own space.
+    fn mesh_at(&self, mesh: MeshId, time: f32) -> Posed<'_>;
+
+    /// The box of all that a mesh's vertices come to.
+    fn mesh_bounds_over_time(&self, mesh: MeshId) -> Aabb;
+
+    /// The box that holds the [`own_box`] of a triangle of a mesh from one time to another.
+    fn own_box_over(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> Aabb;
+
+    /// Pieces of the time, in each of which nothing within `reach` of the origin of the mesh's
+    /// space moves further than about `margin` in the world, unless the motion is too fast.
+    fn pieces(&self, placement: InstanceId, reach: f64, margin: f64) -> Vec<Piece>;
 }
 
 /// Triangles that are already in world space.

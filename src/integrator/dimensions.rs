@@ -7,7 +7,7 @@
 //! | set | lanes 0 and 1 | lanes 2 and 3 |
 //! |---|---|---|
 //! | 0 | place in the pixel | point of the lens |
-//! | 1 | point of the light at the first vertex | none |
+//! | 1 | point of the light at the first vertex | time, none |
 //! | 2 d | direction from vertex d | point of the light at vertex d + 1 |
 //! | 2 d + 1 | lobe, Russian roulette | choice of the light, wavelength at vertex d |
 //!
@@ -25,6 +25,9 @@ pub const PIXEL_DIMENSION: u32 = 0;
 
 /// The point of the lens: two dimensions.
 pub const LENS_DIMENSION: u32 = 2;
+
+/// The time of the sample, while the shutter is open: one dimension.
+pub const TIME_DIMENSION: u32 = 6;
 
 /// The direction that a path takes from the end of segment `depth`: two dimensions.
 pub fn direction_dimension(depth: u32) -> u32 {

@@ -77,7 +77,7 @@ pub fn scatter_in_medium(
     sample: &mut PathSample,
 ) -> Step {
     let (flight, phase) = (ray.direction(), medium.phase());
-    let here = Surface::point_in_space(position, flight);
+    let here = Surface::point_in_space(position, flight, path.time);
     path.context = LightSampleContext { position, normal: Vec3::ZERO };
     path.sampler.seek(choice_dimension(depth));
     let [_, u_roulette, u_light] = [(); 3].map(|()| path.sampler.next_1d());
@@ -119,11 +119,11 @@ pub fn point_before(ray: &Ray, at: f32, surface: Option<&Surface>) -> Vec3 {
     surface.ray_towards(-ray.direction()).origin()
 }
 
-/// The solids around a point: those whose borders a ray from there meets from within. `trace` finds
-/// what a ray hits first.
+/// The solids around a point at a `time` of the shutter: those whose borders a ray from there meets
+/// from within. `trace` finds what a ray hits first.
 pub fn interior_at(
     world: &World,
-    point: Vec3,
+    (point, time): (Vec3, f32),
     mut trace: impl FnMut(&Ray) -> ClosestHit,
 ) -> Interior {
     /// The most borders that are counted.
@@ -137,7 +137,7 @@ pub fn interior_at(
         if !hit.is_hit() {
             break;
         }
-        let surface = world.surface(&ray, &hit, 0.0);
+        let surface = world.surface(&ray, &hit, (time, 0.0));
         let id = surface.material;
         if world.is_solid(id) {
             if surface.front {

@@ -96,7 +96,7 @@ impl<'w> PathTracer<'w> {
         }
 
         // Account for the medium along the segment, then for emission at its end.
-        let surface = world.surface(ray, hit, path.width());
+        let surface = world.surface(ray, hit, (path.time, path.width()));
         absorb(world, path, &surface, hit.t);
         add_emission(world, path, &surface, (ray, hit.t), sample);
         if depth > 1 && !self.goes_beyond(depth) {
@@ -180,8 +180,8 @@ impl<'w> PathTracer<'w> {
             path.context.position = ray.origin();
         }
         // Most paths in dense media scatter long before the surface, which then is not asked for.
-        let width = path.width();
-        let look = || hit.is_hit().then(|| world.surface(ray, hit, width));
+        let when_and_width = (path.time, path.width());
+        let look = || hit.is_hit().then(|| world.surface(ray, hit, when_and_width));
         let surface = if path.interior.is_air() { look() } else { None };
         let to = if hit.is_hit() { hit.t } else { f32::INFINITY };
         match fly(world, depth, path, surface.as_ref(), to) {

@@ -15,6 +15,8 @@ pub struct ShadowRays {
     pub ends: Vec<ShadowEnd>,
     /// For each, the key of its path.
     pub keys: Vec<u64>,
+    /// For each, the time of its path.
+    pub times: Vec<f32>,
 }
 
 /// What becomes of a shadow ray.
@@ -32,6 +34,7 @@ impl ShadowRays {
         self.rays.clear();
         self.ends.clear();
         self.keys.clear();
+        self.times.clear();
     }
 
     /// Another one, of a path.
@@ -40,6 +43,7 @@ impl ShadowRays {
         self.rays.push(shadow.ray);
         self.ends.push(ShadowEnd { slot: path.slot, radiance: shadow.radiance });
         self.keys.push(path.key);
+        self.times.push(path.time);
     }
 }
 
@@ -50,6 +54,8 @@ pub struct Transits {
     pub rays: Vec<Ray>,
     /// For each, the key of its path.
     pub keys: Vec<u64>,
+    /// For each, the time of its path.
+    pub times: Vec<f32>,
     all: Vec<(u32, Transit)>,
 }
 
@@ -58,14 +64,16 @@ impl Transits {
     pub fn clear(&mut self) {
         self.rays.clear();
         self.keys.clear();
+        self.times.clear();
         self.all.clear();
     }
 
-    /// Another one, towards a path of that slot; `key` is that of its rays.
-    pub fn push(&mut self, slot: u32, key: u64, transit: Transit) {
+    /// Another one, towards a path; `key` is that of its rays.
+    pub fn push(&mut self, path: &Path, key: u64, transit: Transit) {
         self.rays.push(transit.ray);
         self.keys.push(key);
-        self.all.push((slot, transit));
+        self.times.push(path.time);
+        self.all.push((path.slot, transit));
     }
 
     /// Takes each as far as to what its ray has met. Those that go on stay, in order; `arrive` is
@@ -73,13 +81,14 @@ impl Transits {
     pub fn cross(&mut self, world: &World, hits: &[ClosestHit], mut arrive: impl FnMut(u32, Vec3)) {
         let mut kept = 0;
         for (i, hit) in hits.iter().enumerate() {
-            let (slot, transit) = self.all[i];
-            match transit.cross(world, hit) {
+            let ((slot, transit), time) = (self.all[i], self.times[i]);
+            match transit.cross(world, hit, time) {
                 Passage::Blocked => {}
                 Passage::Arrives(radiance) => arrive(slot, radiance),
                 Passage::GoesOn(transit) => {
                     self.rays[kept] = transit.ray;
                     self.keys[kept] = self.keys[i];
+                    self.times[kept] = time;
                     self.all[kept] = (slot, transit);
                     kept += 1;
                 }
@@ -87,6 +96,7 @@ impl Transits {
         }
         self.rays.truncate(kept);
         self.keys.truncate(kept);
+        self.times.truncate(kept);
         self.all.truncate(kept);
     }
 }

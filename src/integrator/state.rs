@@ -1,6 +1,7 @@
 //! The state of a path, and what goes in and out at its vertices.
 
 use super::cone::Cone;
+use super::dimensions::TIME_DIMENSION;
 use super::interior::Interior;
 use super::transit::Transit;
 use crate::light::LightSampleContext;
@@ -35,6 +36,8 @@ pub struct Path {
     pub(super) sampler: Sampler,
     /// Where its result goes.
     pub slot: u32,
+    /// When all of it takes place, while the shutter is open: from 0 to 1.
+    pub time: f32,
     /// A hash of pixel, sample and seed.
     pub key: u64,
 }
@@ -91,7 +94,7 @@ impl Step {
 }
 
 impl Path {
-    /// A path that starts at the camera. `sampler` is that of its sample.
+    /// A path that starts at the camera, at time 0. `sampler` is that of its sample.
     pub fn new(sampler: Sampler, key: u64, slot: u32) -> Self {
         Self {
             throughput: Vec3::ONE,
@@ -105,8 +108,18 @@ impl Path {
             wavelength: None,
             sampler,
             slot,
+            time: 0.0,
             key,
         }
+    }
+
+    /// The same at the time that its sampler tells.
+    #[inline(always)]
+    #[must_use]
+    pub fn at_its_time(self) -> Self {
+        let mut sampler = self.sampler;
+        sampler.seek(TIME_DIMENSION);
+        Self { time: sampler.next_1d(), ..self }
     }
 
     /// The number of vertices up to the end of segment number `depth`, that one with them: segments
@@ -114,6 +127,12 @@ impl Path {
     #[inline(always)]
     pub(super) fn vertices(&self, depth: u32) -> u32 {
         depth - self.passed
+    }
+
+    /// Whether any of its segments so far do not count.
+    #[inline(always)]
+    pub fn has_passed(&self) -> bool {
+        self.passed > 0
     }
 
     /// Puts it inside of solids, where it starts.

@@ -63,8 +63,8 @@ impl Transit {
         (radiance != Vec3::ZERO).then_some(made)
     }
 
-    /// Takes the light as far as to what its ray has met.
-    pub fn cross(mut self, world: &World, hit: &ClosestHit) -> Passage {
+    /// Takes the light as far as to what its ray has met, at a `time` of the shutter.
+    pub fn cross(mut self, world: &World, hit: &ClosestHit, time: f32) -> Passage {
         let direction = self.ray.direction();
         if !hit.is_hit() {
             let whole = if self.ray.t_max() < f32::INFINITY {
@@ -75,7 +75,7 @@ impl Transit {
             self.dim(world, whole);
             return self.arrive();
         }
-        let surface = world.surface(&self.ray, hit, 0.0);
+        let surface = world.surface(&self.ray, hit, (time, 0.0));
         if !surface.front && world.is_solid(surface.material) && self.interior.is_air() {
             self.interior = self.interior.behind(surface.material, world);
         }

@@ -2,6 +2,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
+use super::boundary::INFINITE_IOR;
 use super::energy::Albedos;
 use super::form::BsdfForm;
 use super::metallic_roughness::MetallicRoughness;
@@ -15,11 +16,18 @@ use crate::sampling::{ONE_MINUS_EPSILON, warp};
 ///
 /// What the coat takes is taken on the side that light enters and on the side that it leaves, as
 /// in [`MetallicRoughness`]: so the surface is reciprocal, and a white one loses nothing.
+///
+/// Radiance that enters a solid is scaled by 1 / eta², as glass scales it, and back where it
+/// leaves: whichever way it takes through a border that is glass in part, the scales of a path from
+/// air to air are one in all. Without that, what comes in scattered and goes out refracted would
+/// gain eta².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Translucent {
     surface: MetallicRoughness,
     /// Colour of what goes through, times its share.
     through: Vec3,
+    /// Index of refraction of the back over that of the front; 1 for a sheet.
+    ior: f32,
 }
 
 impl Translucent {
@@ -29,7 +37,10 @@ impl Translucent {
         let mut surface = MetallicRoughness::with_metallic(params, metallic, form);
         surface.diffuse *= 1.0 - share;
         let color = params.diffuse_transmission_color;
-        Self { surface, through: color * (share * (1.0 - metallic)) }
+        // Through what has an infinite index, glass lets nothing: there is nothing to agree with.
+        let bends = !params.thin && params.ior > 1e-3 && params.ior < INFINITE_IOR;
+        let ior = if bends { params.ior } else { 1.0 };
+        Self { surface, through: color * (share * (1.0 - metallic)), ior }
     }
 
     /// Whether `params` let any light through by way of the diffuse base.
@@ -47,7 +58,8 @@ impl Translucent {
         }
         let (value, _) = self.transmission().eval(wo, Vec3::new(wi.x, wi.y, -wi.z));
         let pdf = if value == Vec3::ZERO { 0.0 } else { probability * wi.z.abs() * FRAC_1_PI };
-        (value, pdf)
+        let eta = self.eta(wo);
+        (value / (eta * eta), pdf)
     }
 
     /// See [`super::Bsdf::sample`].
@@ -61,7 +73,7 @@ impl Translucent {
             let wi = warp::cosine_hemisphere(u);
             let wi = if wo.z > 0.0 { -wi } else { wi };
             let (value, pdf) = self.eval(wo, wi);
-            return BsdfSample::from_value(wi, value, pdf, 1.0);
+            return BsdfSample::from_value(wi, value, pdf, self.eta(wo));
         }
         let rest = ((u_lobe - probability) / (1.0 - probability)).min(ONE_MINUS_EPSILON);
         let mut sample = self.surface.sample(wo, rest, u)?;
@@ -84,6 +96,11 @@ impl Translucent {
             multiple: Vec3::ZERO,
             ..self.surface
         }
+    }
+
+    /// Index of refraction beyond the surface over that on the viewer's side.
+    fn eta(&self, wo: Vec3) -> f32 {
+        if wo.z < 0.0 { 1.0 / self.ior } else { self.ior }
     }
 
     /// The probability that the light that goes through is sampled: its share of all, seen from
@@ -129,8 +146,29 @@ mod tests {
             let (through, _) = leaf.eval(wo, Vec3::new(wi.x, wi.y, -wi.z));
             let lambert = 0.6 * FRAC_1_PI;
             assert!((back - Vec3::splat(0.5 * 0.75 * lambert)).length() < 1e-6, "{back}");
-            assert!((through - color * (0.25 * lambert)).length() < 1e-6, "{through}");
+            // Into a solid of index 1.5.
+            assert!((through * 2.25 - color * (0.25 * lambert)).length() < 1e-6, "{through}");
             assert!((leaf.albedo() - (Vec3::splat(0.375) + color * 0.25)).length() < 1e-6);
+        }
+    }
+
+    /// The scales of both ways through a border are one in all; a sheet has none.
+    #[test]
+    fn what_enters_scattered_is_scaled_as_in_glass() {
+        let wax = SurfaceParams { diffuse_transmission: 1.0, ..SurfaceParams::default() };
+        let (wo, wi) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.8, -0.6));
+        for (params, scale) in [
+            (wax, 2.25),
+            (SurfaceParams { thin: true, ..wax }, 1.0),
+            (SurfaceParams { ior: 1.0, ..wax }, 1.0),
+            (SurfaceParams { ior: 0.0, ..wax }, 1.0),
+            (SurfaceParams { ior: f32::NAN, ..wax }, 1.0),
+        ] {
+            let wax = Translucent::new(&params, 0.0, BsdfForm::AppendixB);
+            let (enters, leaves) = (wax.eval(wo, wi).0 / 0.6, wax.eval(wi, wo).0 / 0.8);
+            assert!((leaves - enters * (scale * scale)).length() < 1e-5, "{enters} {leaves}");
+            let sample = wax.sample(wo, 0.0, Vec2::splat(0.5)).expect("it lets light through");
+            assert!(sample.wi.z < 0.0 && (sample.eta * sample.eta - scale).abs() < 1e-6);
         }
     }
 }

@@ -14,10 +14,8 @@ use crate::film::Window;
 pub struct Head {
     /// The version of dapple.
     pub version: String,
-    /// Digest of the scene at the first moment: meshes, textures, materials, lights.
+    /// Digest of the scene: meshes, textures, materials, lights, motion.
     pub scene_digest: String,
-    /// The same of all moments, if there are several.
-    pub moments_digest: Option<String>,
     /// The settings that samples depend on, by their flags, as TOML has them.
     pub identity: BTreeMap<String, String>,
     /// All settings as TOML, for the header of a picture and for commands that repeat it.
@@ -63,7 +61,6 @@ impl Head {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene_digest: String::new(),
-            moments_digest: None,
             identity: BTreeMap::new(),
             settings: String::new(),
             scene: String::new(),
@@ -89,8 +86,6 @@ impl Head {
             pair(&format!("--{key}"), self.identity.get(key), other.identity.get(key))
         }));
         found.extend(pair("scene", Some(&self.scene_digest), Some(&other.scene_digest)));
-        let moments = [self, other].map(|head| head.moments_digest.as_ref());
-        found.extend(pair("scene at its moments", moments[0], moments[1]));
         found
     }
 

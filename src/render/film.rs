@@ -18,7 +18,8 @@ use super::settings::Settings;
 use super::stream::{RayCounts, Stream};
 use super::tile::{Tile, first_lost, tile_windows};
 use crate::accel::Accel;
-use crate::camera::{Camera, CameraRays};
+use crate::camera::CameraRays;
+use crate::camera::moving::MovingCamera;
 use crate::film::Picture;
 use crate::integrator::PathTracer;
 use crate::sampling::BLOCK;
@@ -162,7 +163,7 @@ impl Film {
     pub fn accumulate(
         &self,
         world: &World,
-        camera: &Camera,
+        camera: &MovingCamera,
         accel: &dyn Accel,
         end: u64,
         cancel: &AtomicBool,
@@ -276,7 +277,7 @@ impl Film {
 struct Shoot<'a> {
     film: &'a Film,
     world: &'a World,
-    camera: &'a Camera,
+    camera: &'a MovingCamera,
     accel: &'a dyn Accel,
     cancel: &'a AtomicBool,
 }
@@ -342,8 +343,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use std::sync::Arc;
 
-    use super::*;
     use crate::accel::build;
+    use crate::camera::Camera;
     use crate::geom::{Triangle, TriangleList, TriangleSource};
     use crate::math::Vec3;
     use crate::simd::Isa;

@@ -8,7 +8,7 @@ use super::rendered::Rendered;
 use super::settings::Settings;
 use super::ticks::with_ticks;
 use crate::accel::Accel;
-use crate::camera::Camera;
+use crate::camera::moving::MovingCamera;
 use crate::world::World;
 
 /// How a render talks to its caller while it runs.
@@ -52,14 +52,14 @@ impl Default for Control<'static> {
 /// ```
 pub fn render(
     world: &World,
-    camera: &Camera,
+    camera: impl Into<MovingCamera>,
     accel: &dyn Accel,
     settings: &Settings,
     control: &Control<'_>,
 ) -> Rendered {
-    let film = Film::new(settings.clone());
+    let (film, camera) = (Film::new(settings.clone()), camera.into());
     with_ticks(&|| (control.progress)(film.progress()), || {
-        film.accumulate(world, camera, accel, settings.spp, control.cancel);
+        film.accumulate(world, &camera, accel, settings.spp, control.cancel);
     });
     film.finish()
 }

@@ -12,7 +12,7 @@ use super::film::Film;
 use super::settings::{Aov, Settings};
 use super::stream::ray_key;
 use crate::accel::{Accel, Batch, ClosestHit, HitFilter};
-use crate::camera::Camera;
+use crate::camera::moving::MovingCamera;
 use crate::film::{Picture, PixelFilter, Window};
 use crate::integrator::Transport;
 use crate::math::{Ray, Vec2};
@@ -66,7 +66,7 @@ impl Sight {
 }
 
 /// Looks at all of a frame of `aspect`, on the threads of the current rayon pool.
-pub fn look_ahead(world: &World, camera: &Camera, accel: &dyn Accel, aspect: f32) -> Sight {
+pub fn look_ahead(world: &World, camera: &MovingCamera, accel: &dyn Accel, aspect: f32) -> Sight {
     let settings = settings(aspect);
     let picture = |max_depth: u32| {
         static NEVER: AtomicBool = AtomicBool::new(false);
@@ -144,7 +144,7 @@ fn settings(aspect: f32) -> Settings {
 /// of their distances.
 fn look_at_firsts(
     world: &World,
-    camera: &Camera,
+    camera: &MovingCamera,
     accel: &dyn Accel,
     settings: &Settings,
 ) -> (f32, f32) {
@@ -153,15 +153,15 @@ fn look_at_firsts(
     let size = Vec2::new(width as f32, height as f32);
     let rays: Vec<Ray> = (0..width * height)
         .map(|pixel| Vec2::new((pixel % width) as f32, (pixel / width) as f32))
-        .map(|at| camera.ray((at + 0.5) / size, Vec2::splat(0.5)))
+        .map(|at| camera.ray_at((at + 0.5) / size, Vec2::splat(0.5), 0.0))
         .collect();
     let keys: Vec<u64> = (0..u64::from(width * height)).map(|pixel| ray_key(pixel, 2)).collect();
-    let filter = AlphaFilter::new(world, &keys);
+    let filter = AlphaFilter::new(world, &keys, None);
     let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
     let mut hits = vec![ClosestHit::MISS; rays.len()];
     accel.tracer().closest_hits(&Batch::new(&rays).with_filter(filter), &mut hits);
     let met = || rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
-    let behind = met().filter(|(ray, hit)| !world.surface(ray, hit, 0.0).front).count();
+    let behind = met().filter(|(ray, hit)| !world.surface(ray, hit, (0.0, 0.0)).front).count();
     let mut distances: Vec<f32> = met().map(|(_, hit)| hit.t).collect();
     distances.sort_by(f32::total_cmp);
     let behind = behind as f32 / distances.len().max(1) as f32;
@@ -174,6 +174,7 @@ mod tests {
 
     use super::*;
     use crate::accel::{self, AccelSpec};
+    use crate::camera::Camera;
     use crate::geom::Mesh;
     use crate::light::{Environment, Punctual, PunctualKind};
     use crate::material::BsdfForm;
@@ -205,7 +206,7 @@ mod tests {
         let spec: AccelSpec = accel.parse().expect("a structure");
         let accel = accel::build(&spec, world.triangles.clone(), Isa::Auto).expect("no limits");
         // From two metres away the frame is as high as both squares are wide.
-        let camera = Camera::look_at(from, Vec3::ZERO, Vec3::Y, 2.0 * libm::atanf(0.5));
+        let camera = Camera::look_at(from, Vec3::ZERO, Vec3::Y, 2.0 * libm::atanf(0.5)).into();
         look_ahead(&world, &camera, &*accel, 1.0)
     }
 

@@ -4,48 +4,48 @@ use std::fmt::Write;
 
 use super::settings::Settings;
 use super::stream::ray_key;
-use super::trace::{find_hits, interior_around};
-use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
-use crate::camera::Camera;
-use crate::integrator::{FirstHit, PathSample, PathTracer, Transit, Transits};
+use super::trace::{Slice, find_blocked, find_hits, start_inside};
+use crate::accel::{Accel, ClosestHit, Tracer};
+use crate::camera::moving::MovingCamera;
+use crate::integrator::{FirstHit, Path, PathSample, PathTracer, Transit, Transits};
 use crate::math::{Ray, Vec3};
-use crate::world::{AlphaFilter, World};
+use crate::world::World;
 
 /// Follows the path of one sample of the pixel at column `x`, row `y` of the frame, exactly as
 /// [`super::render`] would, and describes it: a line for each segment, what it hit, what that emits
 /// and the shadow ray, and last what the sample adds to albedo, normal and radiance.
 pub fn replay(
     world: &World,
-    camera: &Camera,
+    camera: impl Into<MovingCamera>,
     accel: &dyn Accel,
     settings: &Settings,
     (x, y, sample): (u32, u32, u64),
 ) -> String {
     let integrator = PathTracer::new(world, settings.transport);
     let mut tracer = accel.tracer();
-    let rays = camera.rays(settings.aspect());
-    let (mut ray, mut path) = settings.start(&rays, x, y, sample, 0);
-    if world.has_media() {
-        path.start_in(interior_around(world, &mut *tracer, rays.centre()));
-    }
+    let camera = camera.into().rays(settings.aspect());
+    let (mut ray, mut path) = settings.start(&camera, (x, y), sample, 0, world.moves());
+    start_inside(world, &mut *tracer, &camera, std::slice::from_mut(&mut path));
     if world.has_levels() {
         path.set_cone(camera.pixel_cone(settings.resolution.1));
     }
+    let times = [path.time];
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
+    if world.moves() {
+        push_line(&mut text, &format!("time {:?} of the shutter", path.time));
+    }
     let (mut depth, mut hit) = (1, Vec::new());
     loop {
         let keys = [ray_key(path.key, 2 * depth)];
-        find_hits(world, &mut *tracer, (&[ray], &keys), None, &mut hit);
-        let throughput = path.throughput();
-        push_line(
-            &mut text,
-            &format!("segment {depth}: {}, throughput {throughput:?}", format_ray(&ray)),
-        );
+        let slice = Slice { rays: &[ray], keys: &keys, times: &times };
+        find_hits(world, &mut *tracer, &slice, None, &mut hit);
+        let (along, throughput) = (format_ray(&ray), path.throughput());
+        push_line(&mut text, &format!("segment {depth}: {along}, throughput {throughput:?}"));
         if world.has_levels() {
             path.widen(hit[0].t);
         }
-        describe_hit(&mut text, world, &ray, &hit[0], path.width());
+        describe_hit(&mut text, world, (&ray, &hit[0]), &path);
 
         let before = result.radiance;
         let step = integrator.advance(depth, &mut path, &ray, &hit[0], &mut result);
@@ -55,10 +55,9 @@ pub fn replay(
         }
         if let Some(shadow) = step.shadow {
             let keys = [ray_key(path.key, 2 * depth + 1)];
-            let filter = AlphaFilter::new(world, &keys);
-            let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-            let mut blocked = [AnyHit(false)];
-            tracer.any_hits(&Batch::new(&[shadow.ray]).with_filter(filter), &mut blocked);
+            let mut blocked = Vec::new();
+            let slice = Slice { rays: &[shadow.ray], keys: &keys, times: &times };
+            find_blocked(world, &mut *tracer, &slice, &mut blocked);
             let state = if blocked[0].0 { "blocked" } else { "free" };
             let what = format!("  shadow ray {}, {state}", format_ray(&shadow.ray));
             push_line(&mut text, &format!("{what}: {:?}", shadow.radiance));
@@ -68,7 +67,8 @@ pub fn replay(
         }
         if let Some(transit) = step.transit {
             let key = ray_key(path.key, 2 * depth + 1);
-            result.radiance += follow_light(&mut text, world, &mut *tracer, key, transit);
+            result.radiance +=
+                follow_light(&mut text, (world, &mut *tracer), (&path, key), transit);
         }
         let Some(next) = step.next else { break };
         (ray, depth) = (next, depth + 1);
@@ -81,19 +81,19 @@ pub fn replay(
     text
 }
 
-/// Takes light through borders, describes its way, and returns what arrives.
+/// Takes light of a path through borders, describes its way, and returns what arrives.
 fn follow_light(
     text: &mut String,
-    world: &World,
-    tracer: &mut dyn Tracer,
-    key: u64,
+    (world, tracer): (&World, &mut dyn Tracer),
+    (path, key): (&Path, u64),
     transit: Transit,
 ) -> Vec3 {
     let (mut transits, mut hit) = (Transits::default(), Vec::new());
     let mut arrived = Vec3::ZERO;
-    transits.push(0, key, transit);
+    transits.push(path, key, transit);
     while let [ray] = *transits.rays {
-        find_hits(world, tracer, (&[ray], &transits.keys), None, &mut hit);
+        let slice = Slice { rays: &[ray], keys: &transits.keys, times: &transits.times };
+        find_hits(world, tracer, &slice, None, &mut hit);
         push_line(text, &format!("  light along {}", format_ray(&ray)));
         transits.cross(world, &hit, |_, radiance| arrived += radiance);
     }
@@ -101,12 +101,12 @@ fn follow_light(
     arrived
 }
 
-fn describe_hit(text: &mut String, world: &World, ray: &Ray, hit: &ClosestHit, width: f32) {
+fn describe_hit(text: &mut String, world: &World, (ray, hit): (&Ray, &ClosestHit), path: &Path) {
     if !hit.is_hit() {
         push_line(text, "  hit nothing");
         return;
     }
-    let surface = world.surface(ray, hit, width);
+    let surface = world.surface(ray, hit, (path.time, path.width()));
     let material = world.material(surface.material);
     let side = if surface.front { "front" } else { "back" };
     let head =

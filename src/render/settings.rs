@@ -100,15 +100,16 @@ impl Settings {
         }
     }
 
-    /// Starts the path of one sample of the pixel at column `x`, row `y` of the frame.
+    /// Starts the path of one sample of the pixel at column `x`, row `y` of the frame; `timed`:
+    /// at a time of its own.
     #[inline(always)]
     pub(super) fn start(
         &self,
         camera: &CameraRays,
-        x: u32,
-        y: u32,
+        (x, y): (u32, u32),
         sample: u64,
         slot: u32,
+        timed: bool,
     ) -> (Ray, Path) {
         let pixel = u64::from(y) << 32 | u64::from(x);
         let mut sampler = self.pattern.sampler(pixel, sample, self.seed);
@@ -117,8 +118,9 @@ impl Settings {
         sampler.seek(LENS_DIMENSION);
         let lens = sampler.next_2d();
         let place = Vec2::new(x as f32, y as f32) + 0.5 + offset;
-        let ray = camera.ray(place / Vec2::new(width, height), lens);
-        (ray, Path::new(sampler, hash_path(pixel, sample, self.seed), slot))
+        let path = Path::new(sampler, hash_path(pixel, sample, self.seed), slot);
+        let path = if timed { path.at_its_time() } else { path };
+        (camera.ray_at(place / Vec2::new(width, height), lens, path.time), path)
     }
 }
 

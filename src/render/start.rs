@@ -24,6 +24,8 @@ pub(super) struct Starts<'a> {
     pub count: u32,
     /// Whether paths need keys: where something is see-through.
     pub keyed: bool,
+    /// Whether each path has a time of its own: where something moves.
+    pub timed: bool,
 }
 
 /// Paths that started, and their results without light.
@@ -81,7 +83,9 @@ impl Starts<'_> {
                 }
                 let key = self.key(place, sample);
                 let slot = pixel as u32 * self.count + i;
-                block.push(sampler, (x, y), Path::new(sampler, key, slot));
+                let path = Path::new(sampler, key, slot);
+                let path = if self.timed { path.at_its_time() } else { path };
+                block.push(sampler, (x, y), path);
                 if block.len == L::WIDTH {
                     self.start_block(lanes, &mut block, started);
                 }
@@ -92,7 +96,7 @@ impl Starts<'_> {
 
     /// How wide a pixel is.
     pub fn pixel_cone(&self) -> [f32; 2] {
-        self.camera.camera().pixel_cone(self.settings.resolution.1)
+        self.camera.pixel_cone(self.settings.resolution.1)
     }
 
     fn start_one_by_one(&self, started: &mut Started<'_>) {
@@ -100,7 +104,8 @@ impl Starts<'_> {
             for i in 0..self.count {
                 let slot = pixel as u32 * self.count + i;
                 let sample = self.first + u64::from(i);
-                let (ray, path) = self.settings.start(self.camera, x, y, sample, slot);
+                let (ray, path) =
+                    self.settings.start(self.camera, (x, y), sample, slot, self.timed);
                 started.push(ray, path);
             }
         }

@@ -15,8 +15,8 @@ use fearless_simd::Level;
 
 use super::breakdown::{Breakdown, Stage};
 use super::start::{Started, Starts};
-use super::trace::{find_hits, interior_around};
-use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
+use super::trace::{Slice, find_blocked, find_hits, start_inside};
+use crate::accel::{Accel, AnyHit, ClosestHit, Tracer};
 use crate::geom::Shaft;
 use crate::integrator::{
     Path, PathSample, PathTracer, ShadowRays, Transits, Vertices, add_environment_in_lanes,
@@ -26,7 +26,7 @@ use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes, Sm
 use crate::math::{InstanceId, Ray};
 use crate::simd::lanes::Lanes;
 use crate::simd::{in_lanes, vectorized};
-use crate::world::{AlphaFilter, BsdfClass};
+use crate::world::BsdfClass;
 
 /// How many rays were shot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,6 +73,8 @@ pub(super) struct Stream<'w> {
     transits: Transits,
     /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
     keys: Vec<u64>,
+    /// The times of the slice that is being traced; empty if nothing moves.
+    times: Vec<f32>,
     /// Results by slot.
     samples: Vec<PathSample>,
     /// Whether a camera ray has met what mirrors or is clear.
@@ -112,6 +114,7 @@ impl<'w> Stream<'w> {
             blocked: Vec::new(),
             transits: Transits::default(),
             keys: Vec::new(),
+            times: Vec::new(),
             samples: Vec::new(),
             follows: false,
             segments: Vec::new(),
@@ -126,18 +129,16 @@ impl<'w> Stream<'w> {
     /// Follows paths to their ends.
     pub fn run(&mut self, starts: Starts<'_>) {
         let start = Instant::now();
-        let starts = Starts { keyed: self.integrator.world().is_see_through(), ..starts };
+        let world = self.integrator.world();
+        let timed = world.moves();
+        let starts = Starts { keyed: world.is_see_through(), timed, ..starts };
         let started = &mut Started {
             rays: &mut self.rays,
             paths: &mut self.paths,
             samples: &mut self.samples,
         };
         in_lanes!(self.level, lanes => starts.start(lanes, started));
-        if self.integrator.world().has_media() {
-            let (world, centre) = (self.integrator.world(), starts.camera.centre());
-            let interior = interior_around(world, &mut *self.tracer, centre);
-            self.paths.iter_mut().for_each(|path| path.start_in(interior));
-        }
+        start_inside(world, &mut *self.tracer, starts.camera, &mut self.paths);
         self.breakdown.add_since(Stage::Start, start);
         self.pixel_cone = starts.pixel_cone();
         self.follows = false;
@@ -197,8 +198,12 @@ impl<'w> Stream<'w> {
         if world.is_see_through() {
             self.keys.extend(self.paths.iter().map(|path| ray_key(path.key, 2 * depth)));
         }
-        let (rays, grid) = ((&*self.rays, &*self.keys), self.grid.take());
-        find_hits(world, &mut *self.tracer, rays, grid, &mut self.hits);
+        self.times.clear();
+        if world.moves() {
+            self.times.extend(self.paths.iter().map(|path| path.time));
+        }
+        let slice = Slice { rays: &self.rays, keys: &self.keys, times: &self.times };
+        find_hits(world, &mut *self.tracer, &slice, self.grid.take(), &mut self.hits);
         self.counts.closest += self.rays.len() as u64;
     }
 
@@ -263,7 +268,7 @@ impl<'w> Stream<'w> {
                 self.triangles.push(triangle);
                 continue;
             }
-            if hit.is_hit() && (goes_on || depth > 1) {
+            if hit.is_hit() && (goes_on || depth > 1) && !path.has_passed() {
                 let (instance, index, found) = world.classify(hit);
                 triangle = (instance, index);
                 if !goes_on && found != BsdfClass::Other {
@@ -317,7 +322,7 @@ impl<'w> Stream<'w> {
                 self.shadow_rays.push(path, shadow);
             }
             if let Some(transit) = step.transit {
-                self.transits.push(path.slot, ray_key(path.key, 2 * depth + 1), transit);
+                self.transits.push(path, ray_key(path.key, 2 * depth + 1), transit);
             }
             if let Some(next) = step.next {
                 self.rays[i] = next;
@@ -345,16 +350,12 @@ impl<'w> Stream<'w> {
     /// Traces the shadow rays and adds the light of those that nothing blocks.
     fn trace_shadow_rays(&mut self, depth: u32) {
         let world = self.integrator.world();
-        let ShadowRays { rays, ends, keys } = &mut self.shadow_rays;
-        self.blocked.clear();
-        self.blocked.resize(rays.len(), AnyHit(false));
+        let ShadowRays { rays, ends, keys, times } = &mut self.shadow_rays;
         for key in keys.iter_mut() {
             *key = ray_key(*key, 2 * depth + 1);
         }
-        let filter = AlphaFilter::new(world, keys);
-        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let batch = Batch::new(rays).with_filter(filter);
-        self.tracer.any_hits(&batch, &mut self.blocked);
+        let slice = Slice { rays, keys, times };
+        find_blocked(world, &mut *self.tracer, &slice, &mut self.blocked);
         self.counts.shadow += rays.len() as u64;
         for (end, blocked) in ends.iter().zip(&self.blocked) {
             if !blocked.0 {
@@ -369,8 +370,9 @@ impl Stream<'_> {
     fn trace_transits(&mut self) {
         let world = self.integrator.world();
         while !self.transits.rays.is_empty() {
-            let Transits { rays, keys, .. } = &self.transits;
-            find_hits(world, &mut *self.tracer, (rays, keys), None, &mut self.hits);
+            let Transits { rays, keys, times, .. } = &self.transits;
+            let slice = Slice { rays, keys, times };
+            find_hits(world, &mut *self.tracer, &slice, None, &mut self.hits);
             self.counts.shadow += rays.len() as u64;
             let samples = &mut self.samples;
             self.transits.cross(world, &self.hits, |slot, radiance| {

@@ -83,6 +83,7 @@ impl Tile {
             first,
             count,
             keyed: false,
+            timed: false,
         });
         let start = Instant::now();
         for (pixel, (x, y)) in places(window).enumerate() {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{Instance, NamedCamera, Notice, Scene};
 use crate::camera::Camera;
 use crate::light::Environment;
-use crate::math::{Aabb, Vec3, turn_upright};
+use crate::math::{Aabb, InstanceId, Vec3, turn_upright};
 
 /// Vertical field of view of the automatic camera, degrees.
 pub const AUTOMATIC_YFOV: f32 = 40.0;
@@ -46,14 +46,37 @@ impl Scene {
     }
 }
 
-/// The box of all triangles in the world; empty if there are none. Where more vertices are placed
-/// than can be looked at in a moment, it is the box of the meshes' boxes, which may be larger.
+/// The box of all triangles in the world, of those that move at some times of the shutter; empty
+/// if there are none. Where more vertices are placed than can be looked at in a moment, it is the
+/// box of the meshes' boxes, which may be larger.
 pub fn bounds(scene: &Scene) -> Aabb {
     const MOST: usize = 200_000_000;
     let used: Vec<Vec<Vec3>> = scene.meshes.par_iter().map(|mesh| mesh.used_positions()).collect();
     let count = |instance: &Instance| used[instance.mesh.index()].len();
     let placed = scene.instances.iter().map(count).fold(0, usize::saturating_add);
-    if placed <= MOST { bounds_of_points(scene, &used) } else { bounds_of_boxes(scene) }
+    let at_first =
+        if placed <= MOST { bounds_of_points(scene, &used) } else { bounds_of_boxes(scene) };
+    at_first.union(bounds_of_moving(scene))
+}
+
+/// The box of what moves, at some times of the shutter.
+fn bounds_of_moving(scene: &Scene) -> Aabb {
+    const TIMES: u16 = 16;
+    if scene.motion.is_none() {
+        return Aabb::EMPTY;
+    }
+    let ids = (0..scene.instances.len()).into_par_iter().map(InstanceId::from_index);
+    let over_time = |id: InstanceId| {
+        let mesh = scene.instances[id.index()].mesh;
+        let at = |time: f32| {
+            let (posed, transform) = (scene.mesh_at(mesh, time), scene.transform_at(id, time));
+            let corners = posed.mesh.indices.iter().flatten();
+            Aabb::of_points(corners.map(|&i| transform.point(posed.position(i as usize))))
+        };
+        let times = (1..=TIMES).map(|i| at(f32::from(i) / f32::from(TIMES)));
+        times.fold(Aabb::EMPTY, Aabb::union)
+    };
+    ids.filter(|&id| scene.moves(id)).map(over_time).reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
 /// The box of all boxes of placed meshes.

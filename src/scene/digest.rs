@@ -8,7 +8,8 @@ use super::Scene;
 use crate::math::Digest;
 
 impl Scene {
-    /// A hash of shapes, places, materials, lights, cameras, texels and the environment's pixels.
+    /// A hash of shapes, places, materials, lights, cameras, texels, the environment's pixels, and
+    /// of how all of that moves while the shutter is open.
     pub fn digest(&self) -> u64 {
         let mut digest = Digest::default();
         for mesh in &self.meshes {
@@ -50,6 +51,9 @@ impl Scene {
             let _ = write!(digest, "{medium:?}");
         }
         let _ = write!(digest, "{:?} {:?} {:?}", self.materials, self.lights, self.cameras);
+        if let Some(motion) = &self.motion {
+            motion.add_to(&mut digest);
+        }
         digest.value()
     }
 }

@@ -1,11 +1,13 @@
 //! What a scene is: meshes placed by instances, materials with textures, lights and cameras.
 
+mod at_times;
 pub mod defaults;
 mod digest;
 mod instance;
 mod material;
 mod material_layers;
 mod memory;
+mod motion;
 pub mod placement;
 mod scattering;
 #[allow(clippy::module_inception)] // what a reader looks for
@@ -19,6 +21,7 @@ pub use instance::{Instance, Transform};
 pub use material::{AlphaMode, DEFAULT_GREY, Material};
 pub use material_layers::MaterialLayers;
 pub use memory::SceneMemory;
+pub use motion::{MovingLight, SceneMotion};
 pub use scattering::{ScatterColor, Scattering};
 pub use scene::{Contents, NamedCamera, Notice, Scene, UsedExtension};
 pub use survey::Survey;

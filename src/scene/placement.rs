@@ -1,10 +1,12 @@
 //! Where things are placed, in f64 until it is settled, and what may not be.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::Instance;
 use crate::files::memory::{self, TooMuch};
+use crate::light::{Punctual, PunctualKind};
 use crate::math::{Aabb, Affine3A};
+pub use crate::motion::rigid;
 
 /// The most placed meshes: as many as ids tell apart.
 pub const MAX_INSTANCES: u64 = u32::MAX as u64 - 1;
@@ -42,19 +44,33 @@ pub fn make_room(instances: &mut Vec<Instance>, more: u64) -> Result<(), NoRoom>
     Ok(())
 }
 
-/// Where something stands that has no size, such as a camera: without scale, mirroring and shear,
-/// looking along the node's -Z with its +Y up. None if the node has no such directions.
-pub fn rigid(to_world: &DAffine3) -> Option<DAffine3> {
-    let z = to_world.matrix3.z_axis.try_normalize()?;
-    let x = to_world.matrix3.y_axis.cross(z).try_normalize()?;
-    let matrix3 = DMat3::from_cols(x, z.cross(x), z);
-    let translation = to_world.translation;
-    (matrix3.is_finite() && translation.is_finite()).then_some(DAffine3 { matrix3, translation })
-}
-
-/// The same in f32.
+/// A transform in f32.
 pub fn narrow(to_world: &DAffine3) -> Affine3A {
     Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
+}
+
+/// A light at its node; its strength is not scaled with it. None if it has a direction and the
+/// node's transform has none, as with a scale of 0; a point light needs but the position.
+pub fn light_at_node(light: &Punctual, to_world: &DAffine3) -> Option<Punctual> {
+    let rigid = rigid(to_world);
+    let translation = to_world.translation;
+    let to_world = match light.kind {
+        PunctualKind::Point if translation.is_finite() => {
+            rigid.unwrap_or(DAffine3::from_translation(translation))
+        }
+        _ => rigid?,
+    };
+    let position = to_world.translation.as_vec3();
+    let direction = -to_world.matrix3.z_axis.as_vec3();
+    Some(Punctual { position, direction, ..*light })
+}
+
+/// A light moved as all that is placed with it; none if that leaves it no directions.
+pub fn light_moved(light: &Punctual, to_world: &DAffine3) -> Option<Punctual> {
+    let turned = rigid(to_world)?;
+    let position = to_world.transform_point3(light.position.as_dvec3()).as_vec3();
+    let direction = turned.transform_vector3(light.direction.as_dvec3()).as_vec3();
+    Some(Punctual { position, direction, ..*light })
 }
 
 /// Whether all of a box can be placed without overflow, with room for what follows.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Instance, Material};
+use super::{Instance, Material, SceneMotion};
 use crate::camera::Camera;
 use crate::geom::Mesh;
 use crate::light::{Environment, Punctual};
@@ -79,6 +79,8 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// Cameras in the file's order.
     pub cameras: Vec<NamedCamera>,
+    /// What moves while the shutter is open; all else stands where it is.
+    pub motion: Option<Box<SceneMotion>>,
     /// What could not be honoured.
     pub notices: Vec<Notice>,
     /// What else the file holds.

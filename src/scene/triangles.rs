@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
-use super::Scene;
-use crate::geom::{Placements, Triangle, TriangleSource};
+use super::{Instance, Scene};
+use crate::geom::{
+    Deformation, Motions, Numbering, Placements, Posed, Triangle, TriangleSource, own_box,
+};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
+use crate::motion::Piece;
 
 /// A scene has more placed meshes than ids can number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -19,11 +22,15 @@ pub struct TooManyPlacements {
 #[derive(Clone, Debug)]
 pub struct Triangles {
     scene: Arc<Scene>,
-    /// Of each instance its first number, and last how many there are.
-    first: Vec<u64>,
+    /// Of the triangles of instances.
+    numbering: Numbering,
 }
 
 impl Triangles {
+    fn deformation(&self, mesh: MeshId) -> Option<&Deformation> {
+        Some(&**self.scene.motion.as_ref()?.deformation(mesh.index())?)
+    }
+
     /// Numbers a scene's triangles.
     ///
     /// # Errors
@@ -33,14 +40,9 @@ impl Triangles {
         if count >= u32::MAX as usize {
             return Err(TooManyPlacements { count });
         }
-        let mut first = Vec::with_capacity(scene.instances.len() + 1);
-        let mut count = 0_u64;
-        first.push(0);
-        for instance in &scene.instances {
-            count += scene.meshes[instance.mesh.index()].indices.len() as u64;
-            first.push(count);
-        }
-        Ok(Self { scene, first })
+        let count = |instance: &Instance| scene.meshes[instance.mesh.index()].indices.len();
+        let numbering = Numbering::new(scene.instances.iter().map(count));
+        Ok(Self { scene, numbering })
     }
 
     /// A triangle of an instance, in the winding of the world: counter-clockwise from the front,
@@ -58,16 +60,26 @@ impl Triangles {
         }
     }
 
+    /// The same at a time while the shutter is open, from 0 to 1.
+    #[inline]
+    pub fn of_at(&self, TriangleId { instance, index }: TriangleId, time: f32) -> Triangle {
+        let transform = self.scene.transform_at(instance, time);
+        let mesh = self.scene.instances[instance.index()].mesh;
+        let corners = self.scene.mesh_at(mesh, time).triangle(index).corners();
+        let [a, b, c] = corners.map(|corner| transform.point(corner));
+        if transform.mirrored() { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } }
+    }
+
     /// The running number of a triangle.
     #[inline]
     pub fn number_of(&self, TriangleId { instance, index }: TriangleId) -> u64 {
-        self.first[instance.index()] + u64::from(index)
+        self.numbering.first(instance.index()) + u64::from(index)
     }
 }
 
 impl TriangleSource for Triangles {
     fn len(&self) -> usize {
-        *self.first.last().expect("ends with how many there are") as usize
+        self.numbering.count()
     }
 
     #[inline]
@@ -77,9 +89,7 @@ impl TriangleSource for Triangles {
 
     #[inline]
     fn locate(&self, prim: PrimId) -> TriangleId {
-        let number = u64::from(prim.0);
-        let instance = self.first.partition_point(|&first| first <= number) - 1;
-        let index = (number - self.first[instance]) as u32;
+        let (instance, index) = self.numbering.find(u64::from(prim.0));
         TriangleId { instance: InstanceId::from_index(instance), index }
     }
 
@@ -129,5 +139,52 @@ impl Placements for Triangles {
     #[inline]
     fn placed_triangle(&self, triangle: TriangleId) -> Triangle {
         self.of(triangle)
+    }
+
+    fn motions(&self) -> Option<&dyn Motions> {
+        let moves = self.scene.motion.as_ref().is_some_and(|motion| motion.moves_shapes());
+        moves.then_some(self)
+    }
+}
+
+impl Motions for Triangles {
+    fn is_moving(&self, placement: InstanceId) -> bool {
+        self.scene.moves(placement)
+    }
+
+    fn is_deforming(&self, mesh: MeshId) -> bool {
+        self.deformation(mesh).is_some()
+    }
+
+    #[inline]
+    fn to_world_at(&self, placement: InstanceId, time: f32) -> Affine3A {
+        self.scene.transform_at(placement, time).to_world()
+    }
+
+    fn mesh_at(&self, mesh: MeshId, time: f32) -> Posed<'_> {
+        self.scene.mesh_at(mesh, time)
+    }
+
+    fn mesh_bounds_over_time(&self, mesh: MeshId) -> Aabb {
+        let corners = self.scene.meshes[mesh.index()].indices.iter().flatten().copied();
+        match self.deformation(mesh) {
+            Some(deformation) => deformation.bounds(&corners),
+            None => self.mesh_bounds(mesh),
+        }
+    }
+
+    fn own_box_over(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> Aabb {
+        let Some(deformation) = self.deformation(mesh) else {
+            return own_box(&self.mesh_triangle(mesh, index));
+        };
+        deformation.own_box(self.scene.meshes[mesh.index()].indices[index as usize], span)
+    }
+
+    fn pieces(&self, placement: InstanceId, reach: f64, margin: f64) -> Vec<Piece> {
+        let motion = self.scene.motion.as_ref();
+        match motion.and_then(|motion| motion.placement(placement.index())) {
+            Some(motion) => motion.pieces(reach, margin),
+            None => vec![Piece { middle: 0.0, margin: 0.0 }],
+        }
     }
 }

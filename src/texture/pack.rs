@@ -68,7 +68,12 @@ mod tests {
 
     #[test]
     fn tiles_are_unpacked_as_they_were() {
-        let noise = (0..1000_u32).map(|i| (i.wrapping_mul(0x9e37_79b9) >> 13) as u8);
+        let mixed = |i: u32| {
+            let x = i.wrapping_mul(0x9e37_79b9);
+            let x = (x ^ (x >> 15)).wrapping_mul(0x85eb_ca6b);
+            (x ^ (x >> 13)) as u8
+        };
+        let noise = (1..=1000).map(mixed);
         let (even, noise) = ([7; 1000], noise.collect::<Vec<u8>>());
         let mut packed = Packed::default();
         packed.push(&even);

@@ -14,13 +14,14 @@ use crate::scene::AlphaMode;
 pub struct AlphaFilter<'a> {
     world: &'a World,
     keys: &'a [u64],
+    times: Option<&'a [f32]>,
 }
 
 impl<'a> AlphaFilter<'a> {
     /// A filter for a batch whose ray `i` has the key `keys[i]`, which is to be different for
-    /// every pixel, sample and bounce.
-    pub fn new(world: &'a World, keys: &'a [u64]) -> Self {
-        Self { world, keys }
+    /// every pixel, sample and bounce, and the time `times[i]`, where anything moves.
+    pub fn new(world: &'a World, keys: &'a [u64], times: Option<&'a [f32]>) -> Self {
+        Self { world, keys, times }
     }
 }
 
@@ -32,7 +33,8 @@ impl HitFilter for AlphaFilter<'_> {
         if world.materials[material.index()].opaque {
             return true;
         }
-        let (_, at) = world.texture_point(instance, index, Vec2::new(hit.u, hit.v));
+        let time = self.times.map_or(0.0, |times| times[ray]);
+        let (_, at) = world.texture_point((instance, index), Vec2::new(hit.u, hit.v), time);
         let alpha = alpha(&world.scene, world.material(material), &at);
         match world.material(material).alpha_mode {
             AlphaMode::Opaque => true,

@@ -42,14 +42,16 @@ impl Interpolation {
     }
 
     /// The attribute of the point.
-    pub fn vec3(&self, values: &[Vec3]) -> Vec3 {
-        let [a, b, c] = self.corners.map(|i| values[i]);
+    #[inline(always)]
+    pub fn vec3(&self, value: impl Fn(usize) -> Vec3) -> Vec3 {
+        let [a, b, c] = self.corners.map(value);
         a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
     }
 
     /// The attribute of the point.
-    pub fn vec4(&self, values: &[Vec4]) -> Vec4 {
-        let [a, b, c] = self.corners.map(|i| values[i]);
+    #[inline(always)]
+    pub fn vec4(&self, value: impl Fn(usize) -> Vec4) -> Vec4 {
+        let [a, b, c] = self.corners.map(value);
         a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
     }
 
@@ -64,7 +66,7 @@ impl Interpolation {
             }
         }
         if !mesh.colors.is_empty() {
-            attributes.color = self.vec4(&mesh.colors);
+            attributes.color = self.vec4(|i| mesh.colors[i]);
         }
         attributes
     }

@@ -107,21 +107,29 @@ impl LightSampler {
         self.table.as_ref().map_or(0.0, |table| table.pmf(light)) * (1.0 - self.tree_share)
     }
 
-    /// The probability with which a light that is somewhere is chosen for a point.
+    /// The probability with which a light that is somewhere is chosen for a point. One that moves
+    /// is nowhere in particular: the tree does not know it.
     #[inline]
     pub fn near_probability(&self, context: &LightSampleContext, light: usize) -> f32 {
         match (&self.tree, &self.table) {
-            (Some(tree), _) => tree.probability(context, light) * self.tree_share,
+            (Some(tree), _) => {
+                let near = tree.probability(context, light) * self.tree_share;
+                near + self.far_probability(light)
+            }
             (None, Some(table)) => table.pmf(light),
             (None, None) => 0.0,
         }
     }
 }
 
-/// What the tree has to know of punctual lights; of those infinitely far away it knows nothing.
+/// What the tree has to know of punctual lights; of those infinitely far away, and of those that
+/// move, it knows nothing.
 pub(super) fn punctual_bounds(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
-    let lights = scene.lights.iter().zip(weights);
-    let bounds = lights.map(|(light, &weight)| {
+    let lights = scene.lights.iter().zip(weights).enumerate();
+    let bounds = lights.map(|(number, (light, &weight))| {
+        if scene.light_moves(number) {
+            return LightBounds::NOWHERE;
+        }
         let of = |angle, power| LightBounds::point(light.position, light.direction, angle, power);
         match light.kind {
             PunctualKind::Point => of(std::f32::consts::PI, weight as f32),

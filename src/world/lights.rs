@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use super::interpolation::Interpolation;
 use super::light_sampler::{LightSampler, LightSamplerKind, punctual_bounds, triangle_bounds};
 use super::lookup::emission;
+use crate::geom::Triangle;
 use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
 use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
 use crate::sampling::warp;
@@ -77,14 +78,15 @@ impl Lights {
             let is_even = material.emissive_texture.is_none()
                 && !material.unlit
                 && material.alpha_mode == AlphaMode::Opaque;
+            let moves = scene.moves(InstanceId::from_index(index));
             for number in 0..mesh.indices.len() {
                 let instance = InstanceId::from_index(index);
                 let id = TriangleId { instance, index: number as u32 };
                 let triangle = triangles.of(id);
-                let area = 0.5 * triangle.double_area().length();
+                let area = if moves { mean_area(triangles, id) } else { area(&triangle) };
                 let radiance = mean_emission(scene, id);
                 weights.push(weight(PI * area * sides * radiance));
-                let even = is_even.then_some(EvenEmission {
+                let even = (is_even && !moves).then_some(EvenEmission {
                     corners: [triangle.a, triangle.b, triangle.c],
                     radiance: material.emissive,
                     both_sides: material.double_sided,
@@ -103,6 +105,9 @@ impl Lights {
             bounds.extend(environment.map(|_| LightBounds::NOWHERE));
             let of_triangles = emitters.iter().zip(&weights[first_triangle..]);
             bounds.extend(of_triangles.map(|(emitter, &weight)| {
+                if scene.moves(emitter.instance) {
+                    return LightBounds::NOWHERE;
+                }
                 let instance = &scene.instances[emitter.instance.index()];
                 let both = scene.materials[instance.material.index()].double_sided;
                 let sides = if both { Sides::Both } else { Sides::Front };
@@ -173,6 +178,19 @@ impl Lights {
             first => self.sampler.near_probability(context, first as usize + index),
         }
     }
+}
+
+fn area(triangle: &Triangle) -> f32 {
+    0.5 * triangle.double_area().length()
+}
+
+/// The mean area of a triangle that moves; never zero where it has one at some of the times looked
+/// at.
+fn mean_area(triangles: &Triangles, id: TriangleId) -> f32 {
+    const TIMES: usize = 16;
+    let time = |i: usize| (i as f32 + 0.5) / TIMES as f32;
+    let areas = (0..TIMES).map(|i| area(&triangles.of_at(id, time(i))));
+    areas.sum::<f32>() / TIMES as f32
 }
 
 /// How often the environment is chosen where there are other lights. Its power is no measure: what

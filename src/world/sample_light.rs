@@ -37,7 +37,7 @@ impl World {
         match light {
             ChosenLight::Emitter(emitter) => self.sample_emitter(surface, emitter, pmf, u),
             ChosenLight::Punctual(light) => {
-                sample_punctual(surface, &self.scene.lights[light], pmf)
+                sample_punctual(surface, &self.scene.light_at(light, surface.time)?, pmf)
             }
             ChosenLight::Environment => {
                 let sample = self.scene.environment.as_ref()?.sample(u)?;
@@ -99,7 +99,8 @@ impl World {
         pmf: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let triangle = self.triangles.of(TriangleId { instance, index });
+        let id = TriangleId { instance, index };
+        let triangle = self.triangles.of_at(id, surface.time);
         let sample = sample_triangle(&triangle, u);
         let towards = sample.point - surface.position;
         let distance2 = towards.length_squared();
@@ -109,7 +110,8 @@ impl World {
         if !(pdf > 0.0 && pdf.is_finite()) {
             return None; // edge-on, or without area
         }
-        let (material, at) = self.texture_point(instance, index as usize, sample.uv);
+        let (material, at) =
+            self.texture_point((instance, index as usize), sample.uv, surface.time);
         if cosine < 0.0 && !self.material(material).double_sided {
             return None;
         }

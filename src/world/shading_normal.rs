@@ -2,7 +2,7 @@
 
 use super::interpolation::{Attributes, Interpolation};
 use super::lookup::look_up;
-use crate::geom::{Mesh, Triangle};
+use crate::geom::{Posed, Triangle};
 use crate::math::{Frame, Vec2, Vec3};
 use crate::scene::{Material, Scene, TextureRef, Transform};
 
@@ -10,7 +10,7 @@ use crate::scene::{Material, Scene, TextureRef, Transform};
 pub(super) struct NormalContext<'a> {
     pub scene: &'a Scene,
     pub material: &'a Material,
-    pub mesh: &'a Mesh,
+    pub posed: &'a Posed<'a>,
     pub transform: &'a Transform,
     /// In world space, corners in the order of `point`.
     pub triangle: &'a Triangle,
@@ -76,10 +76,10 @@ fn bumped_normal(
 /// The interpolated normal, on the side of the geometric one.
 #[inline]
 pub(super) fn smooth_normal(at: &NormalContext<'_>) -> Vec3 {
-    if at.mesh.normals.is_empty() {
+    if !at.posed.has_normals() {
         return at.normal;
     }
-    let interpolated = at.transform.normal(at.point.vec3(&at.mesh.normals));
+    let interpolated = at.transform.normal(at.point.vec3(|i| at.posed.normal(i)));
     on_side_of(interpolated.normalize_or(at.normal), at.normal)
 }
 
@@ -97,12 +97,12 @@ pub(super) fn tangent(
     texture: &TextureRef,
     smooth: Vec3,
 ) -> Option<(Vec3, f32)> {
-    if at.mesh.tangents.is_empty() {
+    if at.posed.mesh.tangents.is_empty() {
         let (along_u, along_v) = uv_slopes(at, texture)?;
         let sign = if smooth.dot(along_u.cross(along_v)) > 0.0 { -1.0 } else { 1.0 };
         return Some((along_u, sign));
     }
-    let tangent = at.point.vec4(&at.mesh.tangents);
+    let tangent = at.point.vec4(|i| at.posed.tangent(i));
     let sign = if at.transform.mirrored() { -tangent.w } else { tangent.w };
     Some((at.transform.to_world().transform_vector3(tangent.truncate()), sign))
 }
@@ -110,7 +110,7 @@ pub(super) fn tangent(
 /// Derivatives of the position by the texture coordinates of `texture`; `None` where they do not
 /// exist.
 fn uv_slopes(at: &NormalContext<'_>, texture: &TextureRef) -> Option<(Vec3, Vec3)> {
-    let uvs = &at.mesh.uvs[usize::from(texture.uv_set.min(1))];
+    let uvs = &at.posed.mesh.uvs[usize::from(texture.uv_set.min(1))];
     if uvs.is_empty() {
         return None;
     }

@@ -33,12 +33,14 @@ pub struct Surface {
     pub material: MaterialId,
     /// Whether the ray arrived at the side that the geometric normal points to.
     pub front: bool,
+    /// When the ray arrived, while the shutter was open: from 0 to 1.
+    pub time: f32,
 }
 
 impl Surface {
-    /// A point in space that light passes in the unit `direction`, as if a surface faced it there:
-    /// rays leave it from where it is.
-    pub fn point_in_space(position: Vec3, direction: Vec3) -> Self {
+    /// A point in space that light passes in the unit `direction` at a `time` of the shutter, as if
+    /// a surface faced it there: rays leave it from where it is.
+    pub fn point_in_space(position: Vec3, direction: Vec3, time: f32) -> Self {
         Self {
             position,
             position_error: Vec3::ZERO,
@@ -50,6 +52,7 @@ impl Surface {
             area: 0.0,
             material: MaterialId::NONE,
             front: true,
+            time,
         }
     }
 

@@ -116,6 +116,12 @@ impl World {
         self.see_through
     }
 
+    /// Whether anything moves while the shutter is open, so that rays need times.
+    #[inline]
+    pub fn moves(&self) -> bool {
+        self.scene.motion.is_some()
+    }
+
     /// A material by its id.
     #[inline]
     pub fn material(&self, id: MaterialId) -> &Material {
@@ -127,16 +133,17 @@ impl World {
         self.has_levels
     }
 
-    /// The surface that `ray` has hit, of a path that is `width` metres wide there; 0: a point.
+    /// The surface that `ray` has hit at a `time` of the shutter, from 0 to 1, of a path that is
+    /// `width` metres wide there; 0: a point.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &ClosestHit, width: f32) -> Surface {
+    pub fn surface(&self, ray: &Ray, hit: &ClosestHit, (time, width): (f32, f32)) -> Surface {
         let (id, index) = (hit.triangle.instance, hit.triangle.index as usize);
         let instance = &self.scene.instances[id.index()];
-        let mesh = &*self.scene.meshes[instance.mesh.index()];
-        let transform = &instance.transform;
+        let posed = self.scene.mesh_at(instance.mesh, time);
+        let (mesh, transform) = (posed.mesh, &self.scene.transform_at(id, time));
         let point = Interpolation::new(mesh, index, transform.mirrored(), hit.u, hit.v);
 
-        let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
+        let [a, b, c] = point.corners.map(|i| transform.point(posed.position(i)));
         let triangle = Triangle { a, b, c };
         let (position, position_error) = triangle_point(&triangle, hit.u, hit.v, self.slack);
         let (normal, area) = normal_and_area(&triangle);
@@ -150,7 +157,7 @@ impl World {
         let shading = shading_normal(&NormalContext {
             scene: &self.scene,
             material: self.material(instance.material),
-            mesh,
+            posed: &posed,
             transform,
             triangle: &triangle,
             point: &point,
@@ -170,22 +177,24 @@ impl World {
             area,
             material: instance.material,
             front,
+            time,
         }
     }
 
     /// Material and attributes of a point of triangle number `index` of an instance, given
-    /// by its barycentrics.
+    /// by its barycentrics at a `time` of the shutter.
     #[inline]
     pub(super) fn texture_point(
         &self,
-        instance: InstanceId,
-        index: usize,
+        (id, index): (InstanceId, usize),
         at: Vec2,
+        time: f32,
     ) -> (MaterialId, Attributes) {
-        let instance = &self.scene.instances[instance.index()];
+        let instance = &self.scene.instances[id.index()];
         let textured = self.materials[instance.material.index()].textured;
         let mesh = &*self.scene.meshes[instance.mesh.index()];
-        let point = Interpolation::new(mesh, index, instance.transform.mirrored(), at.x, at.y);
+        let mirrored = self.scene.transform_at(id, time).mirrored();
+        let point = Interpolation::new(mesh, index, mirrored, at.x, at.y);
         (instance.material, point.attributes(mesh, textured))
     }
 
@@ -221,13 +230,15 @@ impl World {
             return Bsdf::new(&params, self.form);
         };
         let instance = &self.scene.instances[surface.instance.index()];
-        let (mesh, transform) = (&*self.scene.meshes[instance.mesh.index()], &instance.transform);
+        let posed = self.scene.mesh_at(instance.mesh, surface.time);
+        let (mesh, transform) =
+            (posed.mesh, &self.scene.transform_at(surface.instance, surface.time));
         let point = Interpolation::new(mesh, surface.triangle, transform.mirrored(), hit.u, hit.v);
-        let [a, b, c] = point.corners.map(|i| transform.point(mesh.positions[i]));
+        let [a, b, c] = point.corners.map(|i| transform.point(posed.position(i)));
         let at = NormalContext {
             scene: &self.scene,
             material,
-            mesh,
+            posed: &posed,
             transform,
             triangle: &Triangle { a, b, c },
             point: &point,

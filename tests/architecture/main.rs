@@ -9,7 +9,7 @@ use sources::{Source, sources};
 /// Rooms by floor, from the bottom; see the crate's documentation.
 const FLOORS: [&[&str]; 10] = [
     &["names"],
-    &["files", "math", "simd"],
+    &["files", "math", "motion", "simd"],
     &["geom", "sampling", "film"],
     &["accel", "material", "medium", "light", "camera", "texture", "denoise"],
     &["scene", "generate"],

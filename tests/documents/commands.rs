@@ -120,9 +120,7 @@ fn reduction(words: &[String]) -> (&'static [(&'static str, &'static str)], bool
     match two[..] {
         ["render", ..] if has("--debug-sample") => (&[], false),
         ["render", ..] if has("--crop") => (&[("--spp", "1")], false),
-        ["render", ..] if has("--shutter") => {
-            (&[("--spp", "2"), ("--moments", "2"), ("--resolution", "32x24")], false)
-        }
+        ["render", ..] if has("--shutter") => (&[("--spp", "2"), ("--resolution", "32x24")], false),
         ["render", ..] => (&[("--spp", "2"), ("--resolution", "32x24")], false),
         ["golden", _] if words.get(2).is_some_and(|word| word == "golden") => {
             (&[("--only", "furnace")], false)

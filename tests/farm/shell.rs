@@ -28,6 +28,10 @@ fn a_task_by_its_index_and_the_merge_are_commands_of_their_own() {
     let run = |word: &str| place.command("bash", &["farm.sh", word]).output().expect("bash runs");
     let first = run("0");
     assert!(first.status.success(), "{}", said(&first));
+    for word in ["2", "08", "-1", "foo"] {
+        let refused = run(word);
+        assert!(refused.status.code() == Some(2) && said(&refused).contains("0 to 1"), "{word}");
+    }
     let missing = run("merge");
     assert!(missing.status.code() == Some(3) && said(&missing).contains("1.part"));
     assert!(run("1").status.success());

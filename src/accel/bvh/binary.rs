@@ -199,7 +199,7 @@ impl Bvh2 {
         loop {
             if link.is_leaf() {
                 let block = self.visit_leaf(link.place(), fetched, context.counters);
-                context.test_block::<f32x4<S>, WIDTH>(block)?;
+                context.test_block(block)?;
             } else {
                 context.counters.count(Event::InnerNode);
                 context.counters.count(Event::BoxTest);

@@ -12,7 +12,7 @@ mod tests;
 
 use std::ops::Range;
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask};
 
 use crate::accel::side_by_side::{LANES, Pairs, Questions};
 use crate::accel::{
@@ -248,7 +248,7 @@ impl Flat {
     #[inline(always)]
     fn walk<S: Simd, Q: Query, C: Counters>(&self, context: &mut RayContext<'_, S, Q, C>) {
         for block in &self.blocks {
-            if context.test_block::<f32x8<S>, 8>(block.parts()).is_break() {
+            if context.test_block(block.parts()).is_break() {
                 return;
             }
         }

@@ -5,15 +5,19 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::placement::{Shape, ToMesh, error_inside};
+use super::placement::{Shape, ToMesh, error_inside, world_box};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
+use super::spans::Spans;
 use crate::accel::Phases;
-use crate::geom::Placements;
-use crate::math::{Affine3A, InstanceId, MeshId, PrimId};
+use crate::geom::{Motions, Placements};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
+use crate::motion::Piece;
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
 #[derive(Clone, Copy, Debug)]
 pub struct Apart {
+    /// How far off the vertices of its placements may be in its space.
+    pub off: f32,
     /// By how much its boxes are grown.
     pub slack: f32,
     /// What holds all of them, with room for a ray to begin in.
@@ -49,10 +53,17 @@ pub struct Levels {
     ways: Vec<Way>,
     /// Of each mesh that is kept apart what it takes.
     pub meshes: Vec<Option<Apart>>,
+    /// The structures of meshes.
+    pub spans: Spans,
     /// The triangles of what is flattened.
     pub flat: FlatTriangles,
     shapes: Arc<[Option<Shape>]>,
+    /// The boxes of all placements if anything moves, else none; see [`find_boxes`].
+    boxes: Arc<[Aabb]>,
 }
+
+/// As many uses of a mesh as say that it moves.
+const MOVES: u32 = u32::MAX;
 
 /// A mesh of fewer triangles is flattened: a placement costs as much.
 const FEW: usize = 16;
@@ -62,25 +73,34 @@ const MOST_WAYS: usize = 1 << 18;
 
 impl Levels {
     /// Divides a scene. Meshes that are placed once are flattened, and with them what can't be kept
-    /// apart; see [`super::placement`].
-    pub fn new(placed: Placed, phases: &mut Phases) -> Self {
+    /// apart, see [`super::placement`]; unless `copies`, all that stands still is. What moves is
+    /// always kept apart.
+    pub fn new(placed: Placed, copies: bool, phases: &mut Phases) -> Self {
         let placements = placed.get();
+        let motions = placements.motions();
+        let moves = |placement| motions.is_some_and(|motions| motions.is_moving(placement));
         let mut uses = vec![0_u32; placements.meshes()];
         for placement in 0..placements.len() {
-            let mesh = placements.mesh(InstanceId::from_index(placement)).index();
-            uses[mesh] = uses[mesh].saturating_add(1);
+            let placement = InstanceId::from_index(placement);
+            let mesh = placements.mesh(placement).index();
+            uses[mesh] = if moves(placement) { MOVES } else { uses[mesh].saturating_add(1) };
         }
         let small = find_small(placements, &uses);
         let shape = |(mesh, &uses): (usize, &u32)| {
             let mesh = MeshId::from_index(mesh);
-            let worth_it = uses > 1 && placements.mesh_len(mesh) >= FEW;
-            (worth_it && !small[mesh.index()]).then(|| Shape::new(placements, mesh)).flatten()
+            let worth_it = copies && uses > 1 && placements.mesh_len(mesh) >= FEW;
+            let worth_it = uses == MOVES || (worth_it && !small[mesh.index()]);
+            worth_it.then(|| Shape::new(placements, mesh)).flatten()
         };
         let shapes: Vec<Option<Shape>> = uses.par_iter().enumerate().map(shape).collect();
         let error = |placement: usize| {
             let placement = InstanceId::from_index(placement);
             let shape = shapes[placements.mesh(placement).index()].as_ref()?;
-            error_inside(shape, &placements.to_world(placement))
+            match motions.filter(|motions| motions.is_moving(placement)) {
+                Some(motions) => Some(error_over_time(shape, motions, placement)),
+                None if copies => error_inside(shape, &placements.to_world(placement)),
+                None => None,
+            }
         };
         let mut off = vec![-1.0_f32; shapes.len()];
         let (mut apart, mut flat) = (Vec::new(), Vec::new());
@@ -102,17 +122,32 @@ impl Levels {
         let keep = |(shape, &off): (&Option<Shape>, &f32)| {
             let shape = shape.as_ref().filter(|_| off >= 0.0)?;
             let slack = shape.slack(off);
-            Some(Apart { slack, grown: shape.grown(slack) })
+            Some(Apart { off, slack, grown: shape.grown(slack) })
         };
         let meshes = shapes.iter().zip(&off).map(keep).collect();
-        let few = if apart.len() <= MOST_WAYS { &*apart } else { &[] };
+        // Without copies all that is kept apart moves, and has no way but at a time.
+        let few = if copies && apart.len() <= MOST_WAYS { &*apart } else { &[] };
         let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
+        let boxes = find_boxes(placements, &apart, &shapes).into();
+        let spans = Spans::new(placements);
         let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
-        Self { placements: apart.into(), ways, meshes, flat, shapes: shapes.into(), placed }
+        let (placements, shapes) = (apart.into(), shapes.into());
+        Self { placed, placements, ways, meshes, spans, flat, shapes, boxes }
     }
 
-    /// The way into a placement, by its number in the upper structure.
+    /// Bytes of the lists of placements, and of the ways and boxes that are kept.
+    pub fn bytes(&self) -> usize {
+        let lists = size_of_val(&*self.placements) + size_of_val(&*self.boxes);
+        lists + size_of_val(&*self.ways)
+    }
+
+    /// Whether anything moves.
+    pub fn are_moving(&self) -> bool {
+        self.placed.get().motions().is_some()
+    }
+
+    /// The way into a placement that stands still, by its number in the upper structure.
     #[inline(always)]
     pub fn way(&self, number: usize) -> Way {
         match self.ways.get(number) {
@@ -121,17 +156,38 @@ impl Levels {
         }
     }
 
-    /// A placement by its number in the upper structure, and where it stands.
+    /// A placement by its number in the upper structure, and where it stands at a time.
     #[inline]
-    pub fn placement(&self, prim: PrimId) -> (InstanceId, Affine3A) {
+    pub fn placement(&self, prim: PrimId, time: f32) -> (InstanceId, Affine3A) {
         let placement = self.placements[prim.index()];
-        (placement, self.placed.get().to_world(placement))
+        let placements = self.placed.get();
+        let to_world = match placements.motions() {
+            None => placements.to_world(placement),
+            Some(motions) => motions.to_world_at(placement, time),
+        };
+        (placement, to_world)
+    }
+
+    /// The way into a placement's mesh, where it stands at `to_world` at a ray's time; `None` if
+    /// that is no way for a ray.
+    #[inline]
+    pub fn to_mesh(&self, prim: PrimId, to_world: &Affine3A) -> Option<ToMesh> {
+        let placements = self.placed.get();
+        let placement = self.placements[prim.index()];
+        if placements.motions().is_none_or(|motions| !motions.is_moving(placement)) {
+            return Some(self.way(prim.index()).to_mesh);
+        }
+        let mesh = placements.mesh(placement).index();
+        let (shape, apart) = (self.shapes[mesh].as_ref()?, self.meshes[mesh].as_ref()?);
+        let error = error_inside(shape, to_world)?;
+        (error <= apart.off).then(|| ToMesh::new(to_world))
     }
 
     /// The boxes of placements by those of their meshes, for the upper structure.
     pub fn boxes(&self) -> PlacementBoxes {
         let (placements, shapes) = (Arc::clone(&self.placements), Arc::clone(&self.shapes));
-        PlacementBoxes { placed: self.placed.clone(), placements, shapes }
+        let known = Arc::clone(&self.boxes);
+        PlacementBoxes { placed: self.placed.clone(), placements, shapes, known }
     }
 
     /// Whether there is time to look at all triangles of placements that are kept apart.
@@ -142,11 +198,23 @@ impl Levels {
         total.is_some_and(|total| total <= MOST_LOOKED_AT)
     }
 
-    /// The triangles of a mesh that is kept apart.
-    pub fn mesh(&self, mesh: usize) -> Option<MeshTriangles> {
-        let slack = self.meshes[mesh].as_ref()?.slack;
-        Some(MeshTriangles { placed: self.placed.clone(), mesh: MeshId::from_index(mesh), slack })
+    /// What structure number `structure` holds of a mesh, if that is kept apart.
+    pub fn mesh(&self, structure: usize) -> Option<MeshTriangles> {
+        let (mesh, span) = self.spans.locate(structure);
+        let slack = self.meshes[mesh.index()].as_ref()?.slack;
+        Some(MeshTriangles { placed: self.placed.clone(), mesh, slack, span })
     }
+}
+
+/// How far off the vertices of a moving placement may be in its mesh's space, wherever that is
+/// little enough; with some room, since only the middles of pieces are looked at: at other times
+/// each ray looks for itself.
+fn error_over_time(shape: &Shape, motions: &dyn Motions, placement: InstanceId) -> f32 {
+    let pieces = shape.pieces(motions, placement);
+    let error = |piece: &Piece| {
+        error_inside(shape, &motions.to_world_at(placement, piece.middle)).unwrap_or(0.0)
+    };
+    1.5 * pieces.iter().map(error).fold(0.0, f32::max)
 }
 
 /// So many triangles are flattened of meshes that are placed more than once: 150 MB.
@@ -155,10 +223,12 @@ const MOST_FLATTENED: u64 = 1 << 21;
 /// Which meshes are small enough to be flattened however often they are placed: from the smallest
 /// on, while all copies so made have no more than twice the triangles of all meshes. Small parts
 /// lie within the boxes of others: a ray enters many, and that takes as long as some ten nodes. In
-/// a hall of robots rays entered half as many placements, and took four fifths of the time.
+/// a hall of robots rays entered half as many placements, and took four fifths of the time. What
+/// moves is none of them.
 fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
     let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
-    let mut copied: Vec<usize> = (0..uses.len()).filter(|&mesh| uses[mesh] > 1).collect();
+    let is_copied = |&mesh: &usize| uses[mesh] > 1 && uses[mesh] != MOVES;
+    let mut copied: Vec<usize> = (0..uses.len()).filter(is_copied).collect();
     copied.sort_by_key(|&mesh| len(mesh));
     let unique: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
     let mut room = MOST_FLATTENED.min(2 * unique);
@@ -172,3 +242,23 @@ fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
 
 /// All triangles of placements are looked at if these are no more; it takes some 10 ms a million.
 const MOST_LOOKED_AT: usize = 1 << 23;
+
+/// The boxes of placements if anything moves, of what does over all of the time. Else none: they
+/// are found as fast when they are needed.
+fn find_boxes(
+    placements: &dyn Placements,
+    apart: &[InstanceId],
+    shapes: &[Option<Shape>],
+) -> Vec<Aabb> {
+    let Some(motions) = placements.motions() else { return Vec::new() };
+    let find = |&placement: &InstanceId| {
+        let shape = shapes[placements.mesh(placement).index()].as_ref();
+        let shape = shape.expect("its mesh is kept apart");
+        if motions.is_moving(placement) {
+            shape.box_over_time(motions, placement)
+        } else {
+            world_box(shape, &placements.to_world(placement))
+        }
+    };
+    apart.par_iter().map(find).collect()
+}

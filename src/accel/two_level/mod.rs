@@ -19,18 +19,39 @@
 //!    test might accept is offered to it.
 //!
 //! What is placed once, has few triangles or can't be taken into its own space with a small error
-//! (it is singular, or rounded in the world to steps that are large for it) is flattened: one
-//! structure of world-space triangles beside the placements, asked first.
+//! (it is singular, or rounded in the world to steps that are large for it) is flattened to
+//! triangles in the world, and with it the smallest of the other meshes: a ray lies in the boxes of
+//! many small parts, and entering one takes as long as some ten nodes.
 //!
-//! Slices stay slices in the flat part and above; below, rays come one by one. Rows for packets
-//! walk placements as packets, and meshes with packets of one. Structures that are narrowed to
-//! regions are not, in two levels.
+//! Hierarchies of eight children (`auto`, `mbvh8`) are walked together: one tree of what is
+//! flattened and of parts of placements leads into those of the meshes. In all other rows, and in
+//! these where anything moves, what is flattened has a structure beside the placements, asked
+//! first; slices stay slices there and above, and come ray by ray below. Rows for packets walk
+//! placements as packets, and meshes with packets of one. Structures that are narrowed to regions
+//! are not, in two levels.
+//!
+//! # What moves
+//! What moves while the shutter is open is always kept apart, whatever becomes of copies; all that
+//! stands still is as it would be without. Each ray has a time ([`crate::Batch::with_times`]), and:
+//!
+//! 1. *Above*, the box of a placement holds what [`placement::world_box`] holds, at all times: it
+//!    is the union over pieces of the time of the box in the middle of each, grown by how far
+//!    anything can be from there ([`crate::motion::Motion::pieces`]).
+//! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
+//!    the placement at the ray's time. What vertices may be off by is looked at for that time;
+//!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.
+//! 3. A mesh that changes its shape has a structure for each of some pieces of the time
+//!    (`spans`); a ray asks that of its own. It is one of boxes, one a triangle, that hold its own
+//!    boxes over the piece ([`crate::geom::Deformation::own_box`]).
+//! 4. The verdict asks the exact test about the vertices at the ray's time: the same numbers for
+//!    every structure, and those that surfaces are shaded with.
 //!
 //! | file | what is in it |
 //! |---|---|
 //! | [`placement`] | a mesh where it is placed: its box, a ray in its space, errors |
 //! | `levels` | how a scene is divided |
 //! | `sources` | what the structures are built over |
+//! | `spans` | the structures of meshes, by pieces of the time |
 //! | `mesh_trees` | the trees of all meshes in one piece of memory |
 //! | `parts` | placements opened |
 //! | `verdict` | who says what is hit on each level |
@@ -43,6 +64,7 @@ mod mesh_trees;
 mod parts;
 pub mod placement;
 mod sources;
+mod spans;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod two_level;
 mod verdict;

@@ -20,8 +20,9 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::geom::Placements;
-use crate::math::{Aabb, Affine3A, MeshId, Ray};
+use crate::geom::{Motions, Placements};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, Ray, Vec3};
+use crate::motion::Piece;
 
 /// 2^-20: bounds the relative errors of hits' distances, and with room to spare those of vertices
 /// and boxes.
@@ -50,20 +51,53 @@ pub struct Shape {
 impl Shape {
     /// The box and the radius of a mesh; `None` without triangles.
     pub fn new(placements: &dyn Placements, mesh: MeshId) -> Option<Self> {
+        if let Some(motions) = placements.motions().filter(|it| it.is_deforming(mesh)) {
+            let bounds = motions.mesh_bounds_over_time(mesh);
+            return (!bounds.is_empty()).then(|| Self::of_box(&bounds));
+        }
         let bounds = placements.mesh_bounds(mesh);
         if bounds.is_empty() {
             return None;
         }
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let centre = (min + max) * 0.5;
+        let boxed = Self::of_box(&bounds);
+        let centre = boxed.centre;
         let triangles = placements.mesh_len(mesh) as u32;
         let farthest = (0..triangles)
             .flat_map(|index| placements.mesh_triangle(mesh, index).corners())
             .map(|corner| corner.as_dvec3().distance_squared(centre))
             .fold(0.0, f64::max);
-        let radius = farthest.sqrt() * (1.0 + ROUNDING);
-        let reach = min.abs().max(max.abs());
-        Some(Self { centre, half: (max - min) * 0.5, radius, reach })
+        Some(Self { radius: farthest.sqrt() * (1.0 + ROUNDING), ..boxed })
+    }
+
+    /// Of all that a box holds.
+    fn of_box(bounds: &Aabb) -> Self {
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let (centre, half) = ((min + max) * 0.5, (max - min) * 0.5);
+        let radius = half.length() * (1.0 + ROUNDING);
+        Self { centre, half, radius, reach: min.abs().max(max.abs()) }
+    }
+
+    /// Pieces of the time in which a moving placement goes no further than is worth cutting it.
+    pub fn pieces(&self, motions: &dyn Motions, placement: InstanceId) -> Vec<Piece> {
+        let start = world_box(self, &motions.to_world_at(placement, 0.0));
+        let margin = f64::from(start.extent().max_element()) / 32.0;
+        motions.pieces(placement, self.reach.length(), margin)
+    }
+
+    /// The box in the world of what a moving placement comes to hold; see [`world_box`].
+    pub fn box_over_time(&self, motions: &dyn Motions, placement: InstanceId) -> Aabb {
+        let of_piece = |Piece { middle, margin }: Piece| {
+            let held = world_box(self, &motions.to_world_at(placement, middle));
+            let (min, max) = (held.min.as_dvec3() - margin, held.max.as_dvec3() + margin);
+            // Rounded outwards.
+            let down = |x: f64| (x - x.abs() * ROUNDING) as f32;
+            let up = |x: f64| (x + x.abs() * ROUNDING) as f32;
+            Aabb {
+                min: Vec3::new(down(min.x), down(min.y), down(min.z)),
+                max: Vec3::new(up(max.x), up(max.y), up(max.z)),
+            }
+        };
+        self.pieces(motions, placement).into_iter().map(of_piece).fold(Aabb::EMPTY, Aabb::union)
     }
 
     fn size(&self) -> f64 {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::placement::{Shape, world_box};
-use crate::geom::{Placements, Triangle, TriangleSource, own_box};
+use crate::geom::{Numbering, Placements, Triangle, TriangleSource, own_box};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 
 /// A scene's triangles, of which there are placements.
@@ -36,6 +36,15 @@ pub struct MeshTriangles {
     pub mesh: MeshId,
     /// By how much its boxes are grown.
     pub slack: f32,
+    /// From when to when it is asked about, if it changes its shape.
+    pub span: [f32; 2],
+}
+
+impl MeshTriangles {
+    fn is_deforming(&self) -> bool {
+        let motions = self.placed.get().motions();
+        motions.is_some_and(|motions| motions.is_deforming(self.mesh))
+    }
 }
 
 impl TriangleSource for MeshTriangles {
@@ -44,17 +53,34 @@ impl TriangleSource for MeshTriangles {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
+        if self.is_deforming() {
+            return ends(&self.own_box(prim));
+        }
         self.placed.get().mesh_triangle(self.mesh, prim.0)
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {
-        let own = own_box(&self.triangle(prim));
+        let placements = self.placed.get();
+        let own = match placements.motions() {
+            Some(motions) => motions.own_box_over(self.mesh, prim.0, self.span),
+            None => own_box(&placements.mesh_triangle(self.mesh, prim.0)),
+        };
         Aabb { min: own.min - self.slack, max: own.max + self.slack }
     }
 
     fn slack(&self) -> f32 {
-        self.slack
+        if self.is_deforming() { 0.0 } else { self.slack }
     }
+
+    /// A mesh that changes its shape is known by the boxes of its triangles over time.
+    fn boxes(&self) -> usize {
+        if self.is_deforming() { self.len() } else { 0 }
+    }
+}
+
+/// The ends of a box, for a source of boxes.
+fn ends(&Aabb { min, max }: &Aabb) -> Triangle {
+    Triangle { a: min, b: max, c: max }
 }
 
 /// The triangles of some placements in the world, one after the other.
@@ -62,27 +88,24 @@ impl TriangleSource for MeshTriangles {
 pub struct FlatTriangles {
     placed: Placed,
     placements: Arc<[InstanceId]>,
-    /// Of each placement its first number, and last how many there are.
-    first: Arc<[u64]>,
+    numbering: Arc<Numbering>,
 }
 
 impl FlatTriangles {
     /// The triangles of placements, which are in order.
     pub fn new(placed: Placed, placements: Vec<InstanceId>) -> Self {
-        let mut first = Vec::with_capacity(placements.len() + 1);
-        let mut count = 0;
-        first.push(0);
-        for &placement in &placements {
-            count += placed.get().mesh_len(placed.get().mesh(placement)) as u64;
-            first.push(count);
-        }
-        Self { placed, placements: placements.into(), first: first.into() }
+        let count = |&placement: &InstanceId| {
+            let placements = placed.get();
+            placements.mesh_len(placements.mesh(placement))
+        };
+        let numbering = Arc::new(Numbering::new(placements.iter().map(count)));
+        Self { placed, placements: placements.into(), numbering }
     }
 }
 
 impl TriangleSource for FlatTriangles {
     fn len(&self) -> usize {
-        *self.first.last().expect("ends with how many there are") as usize
+        self.numbering.count()
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
@@ -90,9 +113,8 @@ impl TriangleSource for FlatTriangles {
     }
 
     fn locate(&self, prim: PrimId) -> TriangleId {
-        let number = u64::from(prim.0);
-        let at = self.first.partition_point(|&first| first <= number) - 1;
-        TriangleId { instance: self.placements[at], index: (number - self.first[at]) as u32 }
+        let (at, index) = self.numbering.find(u64::from(prim.0));
+        TriangleId { instance: self.placements[at], index }
     }
 }
 
@@ -104,11 +126,16 @@ pub struct PlacementBoxes {
     pub placements: Arc<[InstanceId]>,
     /// Of each mesh that is kept apart.
     pub shapes: Arc<[Option<Shape>]>,
+    /// Those that are known already: all, or none.
+    pub known: Arc<[Aabb]>,
 }
 
 impl PlacementBoxes {
     /// The box of a placement.
     pub fn world_box(&self, prim: PrimId) -> Aabb {
+        if let Some(known) = self.known.get(prim.index()) {
+            return *known;
+        }
         let placement = self.placements[prim.index()];
         let placements = self.placed.get();
         let to_world: Affine3A = placements.to_world(placement);
@@ -123,8 +150,7 @@ impl TriangleSource for PlacementBoxes {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
-        let Aabb { min, max } = self.world_box(prim);
-        Triangle { a: min, b: max, c: max }
+        ends(&self.world_box(prim))
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {
@@ -145,8 +171,7 @@ impl TriangleSource for Boxes {
     }
 
     fn triangle(&self, prim: PrimId) -> Triangle {
-        let Aabb { min, max } = self.0[prim.index()];
-        Triangle { a: min, b: max, c: max }
+        ends(&self.0[prim.index()])
     }
 
     fn own_box(&self, prim: PrimId) -> Aabb {

@@ -29,7 +29,7 @@ pub struct TwoLevel {
     flat: Option<Located>,
     /// `None` without placements that are kept apart.
     above: Option<Box<dyn Accel>>,
-    /// Of each mesh.
+    /// Of each mesh, or of a piece of its time.
     below: Vec<Option<Box<dyn Accel>>>,
     level: Level,
     report: BuildReport,
@@ -37,16 +37,17 @@ pub struct TwoLevel {
 
 impl TwoLevel {
     /// Builds all structures, those of meshes side by side: `below` for these and for what is
-    /// flattened, `above` for placements.
+    /// flattened, `above` for placements. Unless `copies`, only what moves is not flattened.
     pub fn build(
-        placed: Placed,
+        (placed, copies): (Placed, bool),
         (below, above): (Row<'_>, Row<'_>),
         level: Level,
     ) -> Result<Box<dyn Accel>, BuildError> {
         let mut phases = Phases::start();
-        let levels = Arc::new(Levels::new(placed, &mut phases));
+        let levels = Arc::new(Levels::new(placed, copies, &mut phases));
         let is_split = !levels.placements.is_empty();
-        let eight = if below.0.id == above.0.id { eight_children(below.0.id) } else { None };
+        let is_same = below.0.id == above.0.id && !levels.are_moving();
+        let eight = if is_same { eight_children(below.0.id) } else { None };
         if let Some(eight) = eight.filter(|_| is_split) {
             let tree = |source| eight(&BuildInput { source, options: below.1, level });
             let below = build_meshes(&levels, tree)?;
@@ -113,13 +114,14 @@ fn build_row(
     (variant.build)(&BuildInput { source, options, level })
 }
 
-/// The structures of all meshes that are kept apart, built side by side.
+/// The structures of all meshes that are kept apart, as [`Levels::spans`] numbers them, built side
+/// by side.
 fn build_meshes<T: Send>(
     levels: &Levels,
     build: impl Fn(Arc<dyn TriangleSource>) -> Result<T, BuildError> + Sync,
 ) -> Result<Vec<Option<T>>, BuildError> {
-    let of_mesh = |mesh| levels.mesh(mesh).map(|mesh| build(Arc::new(mesh))).transpose();
-    (0..levels.meshes.len()).into_par_iter().map(of_mesh).collect()
+    let of_mesh = |number| levels.mesh(number).map(|mesh| build(Arc::new(mesh))).transpose();
+    (0..levels.spans.len()).into_par_iter().map(of_mesh).collect()
 }
 
 /// What builds a hierarchy of eight children.
@@ -149,11 +151,10 @@ impl Accel for TwoLevel {
 
     fn memory(&self) -> MemoryReport {
         let total = |accel: &dyn Accel| accel.memory().total();
-        let sum_of = |boxed: &Box<dyn Accel>| total(&**boxed);
         MemoryReport::new([
-            ("placements", self.above.iter().map(sum_of).sum()),
-            ("meshes", self.below.iter().flatten().map(sum_of).sum()),
-            ("list of placements", size_of_val(&*self.levels.placements)),
+            ("placements", self.above.iter().map(|accel| total(&**accel)).sum()),
+            ("meshes", self.below.iter().flatten().map(|accel| total(&**accel)).sum()),
+            ("list of placements", self.levels.bytes()),
             ("flat meshes", self.flat.iter().map(|flat| total(flat)).sum()),
         ])
     }
@@ -188,6 +189,7 @@ impl<'a> LevelsTracer<'a> {
             make: &make,
             rays,
             filter: batch.filter(),
+            times: batch.times(),
         };
         ask(&mut **tracer, &batch.with_rays(rays).with_filter(None).with_verdict(&verdict));
     }

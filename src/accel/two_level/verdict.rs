@@ -5,11 +5,11 @@ use std::cell::RefCell;
 use fearless_simd::Simd;
 
 use super::levels::Levels;
-use super::placement::{Entered, LocalRay, limit};
+use super::placement::{Entered, LocalRay, ToMesh, limit};
 use crate::accel::{
     AnyHit, Batch, BlockFilter, ClosestHit, HitFilter, PreparedRay, Tracer, Verdict,
 };
-use crate::geom::{Placements, Triangle, intersect_triangle};
+use crate::geom::{Placements, Posed, Triangle, intersect_triangle};
 use crate::math::{Affine3A, InstanceId, PrimId, Ray, TriangleId, Vec3};
 use crate::simd::baseline;
 
@@ -61,19 +61,28 @@ impl Inside {
     }
 }
 
-/// Holds a ray against all triangles of a placement: for those that can't be taken into its space.
+/// Holds a ray against all triangles of a placement, as it stands at a time: for those that can't
+/// be taken into its space.
 pub fn nearest_of_all(
     placements: &dyn Placements,
-    inside: &Inside,
+    (inside, time): (&Inside, f32),
     world: &PreparedRay<'_>,
     nearest: &ClosestHit,
     any: bool,
 ) -> Option<ClosestHit> {
     let mesh = placements.mesh(inside.placement);
-    let to_world = placements.to_world(inside.placement);
+    let motions = placements.motions();
+    let to_world = match motions {
+        None => placements.to_world(inside.placement),
+        Some(motions) => motions.to_world_at(inside.placement, time),
+    };
+    let posed = motions.map(|motions| motions.mesh_at(mesh, time));
     let (mut nearest, mut found) = (*nearest, None);
     for index in 0..placements.mesh_len(mesh) as u32 {
-        let corners = placements.mesh_triangle(mesh, index);
+        let corners = match &posed {
+            None => placements.mesh_triangle(mesh, index),
+            Some(posed) => posed.triangle(index),
+        };
         let hit =
             inside.test(baseline(), (&to_world, world), (PrimId(index), &corners), &nearest, any);
         if let Some(hit) = hit {
@@ -93,21 +102,31 @@ struct Below<'a> {
     world: &'a PreparedRay<'a>,
     /// The greatest `t` that counts.
     t_max: f32,
+    /// The mesh at the ray's time, if it changes its shape.
+    deforming: Option<Posed<'a>>,
 }
 
 impl Verdict for Below<'_> {
     fn judge(
         &self,
         _: usize,
-        prim: (PrimId, &Triangle),
+        (prim, corners): (PrimId, &Triangle),
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
-        self.inside.test(baseline(), (&self.to_world, self.world), prim, nearest, any)
+        let corners = match &self.deforming {
+            None => *corners,
+            Some(posed) => posed.triangle(prim.0),
+        };
+        let at = (&self.to_world, self.world);
+        self.inside.test(baseline(), at, (prim, &corners), nearest, any)
     }
 
     fn filter(&self) -> BlockFilter {
-        BlockFilter::Near(self.inside.slack)
+        match self.deforming {
+            None => BlockFilter::Near(self.inside.slack),
+            Some(_) => BlockFilter::Boxes,
+        }
     }
 
     fn t_max(&self, _: &Ray) -> f32 {
@@ -131,6 +150,8 @@ pub struct Above<'a, 't> {
     pub rays: &'a [Ray],
     /// The batch's filter.
     pub filter: Option<&'a dyn HitFilter>,
+    /// The times of the rays.
+    pub times: Option<&'a [f32]>,
 }
 
 impl Verdict for Above<'_, '_> {
@@ -141,26 +162,33 @@ impl Verdict for Above<'_, '_> {
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
-        let (placement, to_world) = self.levels.placement(prim);
-        let mesh = self.levels.placed.get().mesh(placement).index();
-        let apart = self.levels.meshes[mesh].as_ref().expect("its mesh is kept apart");
+        let time = self.times.map_or(0.0, |times| times[ray]);
+        let (placement, to_world) = self.levels.placement(prim, time);
+        let placements = self.levels.placed.get();
+        let mesh = placements.mesh(placement);
+        let apart = self.levels.meshes[mesh.index()].as_ref().expect("its mesh is kept apart");
         let world = &self.rays[ray];
-        let entered = self.levels.way(prim.index()).to_mesh.enter(&apart.grown, world, nearest.t);
+        let to_mesh = self.levels.to_mesh(prim, &to_world);
+        let enter = |to_mesh: ToMesh| to_mesh.enter(&apart.grown, world, nearest.t);
+        let entered = to_mesh.map_or(Entered::Far, enter);
         let world = &PreparedRay::new(world, ray, self.filter);
         let inside = |shift| Inside::new(placement, apart.slack, shift);
         let (ray, shift) = match entered {
             Entered::Missed => return None,
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
             Entered::Far => {
-                let placements = self.levels.placed.get();
-                return nearest_of_all(placements, &inside(0.0), world, nearest, any);
+                return nearest_of_all(placements, (&inside(0.0), time), world, nearest, any);
             }
         };
-        let below = Below { inside: inside(shift), to_world, world, t_max: nearest.t };
+        let deforming = placements.motions().filter(|motions| motions.is_deforming(mesh));
+        let deforming = deforming.map(|motions| motions.mesh_at(mesh, time));
+        let inside = inside(shift);
+        let below = Below { inside, to_world, world, t_max: nearest.t, deforming };
         let rays = [ray];
         let batch = Batch::new(&rays).with_verdict(&below);
         let mut tracers = self.tracers.borrow_mut();
-        let tracer = tracers[mesh].get_or_insert_with(|| (self.make)(mesh));
+        let number = self.levels.spans.find(mesh, time);
+        let tracer = tracers[number].get_or_insert_with(|| (self.make)(number));
         if any {
             let mut answer = [AnyHit(false)];
             tracer.any_hits(&batch, &mut answer);

@@ -1,10 +1,10 @@
 //! Wide hierarchies on both levels, a slice of rays with sixteen of them in flight.
 //!
 //! As in [`crate::accel::bvh::wide`] each ray takes one step in turn and asks for what its next one
-//! needs. The tree above is one of placements and of what is flattened, so that the nearest comes
-//! first whichever it is of. A step may lead into a placement: then the ray goes on below, in the
-//! mesh's space and nodes, on the same stack, where a key of zero marks the way back. So the memory of both levels
-//! is waited for together, and nothing is called through a table.
+//! needs. The tree above is one of parts of placements and of what is flattened, so that the
+//! nearest comes first whichever it is of. A step may lead into a placement: then the ray goes on
+//! below, in the mesh's space and nodes, on the same stack, where a key of zero marks the way back.
+//! So the memory of both levels is waited for together, and nothing is called through a table.
 
 use std::ops::ControlFlow;
 
@@ -304,7 +304,7 @@ fn test_all<Q: Query>(
     let placements = levels.placed.get();
     let inside = Inside::new(placement, 0.0, 0.0);
     let nearest = flight.query.nearest();
-    match nearest_of_all(placements, &inside, &flight.world, &nearest, Q::ANY) {
+    match nearest_of_all(placements, (&inside, 0.0), &flight.world, &nearest, Q::ANY) {
         Some(hit) => flight.query.take(hit, hit.t),
         None => ControlFlow::Continue(()),
     }

@@ -125,7 +125,7 @@ impl Structure for WideLevels {
     }
 
     fn memory(&self) -> MemoryReport {
-        let list = size_of_val(&*self.levels.placements) + size_of_val(&*self.parts);
+        let list = self.levels.bytes() + size_of_val(&*self.parts);
         MemoryReport::new([
             ("placements and flat meshes", self.above.arena.bytes()),
             ("meshes", self.below.bytes()),

@@ -143,10 +143,10 @@ fn measure(
     for spec in specs {
         tell(&format!("building {spec}"));
         let start = Instant::now();
-        accels.push(build(spec, job.first.world.triangles.clone(), args.isa)?);
+        accels.push(build(spec, job.staged.world.triangles.clone(), args.isa)?);
         structures.push((spec.to_string(), start.elapsed().as_secs_f64()));
     }
-    let name = (scene.name(), job.first.world.triangles.len());
+    let name = (scene.name(), job.staged.world.triangles.len());
     let mut breakdowns: Vec<Breakdown> =
         structures.iter().map(|(spec, _)| start_breakdown(&name.0, spec)).collect();
     let scene = renders::measure(name, &structures, args.rounds, |which| {
@@ -171,7 +171,7 @@ fn start_breakdown(scene: &str, spec: &str) -> Breakdown {
 /// Renders, and tells where the time went; writing is timed by a file that is not kept.
 fn render_once(job: &Job, accel: &dyn Accel, breakdown: &mut Breakdown) -> Rendered {
     let control = Control { cancel: &AtomicBool::new(false), progress: &|_| {} };
-    let rendered = render(&job.first.world, &job.first.camera, accel, &job.settings, &control);
+    let rendered = render(&job.staged.world, &job.staged.camera, accel, &job.settings, &control);
     let stages = Stage::ALL.map(|stage| (stage.name(), rendered.breakdown.seconds(stage)));
     breakdown.add(rendered.paths, rendered.elapsed.as_secs_f64(), &stages);
     let start = Instant::now();

@@ -49,13 +49,15 @@ pub struct Plan {
 }
 
 /// What the farm decides itself, and what prints instead of rendering.
-const REFUSED: [(&str, &str); 9] = [
+const REFUSED: [(&str, &str); 11] = [
     ("part", "--parts cuts the picture"),
     ("samples", "--parts cuts the picture"),
     ("partial", "parts are in the folder that --work names"),
     ("checkpoint", "checkpoints are in the folder that --work names"),
     ("resume", "each task goes on from its checkpoint, if there is one"),
     ("stop-after", "the farm says when a task ends"),
+    ("preview", "all tasks would write the same file"),
+    ("metrics", "all tasks would write the same file"),
     ("debug-sample", "nothing is rendered here"),
     ("dry-run", "nothing is rendered here"),
     ("print-config", "nothing is rendered here"),
@@ -217,6 +219,8 @@ mod tests {
                 "stop-after" => " 5m",
                 "debug-sample" => " 0,0,0",
                 "partial" => " a.part",
+                "preview" => " a.png",
+                "metrics" => " a.prom",
                 _ => "",
             };
             let told = refused(&format!("-o a.exr --{flag}{value}")).expect(flag);

@@ -64,7 +64,7 @@ fn script(plan: &Plan) -> String {
          set -euo pipefail\n\
          mkdir -p {work}\n\n\
          {render}{merge}\
-         case ${{1:-all}} in\n  all) ;;\n{}  *) render \"$1\" ;;\nesac\n\n\
+         case ${{1:-all}} in\n  all) ;;\n{}  *)\n    {}\n    render \"$1\"\n    ;;\nesac\n\n\
          if command -v parallel >/dev/null; then\n  \
          seq 0 {last} | parallel --quote --jobs \"${{JOBS:-1}}\" bash \"$0\"\n\
          else\n  \
@@ -73,7 +73,18 @@ fn script(plan: &Plan) -> String {
         plan.describe(),
         line("#   bash FILE merge   merges the parts"),
         line("  merge) merge; exit ;;"),
+        check_task(last),
         line("merge"),
+    )
+}
+
+/// The lines that make sure that the script's word is the number of a task.
+fn check_task(last: u64) -> String {
+    format!(
+        "if [[ ! $1 =~ ^(0|[1-9][0-9]{{0,8}})$ ]] || (($1 > {last})); then\n      \
+         echo \"$0: there is no task '$1': they are 0 to {last}\" >&2\n      \
+         exit 2\n    \
+         fi"
     )
 }
 

@@ -20,8 +20,8 @@ const TURNS_IF_KILLED: u32 = 3;
 
 const EXAMPLES: &str = "\
 Examples:
-  dapple farm slurm scene.gltf -o out.exr --spp 4096 --parts 64 > farm.sh
-  bash farm.sh
+  dapple farm slurm scene.gltf -o out.exr --spp 4096 --parts 64 > slurm.sh
+  bash slurm.sh
   dapple farm slurm scene.gltf -o out.exr --spp 4096 --parts 64 --walltime 55 --submit
   dapple farm slurm walk.glb --frames 1..240 -o walk.####.exr --sbatch=--cpus-per-task=8 --submit";
 

@@ -27,7 +27,6 @@ fn to_json(part: &Part) -> String {
         "version": head.version,
         "scene": head.scene,
         "scene_digest": head.scene_digest,
-        "moments_digest": head.moments_digest,
         "resolution": [head.resolution.0, head.resolution.1],
         "crop": [crop.x0, crop.y0, crop.x1, crop.y1],
         "samples": [samples.start, samples.end],

@@ -12,6 +12,7 @@ use super::dark::percent;
 use super::scene::build_world;
 use super::{scene, view};
 use crate::accel::{self, Accel, BuildError};
+use crate::camera::moving::MovingCamera;
 use crate::camera::{Camera, Projection};
 use crate::cli::error::CliError;
 use crate::cli::input;
@@ -144,7 +145,7 @@ pub fn build(args: &RenderArgs, world: &World) -> Result<Structure, BuildError> 
 pub fn look(
     args: &RenderArgs,
     scene: Scene,
-    camera: &Camera,
+    camera: &MovingCamera,
     before: Option<Decided>,
 ) -> Result<(World, Decided, Structure), CliError> {
     let resolution = view::resolution(args, 1.0); // it has been worked out
@@ -169,14 +170,14 @@ pub fn look(
 /// If the structure cannot be built.
 pub fn decide_at_zero(
     args: &RenderArgs,
-    time: Option<f32>,
     textures: &Arc<TextureStore>,
 ) -> Result<Option<Decided>, CliError> {
     let needs_look = matches!(args.light, LightArg::Auto | LightArg::Camera);
-    if !needs_look || time.is_none_or(|time| time == 0.0) {
+    if !needs_look || args.time.is_none_or(|time| time == 0.0) {
         return Ok(None);
     }
-    let Ok((scene, _)) = scene::load(args, Some(0.0), textures) else { return Ok(None) };
+    let args = &RenderArgs { time: Some(0.0), ..args.clone() };
+    let Ok((scene, _)) = scene::load(args, textures) else { return Ok(None) };
     let Ok((camera, aspect)) = view::choose(&scene, args, &mut Vec::new()) else {
         return Ok(None);
     };
@@ -192,7 +193,7 @@ pub fn decide_at_zero(
 struct Viewed<'a> {
     args: &'a RenderArgs,
     world: World,
-    camera: &'a Camera,
+    camera: &'a MovingCamera,
     /// Of the whole frame, pixels.
     resolution: (u32, u32),
     /// Whether anything shines in the scene, or in what the flags put around it.
@@ -211,7 +212,7 @@ impl<'a> Viewed<'a> {
     fn new(
         args: &'a RenderArgs,
         mut scene: Scene,
-        camera: &'a Camera,
+        camera: &'a MovingCamera,
         (resolution, known): ((u32, u32), Option<Lighting>),
     ) -> Result<Self, CliError> {
         let (shines, lamps) = (shines(&scene), scene.lights.len());
@@ -221,7 +222,7 @@ impl<'a> Viewed<'a> {
             LightArg::Camera => Lighting { light: LightArg::File, ..asked },
             _ => asked,
         });
-        now.apply(&mut scene, camera);
+        now.apply(&mut scene, &camera.camera);
         let world = build_world(scene, args)?;
         Ok(Self { args, world, camera, resolution, shines, lamps, now, own: None })
     }
@@ -243,7 +244,7 @@ impl<'a> Viewed<'a> {
             if lighting.light == LightArg::Sky {
                 *own = scene.environment.take();
             }
-            lighting.apply(scene, camera);
+            lighting.apply(scene, &camera.camera);
         });
         self.now = lighting;
     }
@@ -262,7 +263,7 @@ impl<'a> Viewed<'a> {
             LightArg::Auto => self.decide_for_dark(first, accel),
             LightArg::File | LightArg::Sky => (self.now, first, None),
             LightArg::Camera => {
-                let lamp = self.now.with_lamp(self.camera, &first);
+                let lamp = self.now.with_lamp(&self.camera.camera, &first);
                 (lamp, self.look_under(lamp, accel), None)
             }
         };
@@ -279,7 +280,7 @@ impl<'a> Viewed<'a> {
         if under_sky.is_lit() || under_sky.seen == 0.0 {
             return (sky, under_sky, Some(NO_LIGHT.to_owned()));
         }
-        let lamp = sky.with_lamp(self.camera, &under_sky);
+        let lamp = sky.with_lamp(&self.camera.camera, &under_sky);
         let under_lamp = self.look_under(lamp, accel);
         if under_lamp.reached > GAIN * under_sky.reached {
             return (lamp, under_lamp, Some(describe_lamp("no light", &under_sky)));
@@ -302,7 +303,7 @@ impl<'a> Viewed<'a> {
         if !has_sky && under_sky.is_lit() {
             return (sky, under_sky, Some(describe_sky(&own)));
         }
-        let lamp = file.with_lamp(self.camera, &own);
+        let lamp = file.with_lamp(&self.camera.camera, &own);
         let under_lamp = self.look_under(lamp, accel);
         if under_lamp.reached > GAIN * own.reached.max(under_sky.reached) {
             let own = format!("its light reaches {} of what is seen", percent(own.reached));

@@ -52,7 +52,7 @@ fn try_look(path: &Path, words: &str) -> Result<Job, CliError> {
 /// Looks ahead; returns the job, what lights the scene, and all that is said.
 fn look(path: &Path, words: &str) -> (Job, LightArg, String) {
     let job = try_look(path, words).expect("a good scene");
-    let said: Vec<&str> = job.first.notices.iter().map(|notice| &*notice.message).collect();
+    let said: Vec<&str> = job.staged.notices.iter().map(|notice| &*notice.message).collect();
     let (light, said) = (job.args.light, said.join("\n"));
     (job, light, said)
 }
@@ -62,7 +62,7 @@ fn a_lamp_that_lights_what_is_seen_is_enough_and_a_button_that_glows_is_not() {
     let (_folder, path) = write_scene("a.obj", &floor_with_lamp(4.0));
     let (job, light, said) = look(&path, "");
     assert!(light == LightArg::File && !said.contains("light"), "{light:?} {said}");
-    assert!(job.first.world.scene.environment.is_none());
+    assert!(job.staged.world.scene.environment.is_none());
 
     let (_folder, path) = write_scene("b.obj", &floor_with_lamp(0.02));
     let (job, light, said) = look(&path, "");
@@ -92,7 +92,7 @@ fn small_lamps_of_large_things_leave_them_under_the_sky() {
         assert_eq!(light, LightArg::Sky, "{said}\n{text}");
         assert!(said.contains("its light reaches"), "{said}\n{text}");
         assert!(job.sight.expect("it was looked at").lit > 0.5, "{:?}\n{text}", job.sight);
-        assert!(job.first.world.scene.environment.is_some());
+        assert!(job.staged.world.scene.environment.is_some());
     }
 }
 
@@ -102,7 +102,7 @@ fn under_a_closed_dome_there_is_a_lamp_at_the_camera() {
     let (_folder, path) = write_scene("a.obj", &(closed_box(50.0, "white") + city));
     let (job, light, said) = look(&path, "--look-from 0,4,8 --look-at 0,0,0");
     assert_eq!(light, LightArg::Camera, "{said}");
-    assert!(job.first.world.scene.environment.is_none() && !job.first.world.lights.is_empty());
+    assert!(job.staged.world.scene.environment.is_none() && !job.staged.world.lights.is_empty());
     assert!(job.sight.expect("it was looked at").lit > 0.5, "{:?}", job.sight);
 }
 
@@ -112,17 +112,17 @@ fn what_is_decided_is_the_same_for_all_parts_and_machines() {
         let (_folder, path) = write_scene("a.obj", &text);
         let view = "--look-from 0,0.5,0 --look-at 0,0,-1";
         let all = look(&path, view);
-        let digest = all.0.first.world.scene.digest();
+        let digest = all.0.staged.world.scene.digest();
         for other in
             ["--accel kd-ropes", "--threads 1", "--isa portable", "--crop 0,0,5,7", "--seed 9"]
         {
             let (job, light, said) = look(&path, &format!("{view} {other}"));
             assert_eq!((light, said, job.sight), (all.1, all.2.clone(), all.0.sight), "{other}");
-            assert_eq!(job.first.world.scene.digest(), digest, "{other}");
+            assert_eq!(job.staged.world.scene.digest(), digest, "{other}");
         }
         // The light that was decided, asked for.
         let asked = look(&path, &format!("{view} --light {}", all.1.name()));
-        assert_eq!((asked.0.first.world.scene.digest(), asked.0.sight), (digest, all.0.sight));
+        assert_eq!((asked.0.staged.world.scene.digest(), asked.0.sight), (digest, all.0.sight));
     }
 }
 
@@ -184,10 +184,10 @@ fn two_skies_are_one_and_no_direction_is_up() {
 fn with_z_up_the_automatic_camera_and_the_sky_turn() {
     let (_folder, path) = write_scene("a.obj", &closed_box(1.0, "white"));
     let (job, light, _) = look(&path, "--up z");
-    let camera = job.first.camera.to_world;
+    let camera = job.staged.camera.camera.to_world;
     assert!(light == LightArg::Sky && camera.translation.y < -1.0 && camera.translation.z > 0.5);
     assert!(camera.matrix3.x_axis.z.abs() < 1e-6, "{camera:?}");
-    let sky = job.first.world.scene.environment.as_ref().expect("a sky");
+    let sky = job.staged.world.scene.environment.as_ref().expect("a sky");
     let radiance = |up| sky.radiance(up).x;
     assert!(radiance(Vec3::Z) > radiance(Vec3::Y) && radiance(Vec3::Y) > radiance(Vec3::NEG_Z));
 }
@@ -198,7 +198,7 @@ fn in_motion_the_scene_at_zero_decides_for_all_frames() {
     let path = scenes.join("motion.gltf");
     let of = |words: &str| look(&path, words);
     let (first, later) = (of("--time 0 --light camera"), of("--time 0.55 --light camera"));
-    let lamp = |job: &Job| job.first.world.scene.lights.last().copied();
+    let lamp = |job: &Job| job.staged.world.scene.lights.last().copied();
     assert!(lamp(&first.0).is_some());
     assert_eq!(lamp(&first.0).map(|it| it.intensity), lamp(&later.0).map(|it| it.intensity));
     assert_eq!(of("--time 0.55").1, of("--time 0").1);

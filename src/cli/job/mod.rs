@@ -2,26 +2,23 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `scene` | loads the scene at a time, with its environment light |
+//! | `scene` | loads the scene as it is posed, with its environment light |
 //! | `view` | chooses the camera |
 //! | `light` | decides what lights the scene |
 //! | `dark` | says why a picture will be black or empty |
-//! | `shutter` | says at which moments the scene is posed, and for which samples |
 
 mod dark;
 mod light;
 #[cfg(test)]
 mod light_tests;
 mod scene;
-mod shutter;
 mod view;
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::accel::BuildError;
-use crate::camera::Camera;
+use crate::camera::moving::MovingCamera;
 use crate::cli::error::CliError;
 use crate::cli::input;
 use crate::cli::memory;
@@ -35,8 +32,7 @@ use crate::scene::{Notice, SceneMemory};
 use crate::texture::TextureStore;
 use crate::world::World;
 pub use dark::percent;
-use light::{Decided, Lighting, Structure};
-pub use shutter::Shutter;
+use light::{Decided, Structure};
 
 /// The fewest and the most samples a pixel under a target for the noise, if no one says.
 const MIN_SPP: u64 = 64;
@@ -48,28 +44,22 @@ pub struct Job {
     pub args: RenderArgs,
     /// How the picture is rendered.
     pub settings: Settings,
-    /// When its samples are taken.
-    pub shutter: Shutter,
-    /// What keeps the images of textures, at all moments.
+    /// What keeps the images of textures.
     pub textures: Arc<TextureStore>,
-    /// The scene at the first moment.
-    pub first: Moment,
+    /// The scene.
+    pub staged: Staged,
     /// What a look ahead has found, if there was one.
     pub sight: Option<Sight>,
-    /// What lights the scene.
-    lighting: Lighting,
-    /// That of the first moment, if it was built to look ahead.
+    /// The structure, if it was built to look ahead.
     structure: Mutex<Option<Structure>>,
-    /// See [`Job::digest_moments`].
-    moments_digest: OnceLock<u64>,
 }
 
-/// The scene at one time.
-pub struct Moment {
+/// The scene, ready to be rendered.
+pub struct Staged {
     /// What is to be seen.
     pub world: World,
     /// From where.
-    pub camera: Camera,
+    pub camera: MovingCamera,
     /// What the scene asks for and is not honoured, and what was decided for the user.
     pub notices: Vec<Notice>,
     /// Time to read and prepare the scene.
@@ -99,12 +89,10 @@ impl Job {
         let start = Instant::now();
         args.spp = count_samples(&args);
         let settled = light::settle(&mut args);
-        let shutter = Shutter::new(&args);
         let memory = args.texture_memory.unwrap_or_else(|| crate::files::memory::limit() / 2);
         let textures = Arc::new(TextureStore::new(memory));
-        let at_zero =
-            if looks { light::decide_at_zero(&args, shutter.time(0), &textures)? } else { None };
-        let (mut scene, mut notices) = scene::load(&args, shutter.time(0), &textures)?;
+        let at_zero = if looks { light::decide_at_zero(&args, &textures)? } else { None };
+        let (mut scene, mut notices) = scene::load(&args, &textures)?;
         let file = args.scene_file.display().to_string();
         let place_of_light = notices.len();
         notices.extend(settled);
@@ -120,7 +108,7 @@ impl Job {
             (world, decided, Some(structure))
         } else {
             let decided = Decided::as_asked(&args, &scene);
-            decided.lighting.apply(&mut scene, &camera);
+            decided.lighting.apply(&mut scene, &camera.camera);
             (scene::build_world(scene, &args)?, decided, None)
         };
         args.light = decided.lighting.light;
@@ -130,94 +118,19 @@ impl Job {
         }
         let built = structure.as_ref().map_or(Duration::ZERO, |(_, built)| *built);
         let elapsed = start.elapsed().saturating_sub(built);
-        let first = Moment { world, camera, notices, elapsed };
-        Ok(Self {
-            args,
-            settings,
-            shutter,
-            textures,
-            first,
-            sight: decided.sight,
-            lighting: decided.lighting,
-            structure: Mutex::new(structure),
-            moments_digest: OnceLock::new(),
-        })
+        let staged = Staged { world, camera, notices, elapsed };
+        let (sight, structure) = (decided.sight, Mutex::new(structure));
+        Ok(Self { args, settings, textures, staged, sight, structure })
     }
 
-    /// The scene at a later moment; none for the first, which is there. What the first left to be
-    /// worked out stays as it was found there, except for a camera of the scene, which moves.
-    ///
-    /// # Errors
-    /// What is wrong with the scene at that time.
-    pub fn pose(&self, moment: usize) -> Result<Option<Moment>, CliError> {
-        if moment == 0 {
-            return Ok(None);
-        }
-        let start = Instant::now();
-        let (args, first) = (&self.args, &self.first);
-        let time = self.shutter.time(moment);
-        let (mut scene, mut notices) = scene::load(args, time, &self.textures)?;
-        let mut camera = first.camera;
-        if args.look_from.is_none() && !first.world.scene.cameras.is_empty() {
-            if scene.cameras.len() != first.world.scene.cameras.len() {
-                let (file, time) = (args.scene_file.display(), time.unwrap_or_default());
-                let message = format!("{file}: at {time} s the node of a camera has no directions");
-                return Err(CliError::Input(message));
-            }
-            let now = match &args.camera {
-                Some(wanted) => view::find_camera(&scene, args, wanted)?,
-                None => &scene.cameras[0],
-            };
-            camera.to_world = now.camera.to_world;
-        }
-        self.lighting.apply(&mut scene, &camera);
-        notices.retain(|notice| !first.notices.contains(notice));
-        let world = scene::build_world(scene, args)?;
-        Ok(Some(Moment { world, camera, notices, elapsed: start.elapsed() }))
-    }
-
-    /// A digest of the scene at all moments, if there are several: each is read for it, once.
-    ///
-    /// # Errors
-    /// What is wrong with the scene at one of them.
-    pub fn digest_moments(&self) -> Result<Option<u64>, CliError> {
-        if self.shutter.moments() == 1 {
-            return Ok(None);
-        }
-        if let Some(&known) = self.moments_digest.get() {
-            return Ok(Some(known));
-        }
-        let mut hasher = DefaultHasher::new();
-        self.first.world.scene.digest().hash(&mut hasher);
-        for moment in 1..self.shutter.moments() {
-            let posed = self.pose(moment)?;
-            let now = posed.as_ref().unwrap_or(&self.first);
-            now.world.scene.digest().hash(&mut hasher);
-        }
-        Ok(Some(*self.moments_digest.get_or_init(|| hasher.finish())))
-    }
-
-    /// The structure of the first moment, which may be there since the look ahead; whoever asks for
+    /// The structure that was asked for, which may be there since the look ahead; whoever asks for
     /// it takes it away. On the threads of the current pool.
     ///
     /// # Errors
-    /// As [`Job::build`].
+    /// If it has limits that the scene exceeds, or the machine lacks the instruction set.
     pub fn take_structure(&self) -> Result<Structure, BuildError> {
         let there = self.structure.lock().unwrap_or_else(PoisonError::into_inner).take();
-        there.map_or_else(|| light::build(&self.args, &self.first.world), Ok)
-    }
-
-    /// Drops that structure: the samples of the first moment are there.
-    pub fn forget_structure(&self) {
-        self.structure.lock().unwrap_or_else(PoisonError::into_inner).take();
-    }
-
-    /// Builds the structure that was asked for, on the threads of the current pool.
-    ///
-    /// # Errors
-    /// If it has limits that the scene exceeds, or the machine lacks the instruction set.
-    pub fn build(&self, world: &World) -> Result<Structure, BuildError> {
-        light::build(&self.args, world)
+        there.map_or_else(|| light::build(&self.args, &self.staged.world), Ok)
     }
 
     /// Runs `work` on as many threads as were asked for.
@@ -303,8 +216,8 @@ mod tests {
     #[test]
     fn what_an_orthographic_camera_loses_is_said() {
         let prepared = |words| prepared("orthographic.gltf", words).expect("a good scene");
-        assert_eq!(prepared(&[]).first.notices, []);
-        assert!(prepared(&["--fov", "30"]).first.notices[0].message.starts_with("--fov makes"));
+        assert_eq!(prepared(&[]).staged.notices, []);
+        assert!(prepared(&["--fov", "30"]).staged.notices[0].message.starts_with("--fov makes"));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The scene at a time, with its environment light.
+//! The scene as it is posed, with its environment light.
 
 use std::sync::Arc;
 
@@ -10,14 +10,13 @@ use crate::scene::{Notice, Scene};
 use crate::texture::TextureStore;
 use crate::world::World;
 
-/// Loads the scene, posed at a time, with the environment light that was asked for; and what there
-/// is to say of both. `textures` keeps its images.
+/// Loads the scene, posed as the settings tell, with the environment light that was asked for; and
+/// what there is to say of both. `textures` keeps its images.
 ///
 /// # Errors
 /// What is wrong with either; with `--strict` also if there is anything to say.
 pub fn load(
     args: &RenderArgs,
-    time: Option<f32>,
     textures: &Arc<TextureStore>,
 ) -> Result<(Scene, Vec<Notice>), CliError> {
     let options = LoadOptions {
@@ -35,7 +34,8 @@ pub fn load(
         scene: args.scene.clone(),
         variant: args.variant.clone(),
         animation: args.animation.clone(),
-        time,
+        time: args.time,
+        shutter: args.shutter,
         textures: Arc::clone(textures),
         texture_levels: args.texture_lod == TextureLod::On,
     };

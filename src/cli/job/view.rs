@@ -1,5 +1,6 @@
 //! The camera of a picture.
 
+use crate::camera::moving::MovingCamera;
 use crate::camera::{Camera, Projection, ThinLens};
 use crate::cli::error::CliError;
 use crate::cli::settings::RenderArgs;
@@ -7,7 +8,7 @@ use crate::cli::settings::parse::CameraModel;
 use crate::formats::{self, LoadError};
 use crate::math::{DVec3, Vec3};
 use crate::scene::defaults::{AUTOMATIC_YFOV, automatic_camera, bounds};
-use crate::scene::{NamedCamera, Notice, Scene};
+use crate::scene::{Notice, Scene};
 
 /// Width of a picture whose size no one has said.
 const DEFAULT_WIDTH: u32 = 1280;
@@ -24,10 +25,10 @@ pub fn choose(
     scene: &Scene,
     args: &RenderArgs,
     notices: &mut Vec<Notice>,
-) -> Result<(Camera, f32), CliError> {
+) -> Result<(MovingCamera, f32), CliError> {
     let bounds = bounds(scene);
     let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
-    let (mut camera, aspect) = choose_place(scene, args, centre, notices)?;
+    let (MovingCamera { mut camera, motion }, aspect) = choose_place(scene, args, centre, notices)?;
     if let Some(yfov) = args.fov.map(f32::to_radians) {
         if matches!(camera.projection, Projection::Orthographic { .. }) {
             let message = "--fov makes the orthographic camera a perspective one".to_owned();
@@ -37,7 +38,8 @@ pub fn choose(
     }
     if args.camera_model == Some(CameraModel::Panorama) {
         let camera = camera.with_panorama();
-        return Ok((camera, camera.aspect().unwrap_or(DEFAULT_ASPECT)));
+        let aspect = camera.aspect().unwrap_or(DEFAULT_ASPECT);
+        return Ok((MovingCamera { camera, motion }, aspect));
     }
     if let Some(aperture_radius) = args.aperture {
         let from = Vec3::from(camera.to_world.translation);
@@ -49,7 +51,7 @@ pub fn choose(
         }
         camera = camera.with_lens(ThinLens { aperture_radius, focus_distance });
     }
-    Ok((camera, aspect.unwrap_or(DEFAULT_ASPECT)))
+    Ok((MovingCamera { camera, motion }, aspect.unwrap_or(DEFAULT_ASPECT)))
 }
 
 /// The size of the whole frame, pixels: as it was asked for, or for a camera of such an aspect.
@@ -67,19 +69,21 @@ fn choose_place(
     args: &RenderArgs,
     centre: Vec3,
     notices: &mut Vec<Notice>,
-) -> Result<(Camera, Option<f32>), CliError> {
+) -> Result<(MovingCamera, Option<f32>), CliError> {
     let file = args.scene_file.display().to_string();
     if let Some(eye) = args.look_from {
         let target = args.look_at.unwrap_or(centre);
         check_view(eye, target, args)?;
         let yfov = args.fov.unwrap_or(AUTOMATIC_YFOV).to_radians();
-        return Ok((Camera::look_at(eye, target, args.up.unwrap_or(Vec3::Y), yfov), None));
+        let camera = Camera::look_at(eye, target, args.up.unwrap_or(Vec3::Y), yfov);
+        return Ok((camera.into(), None));
     }
     let named = match &args.camera {
         Some(wanted) => Some(find_camera(scene, args, wanted)?),
-        None => scene.cameras.first(),
+        None => (!scene.cameras.is_empty()).then_some(0),
     };
-    if let Some(named) = named {
+    if let Some(number) = named {
+        let named = &scene.cameras[number];
         if args.camera.is_none() && scene.cameras.len() > 1 {
             let count = scene.cameras.len();
             let message = format!("{count} cameras: looking through the first (--camera)");
@@ -89,7 +93,9 @@ fn choose_place(
             let message = "--up has no effect: the scene's camera says what is up".to_owned();
             notices.push(Notice { place: args.scene_file.display().to_string(), message });
         }
-        return Ok((named.camera, named.aspect.or(named.camera.aspect())));
+        let motion = scene.motion.as_ref().and_then(|motion| motion.camera(number)).cloned();
+        let aspect = named.aspect.or(named.camera.aspect());
+        return Ok((MovingCamera { camera: named.camera, motion }, aspect));
     }
     let up = args.up.map_or(Some(Vec3::Y), |up| up.as_dvec3().try_normalize().map(DVec3::as_vec3));
     let Some(up) = up else {
@@ -98,7 +104,7 @@ fn choose_place(
     let asked = args.resolution.map(|(width, height)| width as f32 / height as f32);
     let (camera, notice) = automatic_camera(scene, up, asked.unwrap_or(DEFAULT_ASPECT), &file);
     notices.push(notice);
-    Ok((camera, None))
+    Ok((camera.into(), None))
 }
 
 /// Refuses a view that has no direction, or no upright one.
@@ -124,13 +130,8 @@ fn check_view(eye: Vec3, target: Vec3, args: &RenderArgs) -> Result<(), CliError
 ///
 /// # Errors
 /// If there is no such camera.
-pub fn find_camera<'s>(
-    scene: &'s Scene,
-    args: &RenderArgs,
-    wanted: &str,
-) -> Result<&'s NamedCamera, LoadError> {
+fn find_camera(scene: &Scene, args: &RenderArgs, wanted: &str) -> Result<usize, LoadError> {
     let names = || scene.cameras.iter().map(|camera| camera.name.as_str());
-    let number = formats::find_by_name_or_number(names(), wanted)
-        .ok_or_else(|| LoadError::no_such(&args.scene_file, "camera", wanted, names()))?;
-    Ok(&scene.cameras[number])
+    formats::find_by_name_or_number(names(), wanted)
+        .ok_or_else(|| LoadError::no_such(&args.scene_file, "camera", wanted, names()))
 }

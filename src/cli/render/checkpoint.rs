@@ -46,18 +46,14 @@ pub fn range(args: &RenderArgs) -> Range<u64> {
 }
 
 /// What the samples of a job belong to.
-///
-/// # Errors
-/// If the scene cannot be read at a later moment.
-pub fn head(job: &Job) -> Result<Head, CliError> {
+pub fn head(job: &Job) -> Head {
     let (settings, table) = (&job.settings, Table::default());
     let mut head = Head::new(settings.resolution, settings.crop, &range(&job.args), settings.spp);
-    head.scene_digest = format!("{:016x}", job.first.world.scene.digest());
-    head.moments_digest = job.digest_moments()?.map(|digest| format!("{digest:016x}"));
+    head.scene_digest = format!("{:016x}", job.staged.world.scene.digest());
     head.identity = table.identity(&job.args);
     head.settings = table.to_toml(&job.args);
     head.scene = job.args.scene_file.display().to_string();
-    Ok(head)
+    head
 }
 
 /// Writes what a film has summed up.
@@ -99,7 +95,7 @@ impl Checkpoint {
     /// if it is of another render.
     pub fn open(job: &Job) -> Result<Option<(Self, Option<Restored>)>, CliError> {
         let Some(path) = path(&job.args)? else { return Ok(None) };
-        let head = head(job)?;
+        let head = head(job);
         let restored = match (path.exists(), job.args.resume) {
             (true, Some(_)) => Some(Restored::read(&path, &head)?),
             (true, None) => {

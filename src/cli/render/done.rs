@@ -16,7 +16,7 @@ use crate::part::Part;
 /// costs no more than reading the scene and the look ahead.
 ///
 /// # Errors
-/// If the scene cannot be read at a later moment.
+/// If there is no name for its checkpoint.
 pub fn is_done(job: &Job) -> Result<bool, CliError> {
     let args = &job.args;
     if args.resume != Some(Resume::Auto) || checkpoint::path(args)?.is_some_and(|it| it.exists()) {
@@ -29,7 +29,7 @@ pub fn is_done(job: &Job) -> Result<bool, CliError> {
         return Ok(false);
     }
     let is_same = args.output.as_ref().is_none_or(|path| is_picture_of(path, job))
-        && args.partial.as_ref().map_or(Ok(true), |path| is_part_of(path, job))?;
+        && args.partial.as_ref().is_none_or(|path| is_part_of(path, job));
     if !args.quiet {
         let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
         let files = files.join(", ");
@@ -48,14 +48,14 @@ fn is_picture_of(path: &Path, job: &Job) -> bool {
 }
 
 /// Whether a file is the part that a job is to make.
-fn is_part_of(path: &Path, job: &Job) -> Result<bool, CliError> {
-    let Ok(part) = Part::open(path) else { return Ok(false) };
-    let wanted = checkpoint::head(job)?;
-    Ok(part.verify().is_ok()
+fn is_part_of(path: &Path, job: &Job) -> bool {
+    let Ok(part) = Part::open(path) else { return false };
+    let wanted = checkpoint::head(job);
+    part.verify().is_ok()
         && part.is_complete()
         && part.head.samples() == wanted.samples()
         && header::are_same(&part.head.settings, &wanted.settings)
-        && checkpoint::differences(&part.head, &wanted).is_empty())
+        && checkpoint::differences(&part.head, &wanted).is_empty()
 }
 
 #[cfg(test)]

@@ -20,13 +20,13 @@ const PATHS: u64 = 1 << 15;
 /// Estimates memory, builds the structure, follows a few paths, and prints what that tells.
 pub fn run(job: &Job) -> Result<ExitCode, CliError> {
     job.on_threads(|| {
-        let scene = SceneMemory::of(&job.first.world.scene);
+        let scene = SceneMemory::of(&job.staged.world.scene);
         let (accel, built) = job.take_structure()?;
         let build_s = built.as_secs_f64();
         let settings = thin_out(&job.settings);
         let cancel = AtomicBool::new(false);
         let control = Control { cancel: &cancel, progress: &|_| {} };
-        let tried = render(&job.first.world, &job.first.camera, &*accel, &settings, &control);
+        let tried = render(&job.staged.world, &job.staged.camera, &*accel, &settings, &control);
         let path_s = tried.elapsed.as_secs_f64() / tried.paths.max(1) as f64;
         let paths = job.settings.crop.area() as u64 * job.settings.spp;
 
@@ -38,7 +38,6 @@ pub fn run(job: &Job) -> Result<ExitCode, CliError> {
             build_s,
             render_s: path_s * paths as f64,
             paths,
-            moments: job.shutter.moments(),
         };
         text::print(&if job.args.json { estimate.to_json() } else { estimate.to_text() })?;
         Ok(ExitCode::SUCCESS)
@@ -66,7 +65,6 @@ struct Estimate<'a> {
     build_s: f64,
     render_s: f64,
     paths: u64,
-    moments: usize,
 }
 
 impl Estimate<'_> {
@@ -80,17 +78,13 @@ impl Estimate<'_> {
             parts.map(|&(name, bytes)| format!("{name} {}", format_bytes(bytes))).collect();
         let SceneMemory { unique_triangles, placed_triangles, placements, .. } = self.scene;
         let (width, height) = self.job.settings.resolution;
-        let each = match self.moments {
-            1 => String::new(),
-            moments => format!(" for each of {moments} moments"),
-        };
         let threads = rayon::current_num_threads();
         format!(
             "{}: {width}x{height}, {} samples a pixel, {:.1} M paths\n\
              scene   {unique_triangles} triangles unique, {placed_triangles} placed (placements: \
              {placements})\n\
              memory  about {} of {} ({})\n\
-             time    load {:.2} s, build {:.2} s{each} (to {}), render about {} on \
+             time    load {:.2} s, build {:.2} s (to {}), render about {} on \
              {threads} thread{}\n",
             self.job.args.scene_file.display(),
             self.job.settings.spp,
@@ -98,7 +92,7 @@ impl Estimate<'_> {
             format_bytes(self.total()),
             format_bytes(self.job.args.memory.unwrap_or_else(limit)),
             parts.join(", "),
-            self.job.first.elapsed.as_secs_f64(),
+            self.job.staged.elapsed.as_secs_f64(),
             self.build_s,
             format_bytes(self.built_bytes),
             format_duration(self.render_s),
@@ -124,9 +118,8 @@ impl Estimate<'_> {
             "bytes_total": self.total(),
             "bytes_limit": self.job.args.memory.unwrap_or_else(limit),
             "structure_built_bytes": self.built_bytes,
-            "load_s": self.job.first.elapsed.as_secs_f64(),
+            "load_s": self.job.staged.elapsed.as_secs_f64(),
             "build_s": self.build_s,
-            "moments": self.moments,
             "render_s": self.render_s,
             "threads": rayon::current_num_threads(),
         });

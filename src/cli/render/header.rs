@@ -46,7 +46,7 @@ impl Header {
         Self {
             settings: parse(&Table::default().to_toml(&job.args)),
             scene: job.args.scene_file.display().to_string(),
-            scene_digest: format!("{:016x}", job.first.world.scene.digest()),
+            scene_digest: format!("{:016x}", job.staged.world.scene.digest()),
             lost_samples: 0,
             render_s: 0.0,
             reached: None,
@@ -55,8 +55,7 @@ impl Header {
         }
     }
 
-    /// Whether a picture with such a header is what a job is to make, and whole. Of a scene in
-    /// motion, the first moment is compared.
+    /// Whether a picture with such a header is what a job is to make, and whole.
     pub fn is_of(strings: &BTreeMap<String, String>, job: &Job) -> bool {
         let wanted = Self::of_job(job);
         let found = |name: &str| strings.get(&format!("dapple/{name}"));

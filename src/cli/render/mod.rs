@@ -3,7 +3,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `run` | the command, and the same without files for `dapple golden` |
-//! | `moments` | builds and renders, moment by moment |
+//! | `expose` | builds and renders |
 //! | `publish` | writes the outputs |
 //! | `report` | says what a render took |
 //! | `header` | writes into the picture how it was made |
@@ -16,10 +16,10 @@
 mod checkpoint;
 mod done;
 mod dry_run;
+mod expose;
 mod frames;
 mod header;
 mod listen;
-mod moments;
 mod publish;
 mod report;
 mod run;

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::checkpoint::{self, Checkpoint};
+use super::expose::{Control, Exposed, Outcome};
 use super::header::Header;
-use super::moments::{Control, Exposed, Outcome};
 use super::report;
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
@@ -30,8 +30,7 @@ impl Publisher<'_> {
     /// exit code.
     ///
     /// # Errors
-    /// If an output cannot be written, if a later moment failed, or if the picture is not as good
-    /// as was asked for.
+    /// If an output cannot be written, or if the picture is not as good as was asked for.
     pub fn publish(
         &self,
         exposed: Exposed,
@@ -71,7 +70,7 @@ impl Publisher<'_> {
         if let Some(checkpoint) = checkpoint.filter(|_| is_whole) {
             checkpoint.remove();
         }
-        self.tell(Outcome { rendered, took }, control)
+        self.tell(&Outcome { rendered, took }, control)
     }
 
     /// Writes what there is of the picture while more samples are taken. That it cannot is a
@@ -86,23 +85,20 @@ impl Publisher<'_> {
     }
 
     /// Says what the render took, and works out how the process ends.
-    fn tell(&self, outcome: Outcome, control: &Control<'_>) -> Result<u8, CliError> {
+    fn tell(&self, outcome: &Outcome, control: &Control<'_>) -> Result<u8, CliError> {
         let job = self.job;
-        control.watch.tell(&report::summarize(job, &outcome));
+        control.watch.tell(&report::summarize(job, outcome));
         if job.args.verbose > 0 {
             say(&report::describe_textures(&job.textures.figures()));
         }
         if job.args.json {
-            text::print(&format!("{}\n", report::summarize_as_json(job, &outcome)))?;
+            text::print(&format!("{}\n", report::summarize_as_json(job, outcome)))?;
         }
-        let is_incomplete = report::is_incomplete(&outcome);
+        let is_incomplete = report::is_incomplete(outcome);
         if outcome.rendered.cancelled {
-            report::print_unfinished(job, &outcome);
+            report::print_unfinished(job, outcome);
         } else if is_incomplete && !job.args.quiet {
-            report::print_noisy(&outcome);
-        }
-        if let Some(error) = outcome.took.stopped {
-            return Err(error);
+            report::print_noisy(outcome);
         }
         let code = control.signals.code();
         if code == 0 && job.args.fail_incomplete && is_incomplete {
@@ -142,7 +138,7 @@ impl Publisher<'_> {
     /// Writes the sums that are asked for.
     fn write_part(&self, film: &Film) -> Result<(), CliError> {
         let Some(path) = &self.job.args.partial else { return Ok(()) };
-        let head = checkpoint::head(self.job)?;
+        let head = checkpoint::head(self.job);
         checkpoint::write(path, &head, film).map_err(|source| CliError::not_written(path, &source))
     }
 

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::checkpoint;
-use super::moments::{Outcome, Took};
+use super::expose::{Outcome, Took};
 use crate::cli::job::{Job, percent};
 use crate::cli::progress::{note, say};
 use crate::cli::shell;
@@ -14,10 +14,10 @@ use crate::texture::TextureFigures;
 
 /// Says what the scene asks for that is not honoured, and what was decided for the user.
 pub fn print_scene(job: &Job) {
-    let moment = &job.first;
-    moment.notices.iter().for_each(note);
+    let staged = &job.staged;
+    staged.notices.iter().for_each(note);
     if job.args.verbose > 0 {
-        let (world, scene) = (&moment.world, &moment.world.scene);
+        let (world, scene) = (&staged.world, &staged.world.scene);
         say(&format!(
             "{}: {} triangles, {} instances of {} meshes, {} materials, {} textures, {} lights; \
              {:.2} s",
@@ -28,7 +28,7 @@ pub fn print_scene(job: &Job) {
             scene.materials.len(),
             scene.textures.len(),
             world.lights.len(),
-            moment.elapsed.as_secs_f64(),
+            staged.elapsed.as_secs_f64(),
         ));
     }
 }
@@ -56,18 +56,12 @@ fn format_replay_command(lost: &LostSample, words: &[String]) -> String {
 /// Says how far a render came that was ended before its time.
 pub fn print_unfinished(job: &Job, outcome: &Outcome) {
     let Outcome { rendered, took } = outcome;
-    let moments = took.moments;
     let (fewest, most) = rendered.samples;
     let why = match took {
-        Took { stopped: Some(_), .. } => "stopped",
         Took { out_of_time: true, .. } => "the time is over",
         _ => "interrupted",
     };
-    let of = match job.shutter.moments() {
-        1 => String::new(),
-        all => format!(", in {moments} of {all} moments"),
-    };
-    say(&format!("{why}: saved with {fewest} to {most} of {} samples{of}", count(job)));
+    say(&format!("{why}: saved with {fewest} to {most} of {} samples", count(job)));
     if rendered.without_samples > 0 {
         let (without, all) = (rendered.without_samples, job.settings.crop.area());
         say(&format!("{without} of {all} pixels have no sample: they are black"));
@@ -178,7 +172,7 @@ fn textures_as_json(figures: &TextureFigures) -> Value {
 
 /// The last line as a JSON object.
 pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
-    let Outcome { rendered, took: Took { loaded, built, denoised, moments, .. } } = outcome;
+    let Outcome { rendered, took: Took { loaded, built, denoised, .. } } = outcome;
     json!({
         "scene": job.args.scene_file,
         "resolution": [job.settings.resolution.0, job.settings.resolution.1],
@@ -191,7 +185,6 @@ pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
             .into_iter()
             .collect::<std::collections::BTreeMap<_, _>>(),
         "render_s": rendered.elapsed.as_secs_f64(),
-        "moments": moments,
         "load_s": loaded.as_secs_f64(),
         "build_s": built.as_secs_f64(),
         "denoise_s": denoised.map(|time| time.as_secs_f64()),

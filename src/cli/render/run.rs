@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use super::checkpoint;
+use super::expose::{Control, Exposed, expose};
 use super::header::Header;
 use super::listen::listen;
-use super::moments::{self, Control, Exposed};
 use super::publish::{self, Publisher};
 use super::signals::Signals;
 use super::{done, dry_run, frames, report};
@@ -91,8 +91,8 @@ fn run_watched(
     } else {
         Job::prepare_looking(args)?
     };
-    job.first.notices.retain(|notice| !before.said.contains(notice));
-    before.said.extend(job.first.notices.iter().cloned());
+    job.staged.notices.retain(|notice| !before.said.contains(notice));
+    before.said.extend(job.staged.notices.iter().cloned());
     // How bright a lamp is, is found out by a look.
     if matches!(job.args.light, LightArg::File | LightArg::Sky) {
         before.light = job.args.light;
@@ -100,7 +100,7 @@ fn run_watched(
     if !job.args.quiet {
         report::print_scene(&job);
         if let Some(from) = &from {
-            from.list_changes(job.first.world.scene.digest()).iter().for_each(note);
+            from.list_changes(job.staged.world.scene.digest()).iter().for_each(note);
         }
     }
     if let Some(sample) = job.args.debug_sample {
@@ -120,7 +120,7 @@ fn run_watched(
     let publisher = Publisher { job: &job, words: &words };
     let save = |film: &Film| publisher.save(film);
     let control = Control { signals, watch, start, save: &save };
-    let exposed = moments::expose(&job, &control)?;
+    let exposed = expose(&job, &control)?;
     watch.enter(Phase::Write);
     publisher.publish(exposed, denoiser, &control)
 }
@@ -155,10 +155,7 @@ pub fn render_picture(scene: &Path, words: &[String]) -> Result<Picture, CliErro
         start: Instant::now(),
         save: &|_| {},
     };
-    let Exposed { film, took, .. } = moments::expose(&job, &control)?;
-    if let Some(error) = took.stopped {
-        return Err(error);
-    }
+    let Exposed { film, .. } = expose(&job, &control)?;
     let named = ["render".to_owned(), scene.display().to_string()];
     let words: Vec<String> = named.into_iter().chain(words.iter().cloned()).collect();
     let mut rendered = film.finish();
@@ -174,14 +171,10 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<u8, CliError> {
         let message = format!("--debug-sample: the frame is {width}x{height}");
         return Err(CliError::Usage(message));
     }
-    let later = job.pose(job.shutter.moment_of(sample.2))?;
-    let now = later.as_ref().unwrap_or(&job.first);
     let path = job.on_threads(|| {
-        let (accel, _) = match &later {
-            None => job.take_structure()?,
-            Some(later) => job.build(&later.world)?,
-        };
-        Ok::<_, CliError>(replay(&now.world, &now.camera, &*accel, &job.settings, sample))
+        let (accel, _) = job.take_structure()?;
+        let (world, camera) = (&job.staged.world, &job.staged.camera);
+        Ok::<_, CliError>(replay(world, camera, &*accel, &job.settings, sample))
     })??;
     text::print(&path)?;
     Ok(0)

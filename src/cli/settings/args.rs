@@ -76,7 +76,6 @@ pub struct RenderArgs {
     pub aperture: Option<f32>,
     pub focus: Option<f32>,
     pub shutter: Option<f32>,
-    pub moments: Option<u32>,
 
     pub samples: Option<Range<u64>>,
     pub part: Option<Share>,

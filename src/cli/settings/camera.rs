@@ -1,7 +1,7 @@
 //! Settings: from where the scene is seen, and for how long.
 
 use super::parse::{
-    CameraModel, choice, choices, direction, field_of_view, from_str, positive, vector, whole,
+    CameraModel, choice, choices, direction, field_of_view, from_str, positive, vector,
 };
 use super::setting::{Form, Group, Reader, Role, Setting, assign};
 use super::to_toml::ToToml;
@@ -116,25 +116,12 @@ pub static CAMERA: &[Setting] = &[
         otherwise: "an instant",
         example: "0.5",
         help: "How long the shutter is open, in seconds from --time on: what is animated blurs",
-        details: "Nodes, skins, morphs and the scene's cameras move. The scene is read, posed and \
-                  built anew for each of --moments moments, which share the samples. What moves \
-                  far in that time needs many of them.",
+        details: "Each sample of a pixel has a time of its own. Nodes, skins, morphs and the \
+                  scene's cameras and lights move: nodes as their channels say, vertices straight \
+                  between keys that lie close enough.",
         requires: &["time"],
         read: Reader::Text(|word| assign(positive(word), |args| &mut args.shutter)),
         write: |args| args.shutter.to_toml(),
-        ..MOTION
-    },
-    Setting {
-        name: "moments",
-        value: "N",
-        otherwise: "32",
-        example: "2",
-        help: "At how many moments of that time the scene is posed, at most --spp",
-        requires: &["shutter"],
-        read: Reader::Text(|word| {
-            assign(whole::<u32>(word, 1..=1 << 16), |args| &mut args.moments)
-        }),
-        write: |args| args.moments.to_toml(),
         ..MOTION
     },
 ];

@@ -15,14 +15,9 @@ const A_FILE: &str = "a file";
 impl Table {
     /// The settings that samples depend on, with their values as TOML.
     ///
-    /// Neither the number of samples, unless moments share them out, nor the part of the frame:
-    /// parts differ in both.
+    /// Neither the number of samples nor the part of the frame: parts differ in both.
     pub fn identity(&self, args: &RenderArgs) -> BTreeMap<String, String> {
-        let counts = |name: &str| match name {
-            "spp" => args.shutter.is_some(),
-            "crop" => false,
-            _ => true,
-        };
+        let counts = |name: &str| !["spp", "crop"].contains(&name);
         let value = |setting: &Setting| {
             let value = (setting.write)(args)?;
             let names_file = value.as_str().is_some_and(|word| (setting.names_file)(word));
@@ -104,12 +99,13 @@ mod tests {
     }
 
     #[test]
-    fn samples_a_pixel_count_where_moments_share_them() {
+    fn samples_add_up_however_many_there_are() {
         let table = Table::default();
         let identity = |words: &str| table.identity(&args(words));
         assert_eq!(identity("--spp 4"), identity("--spp 8 --crop 0,0,1,1"));
         let open = "--time 0 --shutter 1";
-        assert_ne!(identity(&format!("{open} --spp 4")), identity(&format!("{open} --spp 8")));
+        assert_eq!(identity(&format!("{open} --spp 4")), identity(&format!("{open} --spp 8")));
+        assert_ne!(identity(open), identity("--time 0 --shutter 2"));
         assert_eq!(identity("--env a.hdr"), identity("--env b/c.hdr"), "the digest tells them");
         assert_ne!(identity("--env a.hdr"), identity("--env 1,1,1"));
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
 
+use super::curve::{Curve, Interpolation};
 use super::json::{Fault, Object};
 use super::nodes::{Node, Parts};
 use super::notices::Notices;
@@ -48,19 +49,29 @@ enum Target {
     Pointer(String),
 }
 
+/// What a channel changes of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Property {
+pub enum Property {
+    /// Where it stands.
     Translation,
+    /// How it is turned.
     Rotation,
+    /// How large it is.
     Scale,
+    /// The weights of its morph targets.
     Weights,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Interpolation {
-    Step,
-    Linear,
-    Cubic,
+/// What becomes of a property while the shutter is open: values at times from 0 to 1, in order,
+/// between which they go straight, and rotations turn evenly. Where two times are the same, it
+/// jumps.
+pub struct Keyed {
+    /// Whose it is.
+    pub node: usize,
+    /// Which.
+    pub property: Property,
+    /// The values.
+    pub keys: Vec<(f64, Vec<f64>)>,
 }
 
 /// Reads all animations; `nodes` and `accessors` are how many there are.
@@ -130,6 +141,22 @@ impl Animation {
     /// The accessors that it reads.
     pub fn accessors(&self) -> impl Iterator<Item = usize> {
         self.channels.iter().flat_map(|channel| [channel.times, channel.values])
+    }
+
+    /// What it changes of nodes while the shutter is open, from a time to another, in seconds.
+    ///
+    /// # Errors
+    /// As [`Animation::pose`].
+    pub fn keyed(&self, shutter: [f64; 2], storage: &Storage) -> Result<Vec<Keyed>, Fault> {
+        let of_nodes = self.channels.iter().filter_map(|channel| match &channel.target {
+            Target::Node(node, property) => Some((channel, (*node, *property))),
+            Target::Pointer(pointer) => Some((channel, Property::of_pointer(pointer)?)),
+        });
+        let keyed = |(channel, (node, property)): (&Channel, _)| {
+            let keys = channel.curve(storage)?.straight_pieces(shutter);
+            Ok(Keyed { node, property, keys })
+        };
+        of_nodes.map(keyed).collect()
     }
 
     /// What its pointers lead to, at a `time`, seconds.
@@ -218,13 +245,19 @@ impl Channel {
 
     /// The property's numbers at a time.
     fn at(&self, time: f64, storage: &Storage) -> Result<Vec<f64>, Fault> {
+        Ok(self.curve(storage)?.at(time))
+    }
+
+    /// Its keys.
+    fn curve(&self, storage: &Storage) -> Result<Curve, Fault> {
         let times = storage.vectors::<1>(self.times)?;
         let values = self.values(storage)?;
         let times: Vec<f64> = times.iter().map(|&[time]| f64::from(time)).collect();
         if times.is_empty() || !times.is_sorted_by(|a, b| a < b) {
             return Err(self.fault("its times do not grow from one to the next"));
         }
-        let sets = times.len() * if self.interpolation == Interpolation::Cubic { 3 } else { 1 };
+        let interpolation = self.interpolation;
+        let sets = times.len() * if interpolation == Interpolation::Cubic { 3 } else { 1 };
         let width = match self.property() {
             Property::Translation | Property::Scale => 3,
             Property::Rotation => 4,
@@ -235,86 +268,21 @@ impl Channel {
                 format!("{} times do not go with its {} numbers", times.len(), values.len());
             return Err(self.fault(message));
         }
-        Ok(self.between(time, &times, &values, width))
-    }
-
-    fn between(&self, time: f64, times: &[f64], values: &[f32], width: usize) -> Vec<f64> {
-        let set = |number: usize| -> Vec<f64> {
-            values[number * width..][..width].iter().map(|&value| f64::from(value)).collect()
-        };
-        let cubic = self.interpolation == Interpolation::Cubic;
-        let key = |number: usize| set(if cubic { 3 * number + 1 } else { number });
-        let after = times.partition_point(|&at| at <= time);
-        if after == 0 {
-            return key(0);
-        }
-        let before = after - 1;
-        if after == times.len() || self.interpolation == Interpolation::Step {
-            return key(before);
-        }
-        let span = times[after] - times[before];
-        let t = (time - times[before]) / span;
-        let (a, b) = (key(before), key(after));
-        if cubic {
-            let (leaving, arriving) = (set(3 * before + 2), set(3 * after));
-            let (t2, t3) = (t * t, t * t * t);
-            let at = |i: usize| {
-                (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
-                    + span * (t3 - 2.0 * t2 + t) * leaving[i]
-                    + (3.0 * t2 - 2.0 * t3) * b[i]
-                    + span * (t3 - t2) * arriving[i]
-            };
-            return (0..width).map(at).collect();
-        }
-        if self.property() == Property::Rotation {
-            let quaternion = |q: &[f64]| DQuat::from_xyzw(q[0], q[1], q[2], q[3]).normalize();
-            return quaternion(&a).slerp(quaternion(&b), t).to_array().to_vec();
-        }
-        a.iter().zip(&b).map(|(a, b)| a + (b - a) * t).collect()
+        let turns = self.property() == Property::Rotation;
+        Ok(Curve { interpolation, turns, times, values, width })
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn channel(property: Property, interpolation: Interpolation) -> Channel {
-        let (place, target) = (String::new(), Target::Node(0, property));
-        Channel { place, target, interpolation, times: 0, values: 0 }
-    }
-
-    #[test]
-    fn values_between_keys_are_stepped_or_in_line() {
-        let (times, values) = ([1.0, 3.0], [0.0, 10.0, 20.0, 4.0, 10.0, 30.0]);
-        let at = |interpolation, time| {
-            channel(Property::Translation, interpolation).between(time, &times, &values, 3)
+impl Property {
+    /// The property of a node that a pointer leads to, if it leads to one.
+    fn of_pointer(pointer: &str) -> Option<(usize, Self)> {
+        let (node, name) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
+        let property = match name {
+            "translation" => Self::Translation,
+            "rotation" => Self::Rotation,
+            "scale" => Self::Scale,
+            _ => return None,
         };
-        assert_eq!(at(Interpolation::Linear, 1.5), [1.0, 10.0, 22.5]);
-        assert_eq!(at(Interpolation::Step, 2.9), [0.0, 10.0, 20.0]);
-        assert_eq!(at(Interpolation::Step, 3.0), [4.0, 10.0, 30.0]);
-        assert_eq!(at(Interpolation::Linear, 0.0), [0.0, 10.0, 20.0]);
-        assert_eq!(at(Interpolation::Linear, 9.0), [4.0, 10.0, 30.0]);
-    }
-
-    #[test]
-    fn splines_leave_and_arrive_by_their_tangents() {
-        // In, value, out for each of two keys: from 0 at speed 1 to 2 at speed 1 in two seconds.
-        let values = [9.0, 0.0, 1.0, 1.0, 2.0, 9.0];
-        let spline = channel(Property::Weights, Interpolation::Cubic);
-        for time in [0.0, 0.5, 1.0, 1.75, 2.0] {
-            let found = spline.between(time, &[0.0, 2.0], &values, 1)[0];
-            assert!((found - time).abs() < 1e-12, "a straight line: {found} at {time}");
-        }
-    }
-
-    #[test]
-    fn rotations_take_the_short_way_at_an_even_speed() {
-        let half = (0.5_f32).sqrt();
-        let values = [0.0, 0.0, 0.0, 1.0, 0.0, -half, 0.0, -half]; // to 90° about Y, negated
-        let turn = channel(Property::Rotation, Interpolation::Linear);
-        let third = turn.between(1.0, &[0.0, 3.0], &values, 4);
-        let expected = DQuat::from_rotation_y(30_f64.to_radians());
-        let found = DQuat::from_xyzw(third[0], third[1], third[2], third[3]);
-        assert!(found.dot(expected).abs() > 1.0 - 1e-9, "{found}");
+        Some((node.parse().ok()?, property))
     }
 }

@@ -24,17 +24,9 @@ impl LightDeclaration {
     /// node's transform has none, as with a scale of 0; a point light needs but the position.
     pub fn place(&self, to_world: &DAffine3) -> Option<Punctual> {
         let Self { kind, intensity, range } = *self;
-        let rigid = placement::rigid(to_world);
-        let translation = to_world.translation;
-        let to_world = match kind {
-            PunctualKind::Point if translation.is_finite() => {
-                rigid.unwrap_or(DAffine3::from_translation(translation))
-            }
-            _ => rigid?,
-        };
-        let position = to_world.translation.as_vec3();
-        let direction = -to_world.matrix3.z_axis.as_vec3();
-        Some(Punctual { kind, position, direction, intensity, range })
+        let (position, direction) = (Vec3::ZERO, Vec3::NEG_Z);
+        let light = Punctual { kind, position, direction, intensity, range };
+        placement::light_at_node(&light, to_world)
     }
 }
 

@@ -34,6 +34,11 @@ pub fn read(root: &Object, nodes: usize, accessors: usize) -> Result<Vec<Skin>, 
 }
 
 impl Skin {
+    /// The nodes that vertices follow.
+    pub fn joints(&self) -> &[usize] {
+        &self.joints
+    }
+
     /// The accessor that it reads, if any.
     pub fn accessor(&self) -> Option<usize> {
         self.inverse_bind

@@ -26,8 +26,9 @@ pub fn medium(table: &Table) -> Result<Medium, LoadError> {
 
 fn per_metre<'d>(table: &Table<'d>, key: &'d str) -> Result<DVec3, LoadError> {
     let value = DVec3::from_array(table.scale(key)?.unwrap_or([0.0; 3]));
-    let most = 0.5 * f64::from(Medium::MOST_EXTINCTION);
-    if value.min_element() < 0.0 || value.max_element() > most {
+    // As it is rounded and told: the most itself is no fault.
+    let most = 0.5 * Medium::MOST_EXTINCTION;
+    if value.min_element() < 0.0 || value.max_element() as f32 > most {
         return Err(table.fault_at(key, format!("must be from 0 to {most:e} per metre")));
     }
     Ok(value)

@@ -177,6 +177,9 @@ impl<'d> Declarations<'d> {
         }
         let mut scene = stage.scene;
         let own = self.own_cameras(&scene)?;
+        if let Some(motion) = &mut scene.motion {
+            motion.shift_cameras(own.len());
+        }
         scene.cameras.splice(0..0, own);
         scene.lights.extend(self.lights);
         scene.medium = self.medium;

@@ -18,7 +18,7 @@ use crate::geom::Mesh;
 use crate::light::Punctual;
 use crate::math::{MaterialId, MeshId, TextureId};
 use crate::scene::placement::{make_room, narrow, rigid, stays_finite};
-use crate::scene::{Instance, Material, Scene, Transform};
+use crate::scene::{Instance, Material, MovingLight, Scene, Transform};
 
 /// A scene that parts are added to.
 pub struct Stage<'a> {
@@ -152,6 +152,12 @@ impl<'a> Stage<'a> {
             })
         };
         let meshes: Rc<[MeshId]> = source.meshes.iter().map(&mut number).collect();
+        for (number, mesh) in meshes.iter().enumerate() {
+            let moves = source.motion.as_ref().and_then(|motion| motion.deformation(number));
+            if let Some(deformation) = moves {
+                scene.motion_mut().deform(mesh.index(), Arc::clone(deformation));
+            }
+        }
         let bases = (meshes, scene.textures.len());
         scene.textures.extend(source.textures.iter().cloned());
         self.bases.insert(part.clone(), bases.clone());
@@ -189,6 +195,9 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// About what the motion of a copy takes.
+const MOTION_BYTES: u64 = 512;
+
 /// What a place without directions does.
 const NO_DIRECTIONS: &str = "leaves no directions to its lights and cameras";
 
@@ -210,6 +219,10 @@ impl Copier<'_> {
         let of = |count: usize| copies.saturating_mul(count as u64);
         make_room(&mut self.scene.instances, of(source.instances.len()))
             .map_err(|error| error.to_string())?;
+        if source.motion.is_some() {
+            let bytes = of(source.instances.len()).saturating_mul(MOTION_BYTES);
+            memory::claim(bytes).map_err(|error| format!("their motion {error}"))?;
+        }
         let lights = of(source.lights.len());
         memory::claim(lights.saturating_mul(size_of::<Punctual>() as u64))
             .map_err(|error| format!("{lights} lights: their list {error}"))
@@ -222,7 +235,13 @@ impl Copier<'_> {
     /// What is the matter.
     fn copy(&mut self, to_world: &DAffine3) -> Result<(), String> {
         let (source, scene) = (&self.loaded.scene, &mut *self.scene);
-        for instance in &source.instances {
+        let motion = source.motion.as_ref();
+        for (number, instance) in source.instances.iter().enumerate() {
+            if let Some(motion) = motion.and_then(|motion| motion.placement(number)) {
+                let motion = Arc::new(motion.within(*to_world));
+                let instance = scene.instances.len();
+                scene.motion_mut().move_placement(instance, motion);
+            }
             let to_world = *to_world * widen(&instance.transform);
             let bounds = self.loaded.bounds[instance.mesh.index()];
             if !bounds.is_empty() && !stays_finite(&to_world, bounds) {
@@ -238,6 +257,14 @@ impl Copier<'_> {
             return Ok(());
         }
         let turned = rigid(to_world).ok_or(NO_DIRECTIONS)?;
+        for number in 0..source.lights.len() {
+            if let Some(moving) = motion.and_then(|motion| motion.light(number)) {
+                let mut moving = MovingLight::clone(moving);
+                moving.placed.push(*to_world);
+                let light = scene.lights.len() + number;
+                scene.motion_mut().move_light(light, Arc::new(moving));
+            }
+        }
         scene.lights.extend(source.lights.iter().map(|light| Punctual {
             position: to_world.transform_point3(light.position.as_dvec3()).as_vec3(),
             direction: turned.transform_vector3(light.direction.as_dvec3()).as_vec3(),
@@ -255,12 +282,18 @@ impl Copier<'_> {
         if !cameras.is_empty() && rigid(to_world).is_none() {
             return Err(NO_DIRECTIONS.to_owned());
         }
-        for named in cameras {
+        let motion = self.loaded.scene.motion.as_ref();
+        for (number, named) in cameras.iter().enumerate() {
             let mut named = named.clone();
             let own =
                 DAffine3::from_cols_array(&named.camera.to_world.to_cols_array().map(f64::from));
             let Some(stands) = rigid(&(*to_world * own)) else { continue };
             named.camera.to_world = narrow(&stands);
+            if let Some(motion) = motion.and_then(|motion| motion.camera(number)) {
+                let motion = Arc::new(motion.within(*to_world));
+                let camera = self.scene.cameras.len();
+                self.scene.motion_mut().move_camera(camera, motion);
+            }
             self.scene.cameras.push(named);
         }
         Ok(())

@@ -29,8 +29,8 @@ pub struct Placement<'d> {
 }
 
 /// What of a file is loaded: its path, one of its scenes, one of its variants, one of its
-/// animations, and the bits of the time that it is posed at.
-pub type Part = (PathBuf, [Option<String>; 3], Option<u32>);
+/// animations, the bits of the time that it is posed at, and whether it stands still there.
+pub type Part = (PathBuf, [Option<String>; 3], Option<u32>, bool);
 
 impl<'d> Placement<'d> {
     pub fn read(table: Table<'d>) -> Result<Self, LoadError> {
@@ -51,7 +51,8 @@ impl<'d> Placement<'d> {
     /// What of its file is loaded, under the options of the scene that places it.
     pub fn part(&self, path: PathBuf, options: &LoadOptions) -> Part {
         let time = self.time.or(options.time).map(f32::to_bits);
-        (path, [&self.scene, &self.variant, &self.animation].map(Clone::clone), time)
+        let names = [&self.scene, &self.variant, &self.animation].map(Clone::clone);
+        (path, names, time, self.time.is_some())
     }
 
     /// How its file is loaded, under the options of the scene that places it.
@@ -62,6 +63,8 @@ impl<'d> Placement<'d> {
             variant: self.variant.clone(),
             animation: self.animation.clone(),
             time: self.time.or(options.time),
+            // What has a time of its own stands still.
+            shutter: options.shutter.filter(|_| self.time.is_none()),
             ..options.clone()
         }
     }

@@ -78,6 +78,7 @@ impl VertexRows {
             self.throughput[lane] = row(path.throughput, path.eta_squared);
             let [key, index] = path.sampler.parts();
             self.sampler[lane] = [f32::from_bits(key), f32::from_bits(index), 0.0, 0.0];
+            let hit = (hit, path.time);
             self.surface.fetch(lane, world, vertices.triangles[i], hit, bsdf_rows);
             if transmits {
                 self.solids.fetch(lane, world, vertices.triangles[i].0, path);

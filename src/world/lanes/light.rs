@@ -87,7 +87,7 @@ impl World {
             let Some((light, pmf, u)) = chosen else { continue };
             rows.u[lane] = [u.x, u.y, 0.0, 0.0];
             match light {
-                ChosenLight::Punctual(light) => {
+                ChosenLight::Punctual(light) if !self.scene.light_moves(light) => {
                     let lit = self.scene.lights[light].illuminate(context.position);
                     rows.fetch_punctual(lane, lit, pmf);
                 }

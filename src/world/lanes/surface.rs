@@ -41,30 +41,30 @@ pub struct SurfaceLanes<L: Lanes> {
 }
 
 impl SurfaceRows {
-    /// Fetches what lane number `lane` has hit, a triangle of an instance; `rows` describe its
-    /// BSDF.
+    /// Fetches what lane number `lane` has hit at a time, a triangle of an instance; `rows`
+    /// describe its BSDF.
     #[inline(always)]
     pub fn fetch(
         &mut self,
         lane: usize,
         world: &World,
         (id, index): (InstanceId, usize),
-        hit: &ClosestHit,
+        (hit, time): (&ClosestHit, f32),
         count: usize,
     ) {
         let instance = &world.scene.instances[id.index()];
-        let mesh = &*world.scene.meshes[instance.mesh.index()];
-        let transform = &instance.transform;
+        let posed = world.scene.mesh_at(instance.mesh, time);
+        let (mesh, transform) = (posed.mesh, &world.scene.transform_at(id, time));
         let point = Interpolation::new(mesh, index, transform.mirrored(), hit.u, hit.v);
         for (rows, corner) in self.corners.iter_mut().zip(point.corners) {
-            let p = transform.point(mesh.positions[corner]);
+            let p = transform.point(posed.position(corner));
             rows[lane] = [p.x, p.y, p.z, 0.0];
         }
-        self.normal[lane] = if mesh.normals.is_empty() {
-            [0.0; 4]
-        } else {
-            let n = transform.normal(point.vec3(&mesh.normals));
+        self.normal[lane] = if posed.has_normals() {
+            let n = transform.normal(point.vec3(|i| posed.normal(i)));
             [n.x, n.y, n.z, 0.0]
+        } else {
+            [0.0; 4]
         };
         self.hit[lane] = [hit.t, hit.u, hit.v, 0.0];
         let described: &BsdfRows;

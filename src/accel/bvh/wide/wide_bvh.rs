@@ -210,7 +210,7 @@ where
         fetched: &mut Fetched<W>,
     ) -> ControlFlow<()> {
         let block = self.visit_leaf(stripes, link, fetched, context.counters);
-        context.test_block::<<Width as Vectors<W>>::Floats<S>, W>(block)
+        context.test_block(block)
     }
 
     /// Tests all triangles: for the few rays that boxes of parts are not good for.

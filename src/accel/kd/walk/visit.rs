@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Simd, f32x4};
+use fearless_simd::Simd;
 
 use crate::accel::kd::ray::{KdRay, Span};
 use crate::accel::kd::tree::{Base, LANES, LeafId, Slot};
@@ -39,7 +39,7 @@ fn test_slots<S: Simd, Q: Query, C: Counters>(
     let context = &mut RayContext { simd, ray, query: &mut **query, counters: &mut **counters };
     for slots in slots.chunks(LANES) {
         let block = base.leaves.block(simd, slots);
-        context.test_block::<f32x4<S>, LANES>(block.parts())?;
+        context.test_block(block.parts())?;
     }
     ControlFlow::Continue(())
 }

@@ -28,7 +28,7 @@ use super::visit::{Visit, With, find_span};
 use crate::accel::kd::layout::{Compact, Layout, Nodes};
 use crate::accel::kd::ray::{KdRay, Span};
 use crate::accel::kd::tree::{Base, KdTree};
-use crate::accel::kd::wide_nodes::{Block, Child, Target, WIDTH, WideNode, WideNodes};
+use crate::accel::kd::wide_nodes::{Block, Child, Target, WideNode, WideNodes};
 use crate::accel::{
     BuildError, Built, Counters, Event, MemoryReport, Query, RayContext, Structure, WalkRay,
 };
@@ -225,7 +225,7 @@ fn test_leaf<S: Simd, Q: Query, C: Counters>(
     blocks: &[Block],
 ) -> ControlFlow<()> {
     for block in blocks {
-        context.test_block::<f32x8<S>, WIDTH>(block.parts())?;
+        context.test_block(block.parts())?;
     }
     ControlFlow::Continue(())
 }

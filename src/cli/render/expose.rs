@@ -1,4 +1,4 @@
-//! Builds and renders, moment by moment if the shutter is open for some time.
+//! Builds and renders.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use super::signals::{AGAIN, Signals};
 use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::memory;
-use crate::cli::progress::{note, say};
+use crate::cli::progress::say;
 use crate::cli::status::Phase;
 use crate::cli::watch::Watch;
 use crate::render::{Film, Rendered, film_bytes, with_ticks};
@@ -33,14 +33,10 @@ pub struct Outcome {
 /// What a render took besides samples.
 #[derive(Default)]
 pub struct Took {
-    /// Time to read and prepare the scene, at all moments.
+    /// Time to read and prepare the scene.
     pub loaded: Duration,
-    /// Time to build structures, at all moments.
+    /// Time to build the structure.
     pub built: Duration,
-    /// How many moments have samples.
-    pub moments: usize,
-    /// What ended it before the last moment.
-    pub stopped: Option<CliError>,
     /// Time to denoise the picture, if it is.
     pub denoised: Option<Duration>,
     /// Whether it ended because its time was over.
@@ -60,8 +56,7 @@ pub struct Control<'a> {
 /// Takes the samples of a job, on as many threads as it asks for.
 ///
 /// # Errors
-/// What is wrong with the checkpoint, or at the first moment. Where a later one fails, the film is
-/// of those before.
+/// What is wrong with the checkpoint, or with the structure for this scene.
 pub fn expose(job: &Job, control: &Control<'_>) -> Result<Exposed, CliError> {
     let crop = job.settings.crop;
     let what = format!("a picture of {}x{}", crop.width(), crop.height());
@@ -101,67 +96,33 @@ struct Exposure<'a> {
 }
 
 impl Exposure<'_> {
-    /// Takes the samples of all moments.
+    /// Builds the structure and takes the samples.
     fn expose(&self) -> Result<Took, CliError> {
-        let (job, film) = (self.job, self.film);
-        let mut took = Took { loaded: job.first.elapsed, ..Took::default() };
-        for moment in 0..job.shutter.moments() {
-            let end = job.shutter.end(moment).min(film.range().end);
-            let is_taken = film.next_sample() >= end;
-            if is_taken {
-                job.forget_structure();
-                took.moments += 1;
-                continue;
-            }
-            match self.add_moment(moment, end, &mut took) {
-                Err(error) if took.moments == 0 => return Err(error),
-                Err(error) => took.stopped = Some(error),
-                Ok(()) => {}
-            }
-            // What was rendered since is wrong: nothing of it is to be saved.
-            if let Some(reason) = job.textures.failure() {
-                let message = format!("textures: the temporary file cannot be read: {reason}");
-                return Err(CliError::Output(message));
-            }
-            if took.stopped.is_some() || self.control.signals.is_cancelled() {
-                break;
-            }
-        }
-        took.out_of_time = self.out_of_time.lock().is_ok_and(|it| *it);
-        Ok(took)
-    }
-
-    /// Poses the scene, builds the structure and takes the samples of a moment.
-    fn add_moment(&self, moment: usize, end: u64, took: &mut Took) -> Result<(), CliError> {
         let (job, signals, watch) = (self.job, self.control.signals, self.control.watch);
-        watch.enter(Phase::Read);
-        let later = job.pose(moment)?;
-        if let Some(later) = &later {
-            took.loaded += later.elapsed;
-            if !job.args.quiet {
-                later.notices.iter().for_each(note);
-            }
-            if signals.is_cancelled() {
-                return Ok(());
-            }
+        let mut took = Took { loaded: job.staged.elapsed, ..Took::default() };
+        let end = self.film.range().end;
+        if self.film.next_sample() >= end {
+            return Ok(took);
         }
-        let now = later.as_ref().unwrap_or(&job.first);
         watch.enter(Phase::Build);
-        let (accel, built) = match &later {
-            None => job.take_structure()?,
-            Some(later) => job.build(&later.world)?,
-        };
-        took.built += built;
-        if job.args.verbose > 0 && moment == 0 {
+        let (accel, built) = job.take_structure()?;
+        took.built = built;
+        if job.args.verbose > 0 {
             say(&format!("built {} in {:.2} s", job.args.accel, took.built.as_secs_f64()));
         }
         watch.enter(Phase::Render);
         signals.expect_samples();
         with_ticks(&|| self.tick(), || {
-            self.film.accumulate(&now.world, &now.camera, &*accel, end, signals.cancel());
+            let (world, camera) = (&job.staged.world, &job.staged.camera);
+            self.film.accumulate(world, camera, &*accel, end, signals.cancel());
         });
-        took.moments += 1;
-        Ok(())
+        // What was rendered since is wrong: nothing of it is to be saved.
+        if let Some(reason) = job.textures.failure() {
+            let message = format!("textures: the temporary file cannot be read: {reason}");
+            return Err(CliError::Output(message));
+        }
+        took.out_of_time = self.out_of_time.lock().is_ok_and(|it| *it);
+        Ok(took)
     }
 
     /// Looks after the render, some ten times a second.

@@ -1,0 +1,23 @@
+//! How things move while the shutter is open.
+//!
+//! Time runs from 0, when the shutter opens, to 1, when it closes; each sample of a pixel has a
+//! time of its own. What moves is a chain of transforms, of which some change: each has tracks of
+//! its translation, rotation and scale, which are evaluated at the sample's time itself, in f64, so
+//! that a wheel that turns stays round, however fast it turns.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `track` | a value over time, piece by piece |
+//! | `path` | a chain of transforms over time |
+//! | `rigid` | what is left of a transform of something without size |
+//! | `pieces` | how fast that moves at most, and so which boxes hold it |
+
+mod path;
+mod pieces;
+mod rigid;
+mod track;
+
+pub use path::{Link, Motion, MovingParts};
+pub use pieces::Piece;
+pub use rigid::rigid;
+pub use track::{Track, Value};

@@ -1,0 +1,130 @@
+//! How fast a motion is at most, and so which boxes hold what moves.
+//!
+//! # Why the boxes hold all that moves
+//! Between two times at which no track changes its way, translations and scales go straight and
+//! rotations turn evenly, so that the speed of a point is bounded. Of a chain `L1 L2 … Ln p` it is
+//! the sum of what each link does to the point that those within it have made: with `r` the
+//! farthest that point may be from the link's origin and `v` its speed there, a link with
+//! translation `T`, rotation `R` and scale `S` makes of them at most
+//!
+//! ```text
+//! r' = max |T| + max |S| r        v' = |dT/dt| + (|dR/dt| max |S| + |dS/dt|) r + max |S| v
+//! ```
+//!
+//! where `|S|` is the largest of the three scales. Lengths that go straight are largest at an end.
+//! Within a piece of the duration `h` nothing is further than `v h / 2` from where it is in its
+//! middle: a box for the middle, grown by that, holds it throughout.
+
+use super::path::{Link, Motion};
+
+/// A piece of the time that the shutter is open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Its middle, as samples' times are told.
+    pub middle: f32,
+    /// No point moves further from where it is in the middle.
+    pub margin: f64,
+}
+
+/// The most pieces between two keys.
+const MOST: f64 = 256.0;
+
+impl Motion {
+    /// Cuts the time into pieces in which nothing within `reach` of the innermost origin moves
+    /// further than by `margin`, or as many as are worth it.
+    pub fn pieces(&self, reach: f64, margin: f64) -> Vec<Piece> {
+        let times = self.times();
+        let mut pieces = Vec::new();
+        for pair in times.windows(2) {
+            let (from, duration) = (pair[0], pair[1] - pair[0]);
+            let way = self.fastest(from, pair[1], reach) * duration;
+            let count = (0.5 * way / margin).ceil();
+            let count = if count >= 1.0 { count.min(MOST) } else { 1.0 };
+            let half = 0.5 * duration / count;
+            let piece = |i: u32| {
+                let exact = from + half * (2.0 * f64::from(i) + 1.0);
+                let middle = exact as f32;
+                let off = (f64::from(middle) - exact).abs();
+                // Where it is rounded out of the piece, no sample's time is in it.
+                let margin = way / duration * (half + off) * (1.0 + 1e-12);
+                (off <= half).then_some(Piece { middle, margin })
+            };
+            pieces.extend((0..count as u32).filter_map(piece));
+        }
+        pieces
+    }
+
+    /// Bounds the speed of all within `reach`, between two times with no key between them.
+    fn fastest(&self, from: f64, to: f64, reach: f64) -> f64 {
+        let (mut reach, mut speed) = (reach, 0.0);
+        for link in self.links().iter().rev() {
+            match link {
+                Link::Still(transform) => {
+                    let matrix = transform.matrix3;
+                    let squares = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
+                        .map(glam::DVec3::length_squared);
+                    let norm = squares.iter().sum::<f64>().sqrt();
+                    (reach, speed) = (norm * reach + transform.translation.length(), norm * speed);
+                }
+                Link::Moving(parts) => {
+                    let (scales, scaling) = parts.scale.within(from, to);
+                    let (translations, moving) = parts.translation.within(from, to);
+                    let (_, turning) = parts.rotation.within(from, to);
+                    let scale = scales.map(|scale| scale.abs().max_element());
+                    let scale = scale[0].max(scale[1]);
+                    let away = translations[0].length().max(translations[1].length());
+                    speed = moving + (turning * scale + scaling) * reach + scale * speed;
+                    reach = away + scale * reach;
+                }
+            }
+        }
+        speed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{DAffine3, DQuat, DVec3};
+
+    use super::super::{MovingParts, Track};
+    use super::*;
+
+    #[test]
+    fn nothing_leaves_the_margin_of_its_piece() {
+        let turn = |axis: DVec3, degrees: f64| DQuat::from_axis_angle(axis, degrees.to_radians());
+        let arm = |axis: DVec3, away: DVec3| MovingParts {
+            translation: Track::new(&[(0.0, away), (0.4, -away), (1.0, away * 2.0)])
+                .expect("has keys"),
+            rotation: Track::new(&[(0.0, turn(axis, 0.0)), (0.7, turn(axis, 170.0))])
+                .expect("has keys"),
+            scale: Track::new(&[(0.2, DVec3::ONE), (0.9, DVec3::new(2.0, -1.0, 0.5))])
+                .expect("has keys"),
+        };
+        let links = [
+            Link::Moving(Arc::new(arm(DVec3::Y, DVec3::new(3.0, 1.0, 0.0)))),
+            Link::Still(DAffine3::from_translation(DVec3::new(0.0, 2.0, 1.0))),
+            Link::Moving(Arc::new(arm(DVec3::X, DVec3::new(0.0, -1.0, 0.5)))),
+        ];
+        let motion = Motion::new(links).expect("moves");
+        let points = [DVec3::X, -DVec3::Y, DVec3::splat(0.5)];
+        let pieces = motion.pieces(1.0, 0.05);
+        assert!(pieces.len() > 20 && pieces.len() < 5 * 256, "{}", pieces.len());
+        let mut start = 0.0;
+        for Piece { middle, margin } in pieces {
+            // But for what the rounding of the middles has added up to.
+            let end = (2.0 * f64::from(middle) - start).min(1.0);
+            for step in 0..8 {
+                let time = start + (end - start) * f64::from(step) / 8.0;
+                for point in points {
+                    let at = |time| motion.at(time).transform_point3(point);
+                    let way = at(time).distance(at(f64::from(middle)));
+                    assert!(way <= margin, "{time}: {way} {margin}");
+                }
+            }
+            start = end;
+        }
+        assert!((start - 1.0).abs() < 1e-3, "all of the time is covered");
+    }
+}
