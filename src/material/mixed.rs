@@ -54,7 +54,7 @@ impl Opaque for MetallicRoughness {
 
 impl Opaque for Translucent {
     fn part(params: &SurfaceParams, metallic: f32, form: BsdfForm) -> Self {
-        Self::new(params, metallic, form)
+        Self::beside_glass(params, metallic, form)
     }
 
     fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
