@@ -170,8 +170,8 @@ mod tests {
         }
     }
 
-    /// Beside glass of index 1.5, of what is inside 1 / 2.25 gets out where all would get in; a sheet
-    /// has no inside, nor has what does not bend light.
+    /// Beside glass of index 1.5, of what is inside 1 / 2.25 gets out where all would get in; a
+    /// sheet has no inside, nor has what does not bend light.
     #[test]
     fn beside_glass_the_index_counts() {
         let wax =
