@@ -4,8 +4,10 @@
 //! point (`lookup`, `layers`), how a normal is bent (`shading_normal`), what shines (`lights`).
 
 mod alpha;
+mod emitters;
 mod in_media;
 mod interpolation;
+mod lamps;
 pub mod lanes;
 mod layers;
 mod light_sampler;
