@@ -23,7 +23,7 @@
 //! | 8 | `part`: sums of samples as files, and how they add up |
 //! | 7 | [`mod@render`]: tiles, streams of paths · `bench` |
 //! | 6 | [`integrator`]: the algorithm of path tracing |
-//! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
+//! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes · `export`: back |
 //! | 4 | [`scene`]: what a scene is · [`generate`]: scenes by rule |
 //! | 3 | [`accel`], [`material`], [`medium`], [`light`], [`camera`], [`texture`], [`denoise`] |
 //! | 2 | [`geom`] · [`sampling`] · [`film`]: pictures and their comparison |
@@ -52,6 +52,7 @@ mod bench;
 pub mod camera;
 mod cli;
 pub mod denoise;
+mod export;
 mod files;
 pub mod film;
 pub mod formats;

@@ -76,7 +76,11 @@ fn write_pixels(
         .map_err(|source| FilmError::write(path, source))
 }
 
-fn encode_pixels(
+/// Writes pixels of any kind, row by row, as a PNG.
+///
+/// # Errors
+/// [`io::Error`] for sides beyond PNG's, and those of `file`.
+pub fn encode_pixels(
     file: &mut impl io::Write,
     width: usize,
     height: usize,

@@ -13,7 +13,7 @@ const FLOORS: [&[&str]; 10] = [
     &["geom", "sampling", "film"],
     &["accel", "material", "medium", "light", "camera", "texture", "denoise"],
     &["scene", "generate"],
-    &["world", "formats"],
+    &["world", "formats", "export"],
     &["integrator"],
     &["render", "bench"],
     &["part"],
