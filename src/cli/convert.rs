@@ -17,9 +17,9 @@ use crate::formats::{self, LoadOptions};
 ///
 /// Whatever the file was (glTF, OBJ, PLY or TOML), the result has triangles of floats, a node with
 /// a matrix for each placed mesh, PNG images, and of the format's extensions those alone that tell
-/// how materials answer to light, and lights: compression (Draco, meshopt, KTX2, WebP), quantised and
-/// sparse numbers, copies by extension, variants and poses are resolved. A picture of it is that of
-/// the original, to the bit where numbers can be written exactly.
+/// how materials answer to light, and lights: compression (Draco, meshopt, KTX2, WebP), quantised
+/// and sparse numbers, copies by extension, variants and poses are resolved. A picture of it is
+/// that of the original, to the bit where numbers can be written exactly.
 ///
 /// glTF has no place for some things: what shines from all around, apertures, maps of heights. Each
 /// that is left out is named; with --strict that is an error.
