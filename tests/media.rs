@@ -146,7 +146,7 @@ fn a_half_space_returns_what_chandrasekhar_says() {
     // Paths end where less than 1e-5 of the light is left, at most `albedo` to that power: those
     // that never come out of a half-space would be followed for nothing.
     for (albedo, cosine, spp, depth) in
-        [(0.5_f64, 1.0_f64, 40_000, 20), (0.9, 0.4, 8_000, 110), (0.99, 1.0, 3_000, 1200)]
+        [(0.5_f64, 1.0_f64, 40_000, 20), (0.9, 0.4, 16_000, 110), (0.99, 1.0, 16_000, 1200)]
     {
         let half = Vec3::new(1000.0, 500.0, 1000.0);
         let space = white_world([(cuboid(half), cloud(1.0, albedo as f32, 0.0, 1.0))]);
