@@ -6,7 +6,7 @@ use super::baked::{with_alpha, without_glossiness};
 use super::image::Images;
 use super::object::{named, next_power_of_two};
 use crate::math::{Vec2, Vec3};
-use crate::scene::{AlphaMode, Material, MaterialLayers, TextureRef};
+use crate::scene::{AlphaMode, Material, MaterialLayers, ScatterColor, Scattering, TextureRef};
 use crate::texture::ColorSpace;
 
 /// glTF's material. What it has no place for goes to `left_out`.
@@ -26,6 +26,9 @@ pub fn write_material(
     }
     if material.bump_texture.is_some() {
         leave_out("a map of heights");
+    }
+    if material.scattering.is_some_and(|it| matches!(it.color, ScatterColor::One(_))) {
+        leave_out("scattering inside by the albedo of one scattering");
     }
     Writer { images, extensions: Map::new() }.write(&material)
 }
@@ -59,6 +62,7 @@ impl Writer<'_, '_> {
             self.normals(&mut object, material);
             self.emission(&mut object, material);
             self.dielectric(material);
+            self.translucency(material);
             if let Some(layers) = &material.layers {
                 self.layers(layers);
             }
@@ -135,6 +139,31 @@ impl Writer<'_, '_> {
         if material.dispersion != 0.0 {
             let dispersion = json!({ "dispersion": material.dispersion });
             self.extension("KHR_materials_dispersion", dispersion);
+        }
+    }
+
+    /// What goes through scattered, and scatters inside.
+    fn translucency(&mut self, material: &Material) {
+        let tint = material.diffuse_transmission_color;
+        if material.diffuse_transmission > 0.0 || tint != Vec3::ONE {
+            let mut object = json!({
+                "diffuseTransmissionFactor": material.diffuse_transmission,
+                "diffuseTransmissionColorFactor": tint.to_array(),
+            });
+            let share = material.diffuse_transmission_texture;
+            self.texture(&mut object, "diffuseTransmissionTexture", share, LINEAR);
+            let color = material.diffuse_transmission_color_texture;
+            self.texture(&mut object, "diffuseTransmissionColorTexture", color, SRGB);
+            self.extension("KHR_materials_diffuse_transmission", object);
+        }
+        if let Some(Scattering { color: ScatterColor::All(color), color_texture, anisotropy }) =
+            material.scattering
+        {
+            let mut object = json!({
+                "multiscatterColorFactor": color.to_array(), "scatterAnisotropy": anisotropy,
+            });
+            self.texture(&mut object, "multiscatterColorTexture", color_texture, SRGB);
+            self.extension("KHR_materials_volume_scatter", object);
         }
     }
 

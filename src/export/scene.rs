@@ -77,6 +77,9 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
     if scene.environment.is_some() {
         left_out.push("what shines from all around: render with --env or --sky".to_owned());
     }
+    if scene.medium.is_some() {
+        left_out.push("the medium that fills all space".to_owned());
+    }
     if scene.motion.is_some() {
         left_out.push("what moves while the shutter is open".to_owned());
     }

@@ -5,6 +5,7 @@
 
 mod alpha;
 mod emitters;
+mod in_media;
 mod interpolation;
 mod lamps;
 pub mod lanes;
@@ -12,6 +13,7 @@ mod layers;
 mod light_sampler;
 mod lights;
 mod lookup;
+mod media;
 mod prepared_material;
 mod relight;
 mod sample_light;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::interpolation::Interpolation;
 use super::layers::layers_at;
 use super::lookup::{alpha, emission, surface_params};
+use super::media::Media;
 use super::prepared_material::{BsdfClass, PreparedMaterial, materials_with_clear_vertices};
 use super::shading_normal::{NormalContext, shading_normal};
 use super::surface::{normal_and_area, triangle_point};
@@ -36,6 +37,7 @@ pub struct World {
     /// Half of the scene's diagonal, metres: as far as lights without extent must reach.
     pub(super) radius: f32,
     pub(super) form: BsdfForm,
+    pub(super) media: Media,
     see_through: bool,
     has_levels: bool,
 }
@@ -94,6 +96,7 @@ impl World {
             textured.for_each(|material| material.class = BsdfClass::Other);
         }
         let slack = extent.max_element() * SLACK;
+        let media = Media::new(&scene);
         Ok(Self {
             scene,
             triangles,
@@ -102,6 +105,7 @@ impl World {
             slack,
             radius,
             form,
+            media,
             see_through,
             has_levels,
         })

@@ -11,7 +11,7 @@ const FLOORS: [&[&str]; 10] = [
     &["names"],
     &["files", "math", "motion", "simd"],
     &["geom", "sampling", "film"],
-    &["accel", "material", "light", "camera", "texture", "denoise"],
+    &["accel", "material", "medium", "light", "camera", "texture", "denoise"],
     &["scene", "generate"],
     &["world", "formats", "export"],
     &["integrator"],
