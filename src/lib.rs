@@ -23,9 +23,9 @@
 //! | 8 | `part`: sums of samples as files, and how they add up |
 //! | 7 | [`mod@render`]: tiles, streams of paths · `bench` |
 //! | 6 | [`integrator`]: the algorithm of path tracing |
-//! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes |
+//! | 5 | [`world`]: a scene ready to be shaded · [`formats`]: files to scenes · `export`: back |
 //! | 4 | [`scene`]: what a scene is · [`generate`]: scenes by rule |
-//! | 3 | [`accel`] · [`material`] · [`light`] · [`camera`] · [`texture`] · [`denoise`] |
+//! | 3 | [`accel`], [`material`], [`medium`], [`light`], [`camera`], [`texture`], [`denoise`] |
 //! | 2 | [`geom`] · [`sampling`] · [`film`]: pictures and their comparison |
 //! | 1 | `files` · [`math`] · [`motion`]: how things move while the shutter is open · `simd` |
 //! | 0 | `names`: choices by name |
@@ -52,6 +52,7 @@ mod bench;
 pub mod camera;
 mod cli;
 pub mod denoise;
+mod export;
 mod files;
 pub mod film;
 pub mod formats;
@@ -61,6 +62,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod medium;
 pub mod motion;
 mod names;
 mod part;

@@ -139,6 +139,7 @@ fn parts_that_do_not_fit_are_refused_with_what_to_do() {
     assert!(text.contains("--max-depth: 20 and 3"), "{text}");
     let text = fails(folder, "merge a.part c.part -o z.exr", 2);
     assert!(text.contains("both have samples 16..32"), "{text}");
+    assert!(text.contains("leave one of them out"), "{text}");
     let text = fails(folder, "merge a.part nothing.part -o z.exr", 3);
     assert!(text.contains("nothing.part: cannot be read"), "{text}");
     let text = fails(folder, "merge a.part whole.exr -o z.exr", 3);
@@ -167,5 +168,28 @@ fn a_part_tells_what_it_holds() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(folder.join("a.part"), bytes).expect("written");
-    assert!(fails(folder, "info a.part", 3).contains("a.part: is damaged: the tile"));
+    let said = fails(folder, "info a.part", 3);
+    assert!(said.contains("a.part: is damaged: the tile"), "{said}");
+    assert!(said.contains("remove it and run the command that made it again"), "{said}");
+}
+
+#[test]
+fn a_part_that_was_stopped_is_made_whole_by_one_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let base = format!("render {} --resolution 400x300 --threads 1 -q", scene("cornell.gltf"));
+    let stopped = dapple(
+        folder,
+        &format!("{base} --spp 1000000 --samples 0..900000 --stop-after 300ms --partial a.part"),
+    );
+    assert_eq!(stopped.status.code(), Some(75));
+    let text = String::from_utf8(dapple(folder, "info a.part").stdout).expect("text");
+    assert!(text.contains("a pixel; --checkpoint a.part --resume goes on"), "{text}");
+    // Some tiles have samples that others have not, and all lack those of another part.
+    let gap = fails(folder, "merge a.part -o x.exr", 3);
+    let commands: Vec<&str> = gap.lines().filter(|line| line.contains(" render ")).collect();
+    assert_eq!(commands.len(), 2, "{gap}");
+    assert!(commands[0].contains("--resume --checkpoint a.part --partial a.part.whole"), "{gap}");
+    assert!(commands[1].contains("--samples 900000..1000000 --partial gap0.part"), "{gap}");
+    assert!(gap.contains("\nthen merge a.part.whole in place of a.part\n"), "{gap}");
 }

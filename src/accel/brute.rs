@@ -98,7 +98,7 @@ impl Brute {
         slice: &mut SliceContext<'_, S, Q, C>,
         from: usize,
     ) {
-        let simd = slice.simd;
+        let (simd, verdict) = (slice.simd, slice.batch.verdict());
         let prepare = |i| {
             let prepared = PreparedRay::of_batch(&slice.batch, i);
             PreparedRay { index: from + i, ..prepared }
@@ -111,7 +111,7 @@ impl Brute {
             for (ray, (query, done)) in rays.iter().zip(&mut queries) {
                 if !*done {
                     let counters = &mut *slice.counters;
-                    let context = &mut RayContext { simd, ray, query, counters };
+                    let context = &mut RayContext { simd, ray, verdict, query, counters };
                     *done = self.test_blocks(context, group * BLOCKS, blocks).is_break();
                 }
             }

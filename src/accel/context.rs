@@ -9,6 +9,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
+use super::query::ask_of;
 use super::{Batch, BlockFilter, ClosestHit, Counters, Event, PreparedRay, Query, Verdict};
 use crate::geom::{BlockRef, Corners, Triangle, intersect_triangle};
 use crate::math::{PrimId, TriangleId, Vec3};
@@ -20,6 +21,9 @@ pub struct RayContext<'a, S, Q, C> {
     pub simd: S,
     /// The ray.
     pub ray: &'a PreparedRay<'a>,
+    /// Who says what is hit, if not the exact test of the ray itself. Not a part of the ray: a walk
+    /// that has none is compiled without it.
+    pub verdict: Option<&'a dyn Verdict>,
     /// The question, with the best answer so far.
     pub query: &'a mut Q,
     /// What is counted.
@@ -31,7 +35,7 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     #[inline(always)]
     pub fn reborrow(&mut self) -> RayContext<'_, impl Simd, Q, C> {
         let (query, counters) = (&mut *self.query, &mut *self.counters);
-        RayContext { simd: baseline(), ray: self.ray, query, counters }
+        RayContext { simd: baseline(), ray: self.ray, verdict: self.verdict, query, counters }
     }
 
     /// Asks the exact test about one triangle and offers the hit it finds; `Break` if the answer is
@@ -39,7 +43,7 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
     #[inline(always)]
     pub fn test_triangle(&mut self, id: PrimId, triangle: &impl Corners) -> ControlFlow<()> {
         self.counters.count(Event::ExactTest);
-        if let Some(verdict) = self.ray.verdict {
+        if let Some(verdict) = self.verdict {
             return self.reborrow().judge(verdict, (id, triangle));
         }
         match intersect_triangle(self.simd, &self.ray.slab, &self.ray.shear, triangle) {
@@ -80,7 +84,7 @@ impl<S: Simd, Q: Query, C: Counters> RayContext<'_, S, Q, C> {
         if C::COUNTS {
             self.counters.add(Event::TriangleLane, block.len() as u64);
         }
-        if let Some(verdict) = self.ray.verdict {
+        if let Some(verdict) = self.verdict {
             return self.reborrow().judge_block(verdict, block);
         }
         let (simd, ray, t_max) = (self.simd, &self.ray.ray, self.query.t_max());
@@ -176,8 +180,7 @@ impl<'a, S: Simd, Q: Query, C: Counters> SliceContext<'a, S, Q, C> {
     /// Prepares a ray, and asks nothing of it yet.
     #[inline(always)]
     fn begin(&self, index: usize) -> (PreparedRay<'a>, Q) {
-        let prepared = PreparedRay::of_batch(&self.batch, index);
-        (prepared, prepared.ask())
+        (PreparedRay::of_batch(&self.batch, index), ask_of(&self.batch, index))
     }
 
     /// Answers one ray by a walk.
@@ -187,8 +190,8 @@ impl<'a, S: Simd, Q: Query, C: Counters> SliceContext<'a, S, Q, C> {
     #[inline(always)]
     pub fn answer(&mut self, index: usize, walk: impl FnOnce(&mut RayContext<'_, S, Q, C>)) {
         let (ray, mut query) = self.begin(index);
-        let (simd, counters) = (self.simd, &mut *self.counters);
-        walk(&mut RayContext { simd, ray: &ray, query: &mut query, counters });
+        let (simd, verdict, counters) = (self.simd, self.batch.verdict(), &mut *self.counters);
+        walk(&mut RayContext { simd, ray: &ray, verdict, query: &mut query, counters });
         self.answers[index] = query.answer();
     }
 
@@ -197,8 +200,8 @@ impl<'a, S: Simd, Q: Query, C: Counters> SliceContext<'a, S, Q, C> {
     pub fn answer_each(&mut self, mut walk: impl FnMut(&mut RayContext<'_, S, Q, C>)) {
         for index in 0..self.batch.rays().len() {
             let (ray, mut query) = self.begin(index);
-            let (simd, counters) = (self.simd, &mut *self.counters);
-            walk(&mut RayContext { simd, ray: &ray, query: &mut query, counters });
+            let (simd, verdict, counters) = (self.simd, self.batch.verdict(), &mut *self.counters);
+            walk(&mut RayContext { simd, ray: &ray, verdict, query: &mut query, counters });
             self.answers[index] = query.answer();
         }
     }

@@ -1,5 +1,8 @@
 //! About how much memory a structure will take, before it is built.
 
+use super::instances::pays;
+use super::small_meshes::{MeshUse, count_unique, find_small};
+
 /// Bytes of the default structure for a triangle of a mesh: `mbvh8` takes 68 to 71 over a refined
 /// tree (`dapple trace --json`), and more while it is built.
 const BYTES_A_TRIANGLE: u64 = 100;
@@ -10,17 +13,30 @@ const BYTES_A_PLACEMENT: u64 = 75;
 /// About how many bytes a structure will take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Footprint {
-    /// Over the triangles of all meshes, each mesh once.
+    /// Over triangles: of all meshes, each once, and of copies that are flattened.
     pub triangles: u64,
-    /// Over the placed meshes.
+    /// Over the placed meshes that keep a structure of their own.
     pub placements: u64,
 }
 
 impl Footprint {
-    /// The estimate for so many triangles of meshes, each mesh once, that are placed so many times.
-    pub fn estimate(unique_triangles: u64, placements: u64) -> Self {
+    /// The estimate for meshes that are placed, as `instances=auto` has them.
+    pub fn estimate(meshes: &[MeshUse]) -> Self {
+        let placed = meshes.iter().fold(0_u64, |sum, mesh| sum.saturating_add(mesh.placed()));
+        if !pays(count_unique(meshes), placed) {
+            return Self { triangles: placed.saturating_mul(BYTES_A_TRIANGLE), placements: 0 };
+        }
+        let (mut triangles, mut placements) = (0_u64, 0_u64);
+        for (mesh, is_small) in meshes.iter().zip(find_small(meshes)) {
+            if is_small || mesh.uses < 2 {
+                triangles = triangles.saturating_add(mesh.placed());
+            } else {
+                triangles = triangles.saturating_add(mesh.triangles);
+                placements += u64::from(mesh.uses);
+            }
+        }
         Self {
-            triangles: unique_triangles.saturating_mul(BYTES_A_TRIANGLE),
+            triangles: triangles.saturating_mul(BYTES_A_TRIANGLE),
             placements: placements.saturating_mul(BYTES_A_PLACEMENT),
         }
     }

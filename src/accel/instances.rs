@@ -1,8 +1,7 @@
 //! Whether copies of a mesh share a structure.
 
-use super::two_level::Placed;
-use crate::geom::Placements;
-use crate::math::{InstanceId, MeshId};
+use super::small_meshes::count_unique;
+use super::two_level::{Placed, find_uses};
 use crate::names::choices;
 
 /// What becomes of meshes that are placed more than once.
@@ -29,19 +28,14 @@ impl Instances {
             Self::Flat => false,
             Self::TwoLevel => true,
             Self::Auto => {
-                let (unique, placed) = (count_unique(placed.get()), placed.len() as u64);
-                placed >= FEW && placed >= 2 * unique
+                let meshes = find_uses(placed.get());
+                pays(count_unique(&meshes), placed.len() as u64)
             }
         }
     }
 }
 
-/// The triangles of all meshes that are placed.
-fn count_unique(placements: &dyn Placements) -> u64 {
-    let mut is_used = vec![false; placements.meshes()];
-    for placement in 0..placements.len() {
-        is_used[placements.mesh(InstanceId::from_index(placement)).index()] = true;
-    }
-    let used = is_used.iter().enumerate().filter(|(_, used)| **used);
-    used.map(|(mesh, _)| placements.mesh_len(MeshId::from_index(mesh)) as u64).sum()
+/// Whether a structure of its own for each mesh pays.
+pub fn pays(unique: u64, placed: u64) -> bool {
+    placed >= FEW && placed >= 2 * unique
 }

@@ -19,8 +19,6 @@ pub struct PreparedRay<'a> {
     pub index: usize,
     /// The batch's filter.
     pub filter: Option<&'a dyn HitFilter>,
-    /// Who says what is hit, if not the exact test of the ray itself.
-    pub verdict: Option<&'a dyn Verdict>,
 }
 
 impl<'a> PreparedRay<'a> {
@@ -28,21 +26,13 @@ impl<'a> PreparedRay<'a> {
     #[inline(always)]
     pub fn new(ray: &Ray, index: usize, filter: Option<&'a dyn HitFilter>) -> Self {
         let (slab, shear) = (SlabRay::new(ray), ShearRay::new(ray));
-        Self { ray: *ray, slab, shear, index, filter, verdict: None }
+        Self { ray: *ray, slab, shear, index, filter }
     }
 
     /// Prepares a ray of a batch.
     #[inline(always)]
     pub fn of_batch(batch: &Batch<'a>, index: usize) -> Self {
-        let ray = batch.rays()[index];
-        let (slab, shear) = (SlabRay::new(&ray), ShearRay::new(&ray));
-        Self { ray, slab, shear, index, filter: batch.filter(), verdict: batch.verdict() }
-    }
-
-    /// The question that is asked of it.
-    #[inline(always)]
-    pub fn ask<Q: Query>(&self) -> Q {
-        ask(&self.ray, self.verdict)
+        Self::new(&batch.rays()[index], index, batch.filter())
     }
 
     /// What its hits must meet.
@@ -54,7 +44,7 @@ impl<'a> PreparedRay<'a> {
 
 /// What is asked of a ray whose hits `verdict` says.
 #[inline(always)]
-fn ask<Q: Query>(ray: &Ray, verdict: Option<&dyn Verdict>) -> Q {
+pub(super) fn ask<Q: Query>(ray: &Ray, verdict: Option<&dyn Verdict>) -> Q {
     match verdict {
         None => Q::new(ray),
         Some(verdict) => Q::within(limit_of(*ray, verdict), ray.t_max()),

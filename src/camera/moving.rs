@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Camera, CameraRays};
-use crate::math::{Affine3A, Ray, Vec2};
+use crate::math::{Affine3A, Ray, Vec2, Vec3};
 use crate::motion::Motion;
 
 /// A camera, and how its node moves while the shutter is open, if it does.
@@ -49,5 +49,12 @@ impl CameraRays {
         let Some(to_world) = motion.rigid_at(time) else { return Ray::MISS };
         let to_world = to_world.to_cols_array().map(|x| x as f32);
         self.ray_from(&Affine3A::from_cols_array(&to_world), film, lens)
+    }
+
+    /// Where the camera stands at a `time` of the shutter: the pinhole, the middle of the lens, or
+    /// that of the film.
+    pub fn centre_at(&self, time: f32) -> Vec3 {
+        let moved = self.motion.as_ref().and_then(|motion| motion.rigid_at(time));
+        moved.map_or(self.camera.to_world.translation.into(), |it| it.translation.as_vec3())
     }
 }

@@ -57,7 +57,7 @@ pub fn run(args: &DenoiseArgs) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     denoiser.denoise(&mut picture, &args.picture)?;
     let seconds = start.elapsed().as_secs_f64();
-    outputs::write_picture(&outputs, &picture, args.tonemap, args.exposure)?;
+    outputs::write_picture(&outputs, &picture, args.tonemap, args.exposure, None)?;
     let shown: Vec<String> = outputs.iter().map(|it| it.path.display().to_string()).collect();
     let name = denoiser.name();
     args.quiet.tell(&format!("{}: denoised by {name} in {seconds:.2} s", shown.join(", ")));

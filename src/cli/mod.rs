@@ -7,6 +7,7 @@ mod bench;
 mod clock;
 mod completions;
 mod console;
+mod convert;
 mod denoise;
 mod diff;
 mod error;
@@ -54,6 +55,7 @@ enum Command {
     Merge(merge::MergeArgs),
     Farm(farm::FarmArgs),
     Info(info::InfoArgs),
+    Convert(convert::ConvertArgs),
     Denoise(denoise::DenoiseArgs),
     Diff(diff::DiffArgs),
     Golden(golden::GoldenArgs),
@@ -72,6 +74,7 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
         Command::Merge(args) => merge::run(&args),
         Command::Farm(args) => farm::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Denoise(args) => denoise::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Golden(args) => golden::run(&args),

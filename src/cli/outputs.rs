@@ -83,7 +83,7 @@ pub fn check_picture(outputs: &[Output<'_>], inputs: &[&Path]) -> Result<(), Cli
     check(outputs, inputs)
 }
 
-/// Writes a picture; where one output fails the other is there still.
+/// Writes a picture; where one output fails the other is there still. A PNG gets a label.
 ///
 /// # Errors
 /// Each that could not be written.
@@ -92,10 +92,11 @@ pub fn write_picture(
     picture: &Picture,
     tonemap: Tonemap,
     exposure: f32,
+    label: Option<&str>,
 ) -> Result<(), CliError> {
     try_all(outputs.iter().map(|output| {
         let written = match output.ending {
-            "png" => png::write(output.path, picture, tonemap, exposure),
+            "png" => png::write(output.path, picture, tonemap, exposure, label),
             _ => exr::write(output.path, picture),
         };
         written.map_err(CliError::from)

@@ -41,7 +41,7 @@ impl Picture {
         tonemap: Tonemap,
         exposure: f32,
     ) -> Result<(), FilmError> {
-        png::write(path.as_ref(), self, tonemap, exposure)
+        png::write(path.as_ref(), self, tonemap, exposure, None)
     }
 }
 

@@ -21,6 +21,7 @@ pub mod golden;
 pub mod metrics;
 pub mod picture;
 pub mod png;
+pub mod png_label;
 pub mod primaries;
 pub mod radiance;
 pub mod tonemap;

@@ -1,7 +1,7 @@
 //! PNG files: 8 bits per channel for looking at, and read back for comparing.
 
 use super::tonemap::{Tonemap, linear_from_srgb};
-use super::{FilmError, Picture, Window};
+use super::{FilmError, Picture, Window, png_label};
 use crate::files::{self, Flush, memory};
 use crate::math::Vec3;
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Writes the colours of a picture's crop, the denoised ones if there are such, brightened by
 /// `exposure` stops and tone-mapped; RGBA with straight alpha if some pixel's alpha is below 1,
-/// else RGB.
+/// else RGB. A `label` says what the picture is of; see [`png_label::read`].
 ///
 /// # Errors
 /// [`FilmError::Write`]; [`FilmError::Invalid`] if the picture has no colours.
@@ -19,9 +19,14 @@ pub fn write(
     picture: &Picture,
     tonemap: Tonemap,
     exposure: f32,
+    label: Option<&str>,
 ) -> Result<(), FilmError> {
-    let (kind, bytes) = display_bytes(path, picture, tonemap, exposure)?;
-    write_pixels(path, picture.width(), picture.height(), kind, &bytes)
+    let mut bytes = encode(path, picture, tonemap, exposure)?;
+    if let Some(label) = label {
+        png_label::insert(&mut bytes, label);
+    }
+    files::write(path, Flush::ToDisk, |file| io::Write::write_all(file, &bytes))
+        .map_err(|source| FilmError::write(path, source))
 }
 
 /// The bytes of the same file.
@@ -62,21 +67,16 @@ pub fn write_rgb8(
     height: usize,
     pixels: &[[u8; 3]],
 ) -> Result<(), FilmError> {
-    write_pixels(path, width, height, ExtendedColorType::Rgb8, pixels.as_flattened())
-}
-
-fn write_pixels(
-    path: &Path,
-    width: usize,
-    height: usize,
-    kind: ExtendedColorType,
-    bytes: &[u8],
-) -> Result<(), FilmError> {
+    let (kind, bytes) = (ExtendedColorType::Rgb8, pixels.as_flattened());
     files::write(path, Flush::ToDisk, |file| encode_pixels(file, width, height, kind, bytes))
         .map_err(|source| FilmError::write(path, source))
 }
 
-fn encode_pixels(
+/// Writes pixels of any kind, row by row, as a PNG.
+///
+/// # Errors
+/// [`io::Error`] for sides beyond PNG's, and those of `file`.
+pub fn encode_pixels(
     file: &mut impl io::Write,
     width: usize,
     height: usize,
@@ -176,7 +176,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.png");
         let colours = [[0.0, 0.5, 1.0], [0.108, 0.25, 0.0]];
-        write(&path, &picture(&colours, &[1.0, 1.0]), Tonemap::Srgb, 1.0).expect("written");
+        write(&path, &picture(&colours, &[1.0, 1.0]), Tonemap::Srgb, 1.0, None).expect("written");
         let back = image::open(&path).expect("read");
         assert_eq!(back.color(), image::ColorType::Rgb8);
         assert_eq!(back.as_bytes(), [0, 255, 255, 128, 188, 0]);
@@ -187,7 +187,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.png");
         let colours = [[0.5, 0.0, 0.0], [0.0; 3]];
-        write(&path, &picture(&colours, &[0.5, 0.0]), Tonemap::Srgb, 0.0).expect("written");
+        write(&path, &picture(&colours, &[0.5, 0.0]), Tonemap::Srgb, 0.0, None).expect("written");
         let back = image::open(&path).expect("read");
         assert_eq!(back.as_bytes(), [255, 0, 0, 128, 0, 0, 0, 0]);
         let linear = read(&path).expect("read").rgb(&path).expect("colours");
@@ -198,7 +198,8 @@ mod tests {
     fn damaged_files_are_errors_that_name_them() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.png");
-        write(&path, &picture(&[[0.5; 3]; 9], &[1.0; 9]), Tonemap::Agx, 0.0).expect("written");
+        write(&path, &picture(&[[0.5; 3]; 9], &[1.0; 9]), Tonemap::Agx, 0.0, None)
+            .expect("written");
         let bytes = std::fs::read(&path).expect("read");
         for length in 0..bytes.len() - 12 {
             std::fs::write(&path, &bytes[..length]).expect("cut");

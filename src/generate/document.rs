@@ -49,13 +49,19 @@ impl Document {
         }));
     }
 
+    /// Adds a light of KHR_lights_punctual without a node, and tells its number.
+    pub fn punctual(&mut self, light: Value) -> usize {
+        self.lights.push(light);
+        self.lights.len() - 1
+    }
+
     /// Adds a light of KHR_lights_punctual, which shines along -Z of its node.
     pub fn light(&mut self, light: Value, at: Vec3, towards: Vec3) {
-        self.lights.push(light);
+        let light = self.punctual(light);
         let turn = Quat::from_rotation_arc(Vec3::NEG_Z, (towards - at).normalize());
         self.root(json!({
             "translation": rounded(at.to_array()), "rotation": rounded(turn.to_array()),
-            "extensions": { "KHR_lights_punctual": { "light": self.lights.len() - 1 } },
+            "extensions": { "KHR_lights_punctual": { "light": light } },
         }));
     }
 

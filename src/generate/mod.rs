@@ -30,6 +30,7 @@ use std::io::{self, Write};
 use std::ops::RangeInclusive;
 
 use crate::camera::flight::{self, Pose};
+pub(crate) use container::write_head;
 pub use document::{Document, perspective, rounded};
 pub use forest::{FOREST_COPIES, FOREST_TRIANGLES, Forest, WrittenForest};
 pub use glb::Written;

@@ -2,6 +2,7 @@
 
 use super::clip::clip_bounds;
 use super::deformation::Posed;
+use super::numbering::Numbering;
 use super::slab::own_box;
 use super::triangle::Triangle;
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
@@ -57,6 +58,12 @@ pub trait TriangleSource: Send + Sync {
         TriangleId::unplaced(prim)
     }
 
+    /// The numbers by placement, if they run over placements in order and
+    /// [`TriangleSource::locate`] is what is found there.
+    fn numbering(&self) -> Option<&Numbering> {
+        None
+    }
+
     /// The running number of a triangle: what [`TriangleSource::locate`] is the inverse of.
     fn number(&self, triangle: TriangleId) -> u64 {
         u64::from(triangle.index)
@@ -95,6 +102,9 @@ pub trait Placements: Send + Sync {
 
     /// From the mesh's space to the world.
     fn to_world(&self, placement: InstanceId) -> Affine3A;
+
+    /// Asks for the memory of a placement, which is to be needed soon.
+    fn prefetch(&self, _: InstanceId) {}
 
     /// A triangle's vertices in world space: the ones that the verdict is about.
     fn placed_triangle(&self, triangle: TriangleId) -> Triangle;

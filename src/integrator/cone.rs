@@ -20,12 +20,21 @@ pub(super) struct Cone {
 
 impl Cone {
     /// Takes it along a ray of length `t` whose direction was sampled with density `pdf`: infinite,
-    /// where it was not left to chance.
+    /// where it was not left to chance. A ray that meets nothing, `t` infinite, leaves it as wide
+    /// as it was.
     pub fn widen(&mut self, pdf: f32, t: f32) {
         // A cap of such a solid angle is so wide at distance one, if it is small.
         let of_lobe = (4.0 * SHARE * std::f32::consts::FRAC_1_PI / pdf).sqrt();
         self.spread = self.spread.max(of_lobe);
-        self.width += self.spread * t;
+        if t < f32::INFINITY {
+            self.width += self.spread * t;
+        }
+    }
+
+    /// Takes it back from the end of a ray of length `t` to the point `at` metres on along it.
+    pub fn end_at(&mut self, at: f32, t: f32) {
+        let beyond = if t < f32::INFINITY { t - at } else { -at };
+        self.width = (self.width - self.spread * beyond).max(0.0);
     }
 }
 
@@ -44,5 +53,15 @@ mod tests {
         let (wide, before) = (cone.spread, cone.width);
         cone.widen(1e9, 1.0);
         assert_eq!((cone.spread, cone.width), (wide, before + wide));
+    }
+
+    #[test]
+    fn it_is_as_wide_as_where_its_ray_ends() {
+        for t in [8.0, f32::INFINITY] {
+            let mut cone = Cone { width: 0.5, spread: 0.25 };
+            cone.widen(f32::INFINITY, t);
+            cone.end_at(2.0, t);
+            assert_eq!(cone.width, 1.0, "{t}");
+        }
     }
 }

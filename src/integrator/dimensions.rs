@@ -10,9 +10,15 @@
 //! | 1 | point of the light at the first vertex | time, none |
 //! | 2 d | direction from vertex d | point of the light at vertex d + 1 |
 //! | 2 d + 1 | lobe, Russian roulette | choice of the light, wavelength at vertex d |
+//!
+//! Sets from 2^22 on belong to media: set 2^22 + d holds, in lanes 0 and 1, the colour that draws
+//! the distance along segment d, and that distance.
 
 /// The dimensions of a vertex, and of the camera.
 const VERTEX_DIMENSIONS: u32 = 8;
+
+/// Beyond those of the deepest vertex.
+const FIRST_FLIGHT_DIMENSION: u32 = 1 << 24;
 
 /// The place in the pixel: two dimensions.
 pub const PIXEL_DIMENSION: u32 = 0;
@@ -32,6 +38,12 @@ pub fn direction_dimension(depth: u32) -> u32 {
 /// after [`direction_dimension`] of the vertex before, if there is one.
 pub fn light_dimension(depth: u32) -> u32 {
     if depth == 1 { 4 } else { direction_dimension(depth - 1) + 2 }
+}
+
+/// The colour that draws how far segment number `depth` gets in a medium, and how far: two
+/// dimensions.
+pub fn flight_dimension(depth: u32) -> u32 {
+    FIRST_FLIGHT_DIMENSION.wrapping_add(4 * depth)
 }
 
 /// The lobe, and after it Russian roulette, the choice of the light and the wavelength.

@@ -4,6 +4,7 @@
 use super::state::{FirstHit, Path, PathSample};
 use crate::material::Bsdf;
 use crate::math::Vec3;
+use crate::medium::Medium;
 use crate::world::{Surface, World};
 
 /// Takes note of the surface at the end of a camera ray, which is `distance` long.
@@ -23,6 +24,32 @@ pub fn follow_first_hit(path: &Path, surface: &Surface, bsdf: &Bsdf, sample: &mu
     if let Some(first) = sample.first.as_mut().filter(|first| first.goes_on) {
         let normal = facing_normal(surface);
         first.follow(path.throughput, bsdf.albedo(), normal, bsdf.is_mirror_like());
+    }
+}
+
+/// Takes note of what the camera sees where a path scatters in a medium, at a point of that
+/// distance, on a side that faces the normal: the surface that would have been `seen` but for that,
+/// if it is the first one; of a medium behind what mirrors or is clear its albedo.
+pub fn end_first_hit_in_medium(
+    path: &Path,
+    medium: &Medium,
+    (position, distance, normal): (Vec3, f32, Vec3),
+    seen: Option<(&Surface, Bsdf, f32)>,
+    sample: &mut PathSample,
+) {
+    let albedo = medium.albedo();
+    match (&mut sample.first, seen) {
+        (Some(first), _) if first.goes_on => {
+            first.follow(path.throughput, albedo, first.normal, false);
+        }
+        (Some(_), _) => {}
+        (None, Some((surface, bsdf, distance))) => {
+            describe_first_hit(surface, &bsdf, distance, sample);
+            sample.first = sample.first.map(|first| FirstHit { goes_on: false, ..first });
+        }
+        (None, None) => {
+            sample.first = Some(FirstHit { albedo, normal, position, distance, goes_on: false });
+        }
     }
 }
 

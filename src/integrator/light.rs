@@ -1,23 +1,30 @@
 //! The light that reaches a vertex: met by the path itself, or by a shadow ray. Each way is weighed
 //! by the density with which the other would have found the same light.
 
+use super::borders::interior_beyond;
 use super::crossing::classify_crossing;
 use super::dimensions::light_dimension;
+use super::interior::Interior;
 use super::leaving::segment_to;
 use super::mis::power_heuristic;
-use super::nested_dielectrics::interior_beyond;
 use super::state::{Path, PathSample, ShadowRay};
+use super::transit::{Shine, Transit};
 use crate::light::LightSampleContext;
 use crate::material::Bsdf;
 use crate::math::{Ray, Vec3};
-use crate::world::{Surface, World};
+use crate::world::{LightSample, Surface, World};
 
 /// Adds the light of the environment to a path whose ray leaves the scene.
 pub fn add_environment(world: &World, path: &Path, ray: &Ray, sample: &mut PathSample) {
     if world.scene.environment.is_some() {
         let (radiance, pdf) = world.environment(ray.direction());
         let weight = power_heuristic(path.pdf, pdf);
-        let reaching = world.transmittance(path.interior.medium(), f32::INFINITY);
+        // In a scene with media, the flight has taken its share already.
+        let reaching = if world.has_media() {
+            Vec3::ONE
+        } else {
+            world.transmittance(path.interior.medium(), f32::INFINITY)
+        };
         sample.radiance += path.throughput * reaching * radiance * weight;
     }
 }
@@ -39,6 +46,19 @@ pub fn add_emission(
     }
 }
 
+/// How the light that was sampled gets to its vertex, if it does.
+pub enum Direct {
+    /// By a segment that must be free.
+    Ray(ShadowRay),
+    /// Through borders.
+    Transit(Transit),
+}
+
+/// Whether light gets through that interior as it is, meeting no border that might let it pass.
+fn passes_freely(world: &World, interior: Interior) -> bool {
+    interior.is_air() && world.medium(interior.medium()).is_none()
+}
+
 /// Samples a light, chosen by `u_light`, and what of it would reach the camera by way of this
 /// vertex, the end of segment number `depth`.
 #[inline(always)]
@@ -49,7 +69,7 @@ pub fn sample_direct(
     (surface, bsdf): (&Surface, &Bsdf),
     wo: Vec3,
     u_light: f32,
-) -> Option<ShadowRay> {
+) -> Option<Direct> {
     path.sampler.seek(light_dimension(depth));
     let u = path.sampler.next_2d();
     let light = world.sample_light(surface, &path.context, u_light, u)?;
@@ -61,13 +81,18 @@ pub fn sample_direct(
         return None;
     }
     let ray = segment_to(world, surface, &light, crossing)?;
+    let interior = interior_beyond(world, path.interior, surface, crossing);
+    if world.has_media() && (world.has_passable_borders() || !passes_freely(world, interior)) {
+        let (light, scattered) = (LightSample { ray, ..light }, path.throughput * scattered);
+        let transit = Transit::new(&Shine { light, scattered, pdf }, interior, path.densities);
+        return transit.map(Direct::Transit);
+    }
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, pdf) };
     let mut radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
-    let interior = interior_beyond(world, path.interior, surface, crossing);
     if !interior.is_air() {
         radiance *= world.transmittance(interior.medium(), length(&ray));
     }
-    (radiance != Vec3::ZERO).then_some(ShadowRay { ray, radiance })
+    (radiance != Vec3::ZERO).then_some(Direct::Ray(ShadowRay { ray, radiance }))
 }
 
 /// Where and from which side a surface takes light: from both where it transmits.

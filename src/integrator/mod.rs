@@ -15,10 +15,13 @@
 //! | `light` | emission, the environment and sampled lights, weighed |
 //! | `mis` | multiple importance sampling: the power heuristic |
 //! | `russian_roulette` | ends paths of little throughput |
+//! | `medium` | a vertex in a medium, and how far paths fly in it |
+//! | `transit` | light that comes through borders which do not bend it |
 //! | `crossing` | whether light crosses a surface |
-//! | `nested_dielectrics`, `interior` | the solids that a path is inside of |
+//! | `nested_dielectrics`, `interior`, `borders` | the solids that a path is inside of |
 //! | `dimensions` | which random numbers are used where |
 
+mod borders;
 mod cone;
 mod crossing;
 mod dimensions;
@@ -27,15 +30,20 @@ mod interior;
 mod lanes;
 mod leaving;
 mod light;
+mod medium;
 mod mis;
 mod nested_dielectrics;
 mod path;
 mod russian_roulette;
 mod shadow_rays;
 mod state;
+mod transit;
 
 pub use dimensions::{LENS_DIMENSION, PIXEL_DIMENSION};
+pub use interior::Interior;
 pub use lanes::{Vertices, add_environment_in_lanes, shade_in_lanes};
+pub use medium::interior_at;
 pub use path::{PathTracer, Transport};
-pub use shadow_rays::{ShadowEnd, ShadowRays};
+pub use shadow_rays::{ShadowEnd, ShadowRays, Transits};
 pub use state::{FirstHit, Path, PathSample, ShadowRay, Step};
+pub use transit::Transit;

@@ -1,9 +1,9 @@
 //! What a path meets at the borders of solids: absorption along the way, borders that another solid
 //! hides, and the relative index of refraction.
 
+use super::borders::{interior_beyond, is_hidden_in};
 use super::crossing::Crossing;
 use super::dimensions::choice_dimension;
-use super::interior::Interior;
 use super::state::Path;
 use crate::accel::ClosestHit;
 use crate::material::{Bsdf, Wavelength};
@@ -30,9 +30,7 @@ pub fn absorb(world: &World, path: &mut Path, surface: &Surface, distance: f32) 
 /// of higher priority.
 #[inline]
 pub fn is_hidden(world: &World, path: &Path, surface: &Surface) -> bool {
-    !path.interior.is_air()
-        && world.is_solid(surface.material)
-        && path.interior.hides(surface.material, surface.front, world)
+    is_hidden_in(world, path.interior, surface)
 }
 
 /// Takes a path straight through a surface that does nothing.
@@ -42,25 +40,6 @@ pub fn pass_hidden(world: &World, path: &mut Path, surface: &Surface) {
     path.interior = interior_beyond(world, path.interior, surface, crossing);
     // No light was sampled through it.
     path.pdf = f32::INFINITY;
-}
-
-/// The solids that lie beyond a surface which light crosses or not.
-#[inline]
-pub fn interior_beyond(
-    world: &World,
-    interior: Interior,
-    surface: &Surface,
-    crossing: Crossing,
-) -> Interior {
-    let id = surface.material;
-    if !world.is_solid(id) {
-        return interior;
-    }
-    match crossing {
-        Crossing::Reflected => interior,
-        Crossing::Enters => interior.without(id).with(id, |id| world.priority(id)),
-        Crossing::Leaves => interior.without(id),
-    }
 }
 
 /// The BSDF of a surface for the light that the path follows, between the solids that meet there.

@@ -16,18 +16,27 @@
 //! first of them disperses, the path goes on with light of one wavelength, for which all that
 //! follows is sampled and weighed.
 
+use super::borders::interior_beyond;
 use super::crossing::classify_crossing;
 use super::dimensions::{choice_dimension, direction_dimension};
-use super::first_hit::{describe_first_hit, follow_first_hit, follow_to_environment};
+use super::first_hit::{
+    describe_first_hit, end_first_hit_in_medium, follow_first_hit, follow_to_environment,
+};
 use super::leaving::ray_on;
-use super::light::{add_emission, add_environment, light_sample_context, sample_direct};
-use super::nested_dielectrics::{absorb, bsdf_for_path, interior_beyond, is_hidden, pass_hidden};
+use super::light::{Direct, add_emission, add_environment, light_sample_context, sample_direct};
+use super::medium::{Flight, arrive, fly, point_before, scatter_in_medium};
+use super::nested_dielectrics::{absorb, bsdf_for_path, is_hidden, pass_hidden};
 use super::russian_roulette::survives_russian_roulette;
 use super::state::{Path, PathSample, Step};
+use super::transit::{beyond_passable, passable_tint};
 use crate::accel::ClosestHit;
-use crate::material::BsdfSample;
+use crate::material::{Bsdf, BsdfSample};
 use crate::math::{Ray, Vec3};
 use crate::world::{Surface, World};
+
+/// Beyond this share of a segment, a scattering may be so near to the surface at its end that
+/// rounding puts it on the other side.
+const NEAR: f32 = 0.99;
 
 /// How light is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +86,9 @@ impl<'w> PathTracer<'w> {
         sample: &mut PathSample,
     ) -> Step {
         let world = self.world;
+        if world.has_media() {
+            return self.advance_in_media(depth, path, ray, hit, sample);
+        }
         // A ray that leaves the scene ends the path at the environment.
         if !hit.is_hit() {
             if self.shows_environment(depth) {
@@ -90,53 +102,153 @@ impl<'w> PathTracer<'w> {
         let surface = world.surface(ray, hit, (path.time, path.width()));
         absorb(world, path, &surface, hit.t);
         add_emission(world, path, &surface, (ray, hit.t), sample);
-        if depth > 1 && depth >= self.transport.max_depth {
+        if depth > 1 && !self.goes_beyond(depth) {
             return Step::END;
         }
 
         // Find out how the surface scatters light. The border of a hidden solid does nothing.
         if depth > 1 && is_hidden(world, path, &surface) {
             pass_hidden(world, path, &surface);
-            return Step {
-                shadow: None,
-                next: usable(surface.ray_towards(ray.direction()), sample),
-            };
+            let next = usable(surface.ray_towards(ray.direction()), sample);
+            return Step { next, ..Step::END };
         }
-        let bsdf = bsdf_for_path(world, depth, path, &surface, hit);
-        if depth == 1 {
-            describe_first_hit(&surface, &bsdf, hit.t, sample);
+        self.scatter_at_surface(depth, path, ray, (&surface, hit, hit.t), sample)
+    }
+
+    /// Lets a path scatter where its segment number `depth` meets a surface, `distance` metres from
+    /// its last vertex.
+    #[inline(always)]
+    fn scatter_at_surface(
+        &self,
+        depth: u32,
+        path: &mut Path,
+        ray: &Ray,
+        (surface, hit, distance): (&Surface, &ClosestHit, f32),
+        sample: &mut PathSample,
+    ) -> Step {
+        let world = self.world;
+        let bsdf = bsdf_for_path(world, depth, path, surface, hit);
+        if path.vertices(depth) == 1 {
+            describe_first_hit(surface, &bsdf, distance, sample);
             if self.transport.max_depth == 1 {
                 return Step::END;
             }
         } else {
-            follow_first_hit(path, &surface, &bsdf, sample);
+            follow_first_hit(path, surface, &bsdf, sample);
         }
         let wo = surface.frame.to_local(-ray.direction());
         path.sampler.seek(choice_dimension(depth));
         let [u_lobe, u_roulette, u_light] = [(); 3].map(|()| path.sampler.next_1d());
 
         // Sample direct light.
-        path.context = light_sample_context(world, &surface, &bsdf);
+        path.context = light_sample_context(world, surface, &bsdf);
         let in_vain = bsdf.is_delta() || world.lights.is_dark();
-        let shadow = if in_vain {
+        let direct = if in_vain {
             None
         } else {
-            sample_direct(world, depth, path, (&surface, &bsdf), wo, u_light)
+            sample_direct(world, depth, path, (surface, &bsdf), wo, u_light)
         };
 
         // Sample the BSDF for the next direction, and perhaps end the path there.
         path.sampler.seek(direction_dimension(depth));
         let u_direction = path.sampler.next_2d();
         let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
-            let next = scatter(world, path, &surface, wo, &scattered, sample)?;
-            let goes_on = !self.plays_roulette(depth)
+            let next = scatter(world, path, surface, wo, &scattered, sample)?;
+            let goes_on = !self.plays_roulette(path.vertices(depth))
                 || survives_russian_roulette(&mut path.throughput, path.eta_squared, u_roulette);
             if !goes_on || path.throughput == Vec3::ZERO {
                 return None;
             }
             usable(next, sample)
         });
-        Step { shadow, next }
+        let (shadow, transit) = match direct {
+            Some(Direct::Ray(ray)) => (Some(ray), None),
+            Some(Direct::Transit(transit)) => (None, Some(transit)),
+            None => (None, None),
+        };
+        Step { shadow, transit, next }
+    }
+
+    /// [`PathTracer::advance`] in a scene with media.
+    #[inline(never)]
+    fn advance_in_media(
+        &self,
+        depth: u32,
+        path: &mut Path,
+        ray: &Ray,
+        hit: &ClosestHit,
+        sample: &mut PathSample,
+    ) -> Step {
+        let world = self.world;
+        if depth == 1 {
+            path.context.position = ray.origin();
+        }
+        // Most paths in dense media scatter long before the surface, which then is not asked for.
+        let when_and_width = (path.time, path.width());
+        let look = || hit.is_hit().then(|| world.surface(ray, hit, when_and_width));
+        let surface = if path.interior.is_air() { look() } else { None };
+        let to = if hit.is_hit() { hit.t } else { f32::INFINITY };
+        match fly(world, depth, path, surface.as_ref(), to) {
+            Flight::Arrives => {}
+            Flight::Ends => return Step::END,
+            Flight::Scatters(at, medium) => {
+                let near = at > NEAR * to || sample.first.is_none();
+                let surface = if near { surface.or_else(look) } else { None };
+                let surface = surface.as_ref();
+                let position = point_before(ray, at, surface);
+                path.end_at(at, to);
+                let first = sample.first.is_none();
+                let seen = if first { self.seen_behind(path, surface, hit) } else { None };
+                let here = (position, at, -ray.direction());
+                end_first_hit_in_medium(path, &medium, here, seen, sample);
+                if !self.goes_beyond(path.vertices(depth)) || path.throughput == Vec3::ZERO {
+                    return Step::END;
+                }
+                let roulette = self.plays_roulette(path.vertices(depth));
+                let scattering = (ray, position, &medium);
+                return scatter_in_medium(world, depth, path, scattering, roulette, sample);
+            }
+        }
+        let Some(surface) = &surface.or_else(look) else {
+            if self.shows_environment(depth) {
+                add_environment(world, path, ray, sample);
+                follow_to_environment(world, path, ray.direction(), sample);
+            }
+            return Step::END;
+        };
+        arrive(world, path, Some(surface));
+
+        // Borders that were passed are no vertices: lights beyond were asked for from before.
+        let since = (surface.position - path.context.position).length();
+        let distance = if path.passed > 0 { since } else { hit.t };
+        add_emission(world, path, surface, (ray, distance), sample);
+        if let Some(tint) = passable_tint(world, path.interior, surface) {
+            path.throughput *= tint;
+            path.interior = beyond_passable(world, path.interior, surface);
+            path.passed += 1;
+            let goes_on = path.throughput != Vec3::ZERO;
+            let on = surface.ray_towards(ray.direction());
+            let next = goes_on.then(|| usable(on, sample)).flatten();
+            return Step { next, ..Step::END };
+        }
+        let vertices = path.vertices(depth);
+        if vertices > 1 && !self.goes_beyond(vertices) {
+            return Step::END;
+        }
+        self.scatter_at_surface(depth, path, ray, (surface, hit, distance), sample)
+    }
+
+    /// The surface that a camera ray would meet but for a scattering on the way, its BSDF and how
+    /// far away it is; `None`, if it would meet a mere border.
+    fn seen_behind<'s>(
+        &self,
+        path: &Path,
+        surface: Option<&'s Surface>,
+        hit: &ClosestHit,
+    ) -> Option<(&'s Surface, Bsdf, f32)> {
+        let surface = surface.filter(|it| !self.world.is_solid(it.material))?;
+        let distance = (surface.position - path.context.position).length();
+        Some((surface, self.world.bsdf(surface, hit), distance))
     }
 
     /// Whether rays that leave the scene at the end of segment `depth` show the environment.

@@ -14,6 +14,13 @@ pub fn survives_russian_roulette(throughput: &mut Vec3, eta_squared: f32, u: f32
     true
 }
 
+/// The same after a scattering in a medium. Most of these are followed by many more, none of which
+/// takes much: who dies at each of them with the least probability leaves few and heavy ones.
+pub fn survives_scattering(throughput: &mut Vec3, eta_squared: f32, u: f32) -> bool {
+    let power = throughput.max_element() * eta_squared;
+    power >= 1.0 || survives_russian_roulette(throughput, eta_squared, u)
+}
+
 /// The probability with which a path goes on. Radiance was scaled on its way through the borders
 /// of dense media; `eta_squared` undoes that, so that the roulette sees power.
 #[inline]
@@ -30,5 +37,15 @@ mod tests {
         assert_eq!(survival_probability(Vec3::new(0.1, 0.5, 0.2), 1.0), 0.5);
         assert_eq!(survival_probability(Vec3::ONE, 1.0), 0.95);
         assert_eq!(survival_probability(Vec3::splat(0.25), 2.25), 0.5625);
+    }
+
+    #[test]
+    fn what_carries_all_light_survives_scatterings() {
+        let mut throughput = Vec3::new(0.2, 1.0, 0.9);
+        assert!(survives_scattering(&mut throughput, 1.0, 0.999));
+        assert_eq!(throughput, Vec3::new(0.2, 1.0, 0.9));
+        let mut throughput = Vec3::splat(0.5);
+        assert!(!survives_scattering(&mut throughput, 1.0, 0.5));
+        assert!(survives_scattering(&mut throughput, 1.0, 0.25) && throughput == Vec3::ONE);
     }
 }

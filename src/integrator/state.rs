@@ -3,6 +3,7 @@
 use super::cone::Cone;
 use super::dimensions::TIME_DIMENSION;
 use super::interior::Interior;
+use super::transit::Transit;
 use crate::light::LightSampleContext;
 use crate::material::Wavelength;
 use crate::math::{MaterialId, Ray, Vec3};
@@ -24,6 +25,11 @@ pub struct Path {
     pub(super) cone: Cone,
     /// The solids that it travels in.
     pub(super) interior: Interior,
+    /// Of each colour, the density with which it would have drawn the path's legs in media, over
+    /// their mean; see [`crate::medium::FreeFlight`].
+    pub(super) densities: Vec3,
+    /// How many of its segments ended where nothing happens: at borders that it passed straight.
+    pub(super) passed: u32,
     /// The wavelength of the light that it follows, once it has met a surface that disperses.
     pub(super) wavelength: Option<Wavelength>,
     /// The random numbers of its sample.
@@ -76,13 +82,15 @@ pub struct ShadowRay {
 pub struct Step {
     /// The ray to a light.
     pub shadow: Option<ShadowRay>,
+    /// Light on its way through borders, instead of a ray.
+    pub transit: Option<Transit>,
     /// The ray to go on with; `None`: the path ends.
     pub next: Option<Ray>,
 }
 
 impl Step {
     /// The path ends, and asks for no light.
-    pub(super) const END: Self = Self { shadow: None, next: None };
+    pub(super) const END: Self = Self { shadow: None, transit: None, next: None };
 }
 
 impl Path {
@@ -95,6 +103,8 @@ impl Path {
             pdf: f32::INFINITY,
             cone: Cone::default(),
             interior: Interior::AIR,
+            densities: Vec3::ONE,
+            passed: 0,
             wavelength: None,
             sampler,
             slot,
@@ -112,6 +122,24 @@ impl Path {
         Self { time: sampler.next_1d(), ..self }
     }
 
+    /// The number of vertices up to the end of segment number `depth`, that one with them: segments
+    /// that ended where nothing happens do not count.
+    #[inline(always)]
+    pub(super) fn vertices(&self, depth: u32) -> u32 {
+        depth - self.passed
+    }
+
+    /// Whether any of its segments so far do not count.
+    #[inline(always)]
+    pub fn has_passed(&self) -> bool {
+        self.passed > 0
+    }
+
+    /// Puts it inside of solids, where it starts.
+    pub fn start_in(&mut self, interior: Interior) {
+        self.interior = interior;
+    }
+
     /// Lets it begin as wide as a pixel; see
     /// [`Camera::pixel_cone`](crate::camera::Camera::pixel_cone).
     pub fn set_cone(&mut self, [width, spread]: [f32; 2]) {
@@ -121,6 +149,11 @@ impl Path {
     /// Lets it widen along a segment of length `t`.
     pub fn widen(&mut self, t: f32) {
         self.cone.widen(self.pdf, t);
+    }
+
+    /// Ends its current ray, which is `t` metres long, at the point `at` along it.
+    pub(super) fn end_at(&mut self, at: f32, t: f32) {
+        self.cone.end_at(at, t);
     }
 
     /// How wide it is at the end of its current ray, once it is widened; metres.

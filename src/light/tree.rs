@@ -52,6 +52,11 @@ impl LightTree {
         Some(tree)
     }
 
+    /// The bounds of all its lights together.
+    pub fn bounds(&self) -> LightBounds {
+        self.nodes[0].light
+    }
+
     fn build(&mut self, lights: &[LightBounds], order: &mut [u32], depth: u32, trail: u64) {
         let here = self.nodes.len();
         if let [light] = *order {

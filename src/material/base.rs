@@ -7,6 +7,7 @@ use super::metallic_roughness::MetallicRoughness;
 use super::mixed::Mixed;
 use super::params::{SurfaceParams, saturate};
 use super::sample::BsdfSample;
+use super::translucent::Translucent;
 use crate::math::{Vec2, Vec3};
 
 /// A BSDF without layers.
@@ -16,6 +17,8 @@ pub enum BaseBsdf {
     Lambert(Lambert),
     /// glTF's opaque material.
     MetallicRoughness(MetallicRoughness),
+    /// The same, with a diffuse base that lets light through.
+    Translucent(Translucent),
     /// Glass: solid or thin, smooth or rough.
     Dielectric(Dielectric),
     /// Opaque in part and glass in part: a transmission between 0 and 1.
@@ -33,6 +36,8 @@ impl BaseBsdf {
             Self::Dielectric(Dielectric::new(params, form))
         } else if share > 0.0 {
             Self::Mixed(Mixed::new(params, share, form))
+        } else if Translucent::is_seen(params) {
+            Self::Translucent(Translucent::new(params, metallic, form))
         } else if metallic == 0.0 && params.specular <= 0.0 {
             Self::Lambert(Lambert { reflectance: params.base_color })
         } else {
@@ -46,6 +51,7 @@ impl BaseBsdf {
         match self {
             Self::Lambert(lambert) => lambert.eval(wo, wi),
             Self::MetallicRoughness(surface) => surface.eval(wo, wi),
+            Self::Translucent(surface) => surface.eval(wo, wi),
             Self::Dielectric(glass) => glass.eval(wo, wi),
             Self::Mixed(mixed) => mixed.eval(wo, wi),
         }
@@ -57,6 +63,7 @@ impl BaseBsdf {
         match self {
             Self::Lambert(lambert) => lambert.sample(wo, u),
             Self::MetallicRoughness(surface) => surface.sample(wo, u_lobe, u),
+            Self::Translucent(surface) => surface.sample(wo, u_lobe, u),
             Self::Dielectric(glass) => glass.sample(wo, u_lobe, u),
             Self::Mixed(mixed) => mixed.sample(wo, u_lobe, u),
         }
@@ -73,14 +80,14 @@ impl BaseBsdf {
     pub fn transmits(&self) -> bool {
         match self {
             Self::Lambert(_) | Self::MetallicRoughness(_) => false,
-            Self::Dielectric(_) | Self::Mixed(_) => true,
+            Self::Translucent(_) | Self::Dielectric(_) | Self::Mixed(_) => true,
         }
     }
 
     /// See [`super::Bsdf::is_mirror_like`].
     pub fn is_mirror_like(&self) -> bool {
         match self {
-            Self::Lambert(_) | Self::Mixed(_) => false,
+            Self::Lambert(_) | Self::Translucent(_) | Self::Mixed(_) => false,
             Self::MetallicRoughness(surface) => surface.is_mirror_like(),
             Self::Dielectric(glass) => glass.is_mirror_like(),
         }
@@ -91,6 +98,7 @@ impl BaseBsdf {
         match self {
             Self::Lambert(lambert) => lambert.reflectance,
             Self::MetallicRoughness(surface) => surface.albedo(),
+            Self::Translucent(surface) => surface.albedo(),
             Self::Dielectric(glass) => glass.albedo(),
             Self::Mixed(mixed) => mixed.albedo(),
         }

@@ -15,7 +15,7 @@ use crate::simd::lanes::Scalar;
 const SMOOTH: f32 = 0.02;
 
 /// Stands for the infinite index that KHR_materials_ior writes as 0.
-const INFINITE_IOR: f32 = 1e4;
+pub(super) const INFINITE_IOR: f32 = 1e4;
 
 /// The boundary of a dielectric.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::base::BaseBsdf;
 use super::form::BsdfForm;
-use super::layered::Layered;
+use super::layered::{Layered, is_half_clear};
 use super::layers::Layers;
 use super::params::SurfaceParams;
 use super::sample::BsdfSample;
@@ -20,6 +20,9 @@ pub enum Bsdf {
 impl Bsdf {
     /// The BSDF that `params` describe.
     pub fn new(params: &SurfaceParams, form: BsdfForm) -> Self {
+        if is_half_clear(params) {
+            return Self::layered(params, &Layers::NONE, form);
+        }
         Self::Base(BaseBsdf::new(params, form))
     }
 
@@ -27,7 +30,7 @@ impl Bsdf {
     pub fn layered(params: &SurfaceParams, layers: &Layers, form: BsdfForm) -> Self {
         match Layered::new(params, layers, form) {
             Some(layered) => Self::Layered(layered),
-            None => Self::new(params, form),
+            None => Self::Base(BaseBsdf::new(params, form)),
         }
     }
 

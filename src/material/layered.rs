@@ -7,10 +7,12 @@ use super::filmed::Filmed;
 use super::form::BsdfForm;
 use super::layer_energy::Returned;
 use super::layers::Layers;
+use super::mixed::Mixed;
 use super::params::{SurfaceParams, saturate};
 use super::sample::{BsdfSample, is_above, mean};
 use super::sheen::Sheen;
 use super::thin_film::ThinFilm;
+use super::translucent::Translucent;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::{ONE_MINUS_EPSILON, warp};
 
@@ -18,9 +20,9 @@ use crate::sampling::{ONE_MINUS_EPSILON, warp};
 /// little in all may reflect nearly everything at grazing half vectors.
 const MIN_PROBABILITY: f32 = 0.1;
 
-/// A coat over a sheen over a base with a thin film on it, of which any may be missing. It is
-/// packed, and unpacked for each call, so that surfaces without layers stay small and pay nothing
-/// for it.
+/// A coat over a sheen over a base with a thin film on it, of which any may be missing; without any
+/// of them, what lets light through both straight and scattered. It is packed, and unpacked for
+/// each call, so that surfaces without layers stay small and pay nothing for it.
 ///
 /// What a layer reflects, those below it do not get: they are scaled by what it lets through, and
 /// for the coat in [`BsdfForm::AppendixB`] by the product of that for both directions (as
@@ -42,6 +44,8 @@ pub struct Layered {
     roughness: Share,
     specular: Share,
     transmission: Share,
+    diffuse_transmission: Share,
+    diffuse_transmission_color: Vec3,
     clearcoat: Share,
     clearcoat_roughness: Share,
     sheen_roughness: Share,
@@ -70,11 +74,21 @@ impl Share {
     }
 }
 
+/// The share of glass.
+fn clear_share(params: &SurfaceParams) -> f32 {
+    saturate(params.transmission) * (1.0 - saturate(params.metallic))
+}
+
+/// Whether light goes through both straight and scattered: too much for a [`BaseBsdf`].
+pub(super) fn is_half_clear(params: &SurfaceParams) -> bool {
+    (1e-6..1.0).contains(&clear_share(params)) && Translucent::is_seen(params)
+}
+
 impl Layered {
     /// The surface that both describe; `None` where `layers` add nothing.
     pub(super) fn new(params: &SurfaceParams, layers: &Layers, form: BsdfForm) -> Option<Self> {
         let sheen_color = Vec3::from_array(layers.sheen_color.to_array().map(saturate));
-        let transmission = saturate(params.transmission) * (1.0 - saturate(params.metallic));
+        let transmission = clear_share(params);
         let made = Self {
             base_color: params.base_color,
             specular_color: params.specular_color,
@@ -88,6 +102,8 @@ impl Layered {
             roughness: Share::new(params.roughness),
             specular: Share::new(params.specular),
             transmission: Share::new(params.transmission),
+            diffuse_transmission: Share::new(params.diffuse_transmission),
+            diffuse_transmission_color: params.diffuse_transmission_color,
             clearcoat: Share::new(layers.clearcoat),
             clearcoat_roughness: Share::new(layers.clearcoat_roughness),
             sheen_roughness: Share::new(layers.sheen_roughness),
@@ -110,6 +126,8 @@ impl Layered {
             roughness: _,
             specular: _,
             transmission: _,
+            diffuse_transmission: _,
+            diffuse_transmission_color: _,
             clearcoat,
             clearcoat_roughness: _,
             sheen_roughness: _,
@@ -120,7 +138,8 @@ impl Layered {
             form: _,
         } = made;
         let any = [clearcoat, anisotropy, film].iter().any(|share| share.0 > 0);
-        (any || sheen_color != Vec3::ZERO).then_some(made)
+        let any = any || sheen_color != Vec3::ZERO || is_half_clear(params);
+        any.then_some(made)
     }
 
     fn unpack(&self) -> Stack {
@@ -132,6 +151,8 @@ impl Layered {
             specular: self.specular.get(),
             specular_color: self.specular_color,
             transmission: self.transmission.get(),
+            diffuse_transmission: self.diffuse_transmission.get(),
+            diffuse_transmission_color: self.diffuse_transmission_color,
             thin: self.thin,
         };
         let (form, anisotropy) = (self.form, self.anisotropy.get());
@@ -143,7 +164,7 @@ impl Layered {
             let direction = self.anisotropy_direction;
             Base::Brushed(Anisotropic::new(&params, anisotropy, direction, form))
         } else {
-            Base::Plain(BaseBsdf::new(&params, form))
+            Base::plain(&params, form)
         };
         let coat = (self.clearcoat != Share(0)).then(|| {
             let z = (1.0 - self.coat_slope.length_squared()).max(0.0).sqrt();
@@ -184,7 +205,9 @@ impl Layered {
     /// See [`super::Bsdf::transmits`].
     pub fn transmits(&self) -> bool {
         // The same as the base's, without unpacking it.
-        self.transmission.get() * (1.0 - self.metallic.get()) >= 1e-6
+        let plain = self.film.0 == 0 && self.anisotropy.0 == 0;
+        let scattered = if plain { self.diffuse_transmission.get() } else { 0.0 };
+        self.transmission.get().max(scattered) * (1.0 - self.metallic.get()) >= 1e-6
     }
 
     /// See [`super::Bsdf::albedo`].
@@ -205,14 +228,26 @@ impl Layered {
 #[derive(Clone, Copy, Debug)]
 enum Base {
     Plain(BaseBsdf),
+    /// Glass in part, else a surface that lets light through scattered.
+    HalfClear(Mixed<Translucent>),
     Brushed(Anisotropic),
     Filmed(Filmed),
 }
 
 impl Base {
+    /// What is neither brushed nor under a film.
+    fn plain(params: &SurfaceParams, form: BsdfForm) -> Self {
+        if is_half_clear(params) {
+            Self::HalfClear(Mixed::new(params, clear_share(params), form))
+        } else {
+            Self::Plain(BaseBsdf::new(params, form))
+        }
+    }
+
     fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         match self {
             Self::Plain(bsdf) => bsdf.eval(wo, wi),
+            Self::HalfClear(mixed) => mixed.eval(wo, wi),
             Self::Brushed(brushed) => brushed.eval(wo, wi),
             Self::Filmed(filmed) => filmed.eval(wo, wi),
         }
@@ -221,6 +256,7 @@ impl Base {
     fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         match self {
             Self::Plain(bsdf) => bsdf.sample(wo, u_lobe, u),
+            Self::HalfClear(mixed) => mixed.sample(wo, u_lobe, u),
             Self::Brushed(brushed) => brushed.sample(wo, u_lobe, u),
             Self::Filmed(filmed) => filmed.sample(wo, u_lobe, u),
         }
@@ -229,6 +265,7 @@ impl Base {
     fn transmits(&self) -> bool {
         match self {
             Self::Plain(bsdf) => bsdf.transmits(),
+            Self::HalfClear(_) => true,
             Self::Brushed(_) => false,
             Self::Filmed(filmed) => filmed.transmits(),
         }
@@ -237,6 +274,7 @@ impl Base {
     fn albedo(&self) -> Vec3 {
         match self {
             Self::Plain(bsdf) => bsdf.albedo(),
+            Self::HalfClear(mixed) => mixed.albedo(),
             Self::Brushed(brushed) => brushed.albedo(),
             Self::Filmed(filmed) => filmed.albedo(),
         }

@@ -39,7 +39,7 @@ pub struct MetallicRoughness {
     pub(super) multiple: Vec3,
     /// `1 / (1 - E_avg)`.
     pub(super) multiple_scale: f32,
-    form: BsdfForm,
+    pub(super) form: BsdfForm,
 }
 
 impl MetallicRoughness {

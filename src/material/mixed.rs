@@ -5,25 +5,79 @@ use super::form::BsdfForm;
 use super::metallic_roughness::MetallicRoughness;
 use super::params::{SurfaceParams, saturate};
 use super::sample::BsdfSample;
+use super::translucent::Translucent;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::ONE_MINUS_EPSILON;
 
 /// Glass with probability `share`, else opaque: a transmission between 0 and 1, metal aside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixed {
-    opaque: MetallicRoughness,
+pub struct Mixed<O = MetallicRoughness> {
+    opaque: O,
     glass: Dielectric,
     share: f32,
 }
 
-impl Mixed {
+/// What may be mixed with glass.
+pub trait Opaque {
+    /// The opaque part of what `params` describe, with `metallic` in place of the parameter.
+    fn part(params: &SurfaceParams, metallic: f32, form: BsdfForm) -> Self;
+
+    /// See [`super::Bsdf::eval`].
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32);
+
+    /// See [`super::Bsdf::sample`].
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample>;
+
+    /// See [`super::Bsdf::albedo`].
+    fn albedo(&self) -> Vec3;
+}
+
+impl Opaque for MetallicRoughness {
+    fn part(params: &SurfaceParams, metallic: f32, form: BsdfForm) -> Self {
+        Self::with_metallic(params, metallic, form)
+    }
+
+    #[inline(always)]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        self.eval(wo, wi)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        self.sample(wo, u_lobe, u)
+    }
+
+    fn albedo(&self) -> Vec3 {
+        self.albedo()
+    }
+}
+
+impl Opaque for Translucent {
+    fn part(params: &SurfaceParams, metallic: f32, form: BsdfForm) -> Self {
+        Self::beside_glass(params, metallic, form)
+    }
+
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        self.eval(wo, wi)
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        self.sample(wo, u_lobe, u)
+    }
+
+    fn albedo(&self) -> Vec3 {
+        self.albedo()
+    }
+}
+
+impl<O: Opaque> Mixed<O> {
     /// The surface that `params` describe; `share = transmission * (1 - metallic)`, between 0 and
     /// 1.
     pub(super) fn new(params: &SurfaceParams, share: f32, form: BsdfForm) -> Self {
         // All of the metal is in the part that is not clear.
         let metallic = saturate(saturate(params.metallic) / (1.0 - share));
         Self {
-            opaque: MetallicRoughness::with_metallic(params, metallic, form),
+            opaque: O::part(params, metallic, form),
             glass: Dielectric::new(params, form),
             share,
         }

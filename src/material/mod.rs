@@ -11,7 +11,8 @@
 //! |---|---|
 //! | `params`, `layers`, `form` | what a material is at a point |
 //! | `bsdf`, `base`, `layered` | the BSDF: which lobes the parameters make |
-//! | `lambert`, `metallic_roughness`, `anisotropic`, `dielectric`, `mixed`, `filmed` | bases |
+//! | `lambert`, `metallic_roughness`, `translucent`, `anisotropic` | bases |
+//! | `dielectric`, `mixed`, `filmed` | bases that are clear, wholly or in part |
 //! | `clearcoat`, `sheen` | layers |
 //! | `boundary`, `rough_dielectric`, `glass_multiple` | glass, smooth and rough |
 //! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
@@ -49,6 +50,7 @@ mod sheen;
 #[cfg(test)]
 mod tests;
 mod thin_film;
+mod translucent;
 
 pub use base::BaseBsdf;
 pub use bsdf::Bsdf;
@@ -62,3 +64,4 @@ pub use metallic_roughness::MetallicRoughness;
 pub use mixed::Mixed;
 pub use params::SurfaceParams;
 pub use sample::BsdfSample;
+pub use translucent::Translucent;

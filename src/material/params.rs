@@ -21,6 +21,11 @@ pub struct SurfaceParams {
     pub specular_color: Vec3,
     /// Share of the dielectric that is clear instead of opaque, 0 to 1; clamped to that range.
     pub transmission: f32,
+    /// Share of the light below the dielectric's surface that goes through, scattered, instead of
+    /// back, 0 to 1; clamped to that range.
+    pub diffuse_transmission: f32,
+    /// Linear colour of that light.
+    pub diffuse_transmission_color: Vec3,
     /// Whether the surface is an infinitely thin sheet and not the boundary of a solid.
     pub thin: bool,
 }
@@ -36,6 +41,8 @@ impl Default for SurfaceParams {
             specular: 1.0,
             specular_color: Vec3::ONE,
             transmission: 0.0,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_color: Vec3::ONE,
             thin: false,
         }
     }

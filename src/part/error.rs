@@ -32,7 +32,8 @@ pub enum PartError {
         known: String,
     },
     /// Its bytes are not those that were written.
-    #[error("{}: is damaged: {chunk}: {reason}", path.display())]
+    #[error("{}: is damaged: {chunk}: {reason}; remove it and run the command that made it again",
+            path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -53,7 +54,8 @@ pub enum PartError {
         differences: Vec<Difference>,
     },
     /// Two parts have the same samples with other values.
-    #[error("{} and {} differ in the same samples, at pixel {x},{y}", a.display(), b.display())]
+    #[error("{} and {} differ in the same samples, at pixel {x},{y}; render both again",
+            a.display(), b.display())]
     Differ {
         /// One.
         a: PathBuf,
@@ -65,7 +67,8 @@ pub enum PartError {
         y: u32,
     },
     /// Two parts have some samples in common, and others not.
-    #[error("{} and {} overlap: both have samples {samples} of the pixels {window}",
+    #[error("{} and {} overlap: both have samples {samples} of the pixels {window}; \
+             leave one of them out, and the merge tells what is missing then",
             a.display(), b.display())]
     Overlap {
         /// One.

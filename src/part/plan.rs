@@ -52,7 +52,7 @@ pub struct Gap {
     pub samples: Range<u64>,
     /// The pixels that lack them: all, or some that lie around.
     pub window: Window,
-    /// The part that ends there and can go on by `--resume`, if it was stopped before its end.
+    /// The part that can go on by `--resume` and fills it, if one was stopped there.
     pub unfinished: Option<usize>,
 }
 
@@ -134,19 +134,12 @@ impl Plan {
         wanted: &Range<u64>,
     ) -> Result<(), PartError> {
         let range = |link: &Link| parts[link.part].range(link.tile);
+        let stops = stops(parts, &chain.links);
         chain.links.retain(|link| !range(link).is_empty());
         chain.links.sort_by_key(|link| (range(link).start, range(link).end, link.part));
         let mut at = wanted.start;
         let mut last: Option<Link> = None;
-        let gap = |samples: Range<u64>, last: Option<Link>| {
-            let stopped = |link: &Link| {
-                range(link).end == samples.start
-                    && range(link).end < parts[link.part].head.samples().end
-            };
-            let unfinished = last.filter(stopped).map(|link| link.part);
-            Gap { samples, window: chain.window, unfinished }
-        };
-        let mut gaps = Vec::new();
+        let mut missing = Vec::new();
         for link in &mut chain.links {
             let samples = range(link);
             if let Some(before) = last
@@ -162,15 +155,16 @@ impl Plan {
                 return Err(overlap(parts, (before, *link), &common, chain.window));
             }
             if samples.start > at {
-                gaps.push(gap(at..samples.start, last));
+                missing.push(at..samples.start);
             }
             (at, last) = (samples.end, Some(*link));
         }
         let is_finished = last.is_some_and(|link| parts[link.part].is_finished(link.tile));
         if at < wanted.end && !is_finished {
-            gaps.push(gap(at..wanted.end, last));
+            missing.push(at..wanted.end);
         }
-        self.gaps.append(&mut gaps);
+        let window = chain.window;
+        self.gaps.extend(missing.into_iter().flat_map(|samples| cut(&samples, window, &stops)));
         Ok(())
     }
 }
@@ -211,13 +205,55 @@ fn overlap(
     }
 }
 
-/// Gaps of the same samples as one, around all of their pixels.
+/// A part that was stopped in a tile: which one, and the samples that it still is to take there.
+type Stop = (usize, Range<u64>);
+
+/// The parts of a chain that were stopped, by the sample that comes next.
+fn stops(parts: &[Part], links: &[Link]) -> Vec<Stop> {
+    let rest =
+        |link: &Link| parts[link.part].range(link.tile).end..parts[link.part].head.samples().end;
+    let stopped = |link: &&Link| !rest(link).is_empty() && !parts[link.part].is_finished(link.tile);
+    let mut stops: Vec<Stop> =
+        links.iter().filter(stopped).map(|link| (link.part, rest(link))).collect();
+    stops.sort_by_key(|(part, rest)| (rest.start, rest.end, *part));
+    stops
+}
+
+/// The gaps that missing samples make: what parts take that go on, and what is between.
+fn cut(missing: &Range<u64>, window: Window, stops: &[Stop]) -> Vec<Gap> {
+    let mut gaps = Vec::new();
+    let mut at = missing.start;
+    let mut add = |samples: Range<u64>, unfinished| {
+        if !samples.is_empty() {
+            gaps.push(Gap { samples, window, unfinished });
+        }
+    };
+    for (part, rest) in stops {
+        // It takes all of its samples, and must not meet those that are there.
+        if rest.start >= at && rest.end <= missing.end {
+            add(at..rest.start, None);
+            add(rest.clone(), Some(*part));
+            at = rest.end;
+        }
+    }
+    add(at..missing.end, None);
+    gaps
+}
+
+/// Gaps of the same samples, or of the same part, as one around all of them.
 fn join(gaps: Vec<Gap>) -> Vec<Gap> {
     let mut joined: Vec<Gap> = Vec::new();
     for gap in gaps {
-        let same = |it: &&mut Gap| it.samples == gap.samples && it.unfinished == gap.unfinished;
+        let same = |it: &&mut Gap| match gap.unfinished {
+            None => it.unfinished.is_none() && it.samples == gap.samples,
+            part => it.unfinished == part,
+        };
         match joined.iter_mut().find(same) {
-            Some(found) => found.window = bound([found.window, gap.window].into_iter()),
+            Some(found) => {
+                found.window = bound([found.window, gap.window].into_iter());
+                found.samples.start = found.samples.start.min(gap.samples.start);
+                found.samples.end = found.samples.end.max(gap.samples.end);
+            }
             None => joined.push(gap),
         }
     }

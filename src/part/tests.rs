@@ -39,12 +39,20 @@ fn expose(window: Window, samples: Range<u64>) -> Tile {
 
 /// Writes a part of some samples of some pixels.
 fn write(path: &Path, crop: Window, samples: Range<u64>) {
+    write_stopped(path, crop, samples.clone(), samples.end);
+}
+
+/// Writes a part that was stopped when every other tile had its samples up to `at`, and none else
+/// any.
+fn write_stopped(path: &Path, crop: Window, samples: Range<u64>, at: u64) {
     let mut bytes = Vec::new();
     let mut head = Head::new(FRAME, crop, &samples, SPP);
     head.identity.insert("seed".to_owned(), "7".to_owned());
     let mut part = PartWriter::new(&mut bytes, &head).expect("memory");
-    for window in tile_windows(crop) {
-        part.add(&EncodedTile::new(&expose(window, samples.clone()))).expect("memory");
+    for (number, window) in tile_windows(crop).into_iter().enumerate() {
+        let is_blank = at < samples.end && number % 2 == 1;
+        let taken = samples.start..if is_blank { samples.start } else { at };
+        part.add(&EncodedTile::new(&expose(window, taken))).expect("memory");
     }
     part.finish().expect("memory");
     std::fs::write(path, bytes).expect("written");
@@ -144,6 +152,18 @@ fn what_is_missing_repeated_or_twice_is_told() {
     let overlap = merge(&["a", "d"]).expect_err("samples 16..32 twice");
     assert_eq!(overlap.exit_code(), 2);
     assert!(overlap.to_string().contains("samples 16..32 of the pixels 0,0,16,16"), "{overlap}");
+
+    // A part that was stopped goes on, unless it would meet another then.
+    write_stopped(&place("s"), all, 32..64, 48);
+    let gaps = |names: &[&str]| -> Vec<_> {
+        let merge = merge(names).expect("they fit");
+        merge.gaps().iter().map(|gap| (gap.samples.clone(), gap.unfinished)).collect()
+    };
+    assert_eq!(gaps(&["a", "s", "c"]), [(32..64, Some(1))], "some tiles have 16, others none");
+    assert_eq!(gaps(&["a", "s"]), [(32..64, Some(1)), (64..80, None)]);
+    assert_eq!(gaps(&["s", "c"]), [(0..32, None), (32..64, Some(0))]);
+    write(&place("g"), all, 48..80);
+    assert_eq!(gaps(&["a", "s", "g"]), [(32..48, None)]);
 
     // A corner that is not there, and one that is there twice.
     let corner = Window { x0: 0, y0: 0, x1: 40, y1: 20 };

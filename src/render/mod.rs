@@ -3,6 +3,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `start` | random numbers and camera rays of a tile's paths |
+//! | `trace` | what rays hit |
 //! | `stream` | advances some thousand paths together, bounce by bounce |
 //! | `pixel`, `tile` | the sums of a pixel's samples; a square of pixels |
 //! | `passes` | the order of work |
@@ -37,6 +38,7 @@ mod start;
 mod stream;
 mod ticks;
 mod tile;
+mod trace;
 
 pub(crate) use aov::Layers;
 pub use aov::film_bytes;

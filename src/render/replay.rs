@@ -4,11 +4,12 @@ use std::fmt::Write;
 
 use super::settings::Settings;
 use super::stream::ray_key;
-use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter};
+use super::trace::{Slice, find_blocked, find_hits, start_inside};
+use crate::accel::{Accel, ClosestHit, Tracer};
 use crate::camera::moving::MovingCamera;
-use crate::integrator::{FirstHit, Path, PathSample, PathTracer};
-use crate::math::Ray;
-use crate::world::{AlphaFilter, World};
+use crate::integrator::{FirstHit, Path, PathSample, PathTracer, Transit, Transits};
+use crate::math::{Ray, Vec3};
+use crate::world::World;
 
 /// Follows the path of one sample of the pixel at column `x`, row `y` of the frame, exactly as
 /// [`super::render`] would, and describes it: a line for each segment, what it hit, what that emits
@@ -24,25 +25,21 @@ pub fn replay(
     let mut tracer = accel.tracer();
     let camera = camera.into().rays(settings.aspect());
     let (mut ray, mut path) = settings.start(&camera, (x, y), sample, 0, world.moves());
+    start_inside(world, &mut *tracer, &camera, std::slice::from_mut(&mut path));
     if world.has_levels() {
         path.set_cone(camera.pixel_cone(settings.resolution.1));
     }
     let times = [path.time];
-    let times = world.moves().then_some(&times[..]);
     let mut result = PathSample::default();
     let mut text = format!("pixel {x},{y} sample {sample} seed {}\n", settings.seed);
     if world.moves() {
         push_line(&mut text, &format!("time {:?} of the shutter", path.time));
     }
-    let mut depth = 1;
+    let (mut depth, mut hit) = (1, Vec::new());
     loop {
         let keys = [ray_key(path.key, 2 * depth)];
-        let filter = AlphaFilter::new(world, &keys, times);
-        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let mut hit = [ClosestHit::MISS];
-        let rays = [ray];
-        let batch = Batch::new(&rays).with_filter(filter).with_times(times);
-        tracer.closest_hits(&batch, &mut hit);
+        let slice = Slice { rays: &[ray], keys: &keys, times: &times };
+        find_hits(world, &mut *tracer, &slice, None, &mut hit);
         let (along, throughput) = (format_ray(&ray), path.throughput());
         push_line(&mut text, &format!("segment {depth}: {along}, throughput {throughput:?}"));
         if world.has_levels() {
@@ -58,18 +55,20 @@ pub fn replay(
         }
         if let Some(shadow) = step.shadow {
             let keys = [ray_key(path.key, 2 * depth + 1)];
-            let filter = AlphaFilter::new(world, &keys, times);
-            let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-            let mut blocked = [AnyHit(false)];
-            let rays = [shadow.ray];
-            let batch = Batch::new(&rays).with_filter(filter).with_times(times);
-            tracer.any_hits(&batch, &mut blocked);
+            let mut blocked = Vec::new();
+            let slice = Slice { rays: &[shadow.ray], keys: &keys, times: &times };
+            find_blocked(world, &mut *tracer, &slice, &mut blocked);
             let state = if blocked[0].0 { "blocked" } else { "free" };
             let what = format!("  shadow ray {}, {state}", format_ray(&shadow.ray));
             push_line(&mut text, &format!("{what}: {:?}", shadow.radiance));
             if !blocked[0].0 {
                 result.radiance += shadow.radiance;
             }
+        }
+        if let Some(transit) = step.transit {
+            let key = ray_key(path.key, 2 * depth + 1);
+            result.radiance +=
+                follow_light(&mut text, (world, &mut *tracer), (&path, key), transit);
         }
         let Some(next) = step.next else { break };
         (ray, depth) = (next, depth + 1);
@@ -80,6 +79,26 @@ pub fn replay(
     }
     push_line(&mut text, &format!("radiance {:?}", result.radiance));
     text
+}
+
+/// Takes light of a path through borders, describes its way, and returns what arrives.
+fn follow_light(
+    text: &mut String,
+    (world, tracer): (&World, &mut dyn Tracer),
+    (path, key): (&Path, u64),
+    transit: Transit,
+) -> Vec3 {
+    let (mut transits, mut hit) = (Transits::default(), Vec::new());
+    let mut arrived = Vec3::ZERO;
+    transits.push(path, key, transit);
+    while let [ray] = *transits.rays {
+        let slice = Slice { rays: &[ray], keys: &transits.keys, times: &transits.times };
+        find_hits(world, tracer, &slice, None, &mut hit);
+        push_line(text, &format!("  light along {}", format_ray(&ray)));
+        transits.cross(world, &hit, |_, radiance| arrived += radiance);
+    }
+    push_line(text, &format!("  arrives: {arrived:?}"));
+    arrived
 }
 
 fn describe_hit(text: &mut String, world: &World, (ray, hit): (&Ray, &ClosestHit), path: &Path) {

@@ -15,16 +15,18 @@ use fearless_simd::Level;
 
 use super::breakdown::{Breakdown, Stage};
 use super::start::{Started, Starts};
-use crate::accel::{Accel, AnyHit, Batch, ClosestHit, HitFilter, Tracer};
+use super::trace::{Slice, find_blocked, find_hits, start_inside};
+use crate::accel::{Accel, AnyHit, ClosestHit, Tracer};
 use crate::geom::Shaft;
 use crate::integrator::{
-    Path, PathSample, PathTracer, ShadowRays, Vertices, add_environment_in_lanes, shade_in_lanes,
+    Path, PathSample, PathTracer, ShadowRays, Transits, Vertices, add_environment_in_lanes,
+    shade_in_lanes,
 };
 use crate::material::lanes::{BsdfLanes, LambertLanes, MetallicRoughnessLanes, SmoothGlassLanes};
 use crate::math::{InstanceId, Ray};
 use crate::simd::lanes::Lanes;
 use crate::simd::{in_lanes, vectorized};
-use crate::world::{AlphaFilter, BsdfClass};
+use crate::world::BsdfClass;
 
 /// How many rays were shot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,6 +70,7 @@ pub(super) struct Stream<'w> {
     leaving: Vec<u32>,
     shadow_rays: ShadowRays,
     blocked: Vec<AnyHit>,
+    transits: Transits,
     /// For the alpha filter, of the slice that is being traced; empty if nothing is see-through.
     keys: Vec<u64>,
     /// The times of the slice that is being traced; empty if nothing moves.
@@ -109,6 +112,7 @@ impl<'w> Stream<'w> {
             leaving: Vec::new(),
             shadow_rays: ShadowRays::default(),
             blocked: Vec::new(),
+            transits: Transits::default(),
             keys: Vec::new(),
             times: Vec::new(),
             samples: Vec::new(),
@@ -134,6 +138,7 @@ impl<'w> Stream<'w> {
             samples: &mut self.samples,
         };
         in_lanes!(self.level, lanes => starts.start(lanes, started));
+        start_inside(world, &mut *self.tracer, starts.camera, &mut self.paths);
         self.breakdown.add_since(Stage::Start, start);
         self.pixel_cone = starts.pixel_cone();
         self.follows = false;
@@ -182,6 +187,7 @@ impl<'w> Stream<'w> {
         let start = self.breakdown.add_since(Stage::ClosestHits, start);
         let start = self.shade(depth, start);
         self.trace_shadow_rays(depth);
+        self.trace_transits();
         self.breakdown.add_since(Stage::ShadowRays, start);
     }
 
@@ -192,20 +198,12 @@ impl<'w> Stream<'w> {
         if world.is_see_through() {
             self.keys.extend(self.paths.iter().map(|path| ray_key(path.key, 2 * depth)));
         }
-        self.hits.clear();
-        self.hits.resize(self.rays.len(), ClosestHit::MISS);
         self.times.clear();
         if world.moves() {
             self.times.extend(self.paths.iter().map(|path| path.time));
         }
-        let times = world.moves().then_some(&self.times[..]);
-        let filter = AlphaFilter::new(world, &self.keys, times);
-        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let mut batch = Batch::new(&self.rays).with_filter(filter).with_times(times);
-        if let Some((width, height)) = self.grid.take() {
-            batch = batch.with_grid(width, height);
-        }
-        self.tracer.closest_hits(&batch, &mut self.hits);
+        let slice = Slice { rays: &self.rays, keys: &self.keys, times: &self.times };
+        find_hits(world, &mut *self.tracer, &slice, self.grid.take(), &mut self.hits);
         self.counts.closest += self.rays.len() as u64;
     }
 
@@ -259,6 +257,10 @@ impl<'w> Stream<'w> {
         self.triangles.clear();
         let world = self.integrator.world();
         let goes_on = self.integrator.goes_beyond(depth);
+        if !world.shades_in_lanes() {
+            self.classes[BsdfClass::Other as usize].extend(0..self.paths.len() as u32);
+            return;
+        }
         for (i, (hit, path)) in self.hits.iter().zip(&self.paths).enumerate() {
             let (mut class, mut triangle) = (BsdfClass::Other, (InstanceId::from_index(0), 0));
             if !hit.is_hit() && path.is_in_air() {
@@ -266,7 +268,7 @@ impl<'w> Stream<'w> {
                 self.triangles.push(triangle);
                 continue;
             }
-            if hit.is_hit() && (goes_on || depth > 1) {
+            if hit.is_hit() && (goes_on || depth > 1) && !path.has_passed() {
                 let (instance, index, found) = world.classify(hit);
                 triangle = (instance, index);
                 if !goes_on && found != BsdfClass::Other {
@@ -319,6 +321,9 @@ impl<'w> Stream<'w> {
             if let Some(shadow) = step.shadow {
                 self.shadow_rays.push(path, shadow);
             }
+            if let Some(transit) = step.transit {
+                self.transits.push(path, ray_key(path.key, 2 * depth + 1), transit);
+            }
             if let Some(next) = step.next {
                 self.rays[i] = next;
                 self.alive[i] = true;
@@ -346,21 +351,33 @@ impl<'w> Stream<'w> {
     fn trace_shadow_rays(&mut self, depth: u32) {
         let world = self.integrator.world();
         let ShadowRays { rays, ends, keys, times } = &mut self.shadow_rays;
-        self.blocked.clear();
-        self.blocked.resize(rays.len(), AnyHit(false));
         for key in keys.iter_mut() {
             *key = ray_key(*key, 2 * depth + 1);
         }
-        let times = world.moves().then_some(&times[..]);
-        let filter = AlphaFilter::new(world, keys, times);
-        let filter = world.is_see_through().then_some(&filter as &dyn HitFilter);
-        let batch = Batch::new(rays).with_filter(filter).with_times(times);
-        self.tracer.any_hits(&batch, &mut self.blocked);
+        let slice = Slice { rays, keys, times };
+        find_blocked(world, &mut *self.tracer, &slice, &mut self.blocked);
         self.counts.shadow += rays.len() as u64;
         for (end, blocked) in ends.iter().zip(&self.blocked) {
             if !blocked.0 {
                 self.samples[end.slot as usize].radiance += end.radiance;
             }
+        }
+    }
+}
+
+impl Stream<'_> {
+    /// Takes lights through borders, and adds those that arrive.
+    fn trace_transits(&mut self) {
+        let world = self.integrator.world();
+        while !self.transits.rays.is_empty() {
+            let Transits { rays, keys, times, .. } = &self.transits;
+            let slice = Slice { rays, keys, times };
+            find_hits(world, &mut *self.tracer, &slice, None, &mut self.hits);
+            self.counts.shadow += rays.len() as u64;
+            let samples = &mut self.samples;
+            self.transits.cross(world, &self.hits, |slot, radiance| {
+                samples[slot as usize].radiance += radiance;
+            });
         }
     }
 }

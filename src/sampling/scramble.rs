@@ -12,6 +12,13 @@ pub(super) const fn mix32(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
+/// Another number in `[0, 1)` from the bits of three: for a choice among so many that the 24 bits
+/// of one do not reach. As good as random, so nothing of their stratification is left in it.
+pub fn mix_uniforms(u: [f32; 3]) -> f32 {
+    let mixed = u.iter().fold(0x9e37_79b9, |hash, u| mix32(hash ^ u.to_bits()).wrapping_mul(3));
+    (mix32(mixed) >> 8) as f32 / (1 << 24) as f32
+}
+
 /// [`mix32`] in lanes.
 #[inline(always)]
 pub(super) fn mix_in_lanes<L: Lanes>(x: L::Uint) -> L::Uint {

@@ -47,6 +47,9 @@ impl Scene {
                 let _ = write!(digest, "{sun:?}");
             }
         }
+        if let Some(medium) = &self.medium {
+            let _ = write!(digest, "{medium:?}");
+        }
         let _ = write!(digest, "{:?} {:?} {:?}", self.materials, self.lights, self.cameras);
         if let Some(motion) = &self.motion {
             motion.add_to(&mut digest);

@@ -1,6 +1,6 @@
 //! Materials as files describe them: factors and textures.
 
-use super::{MaterialLayers, TextureRef};
+use super::{MaterialLayers, Scattering, TextureRef, Volume};
 use crate::math::{Vec3, Vec4};
 use crate::texture::TextureRange;
 
@@ -13,15 +13,6 @@ pub enum AlphaMode {
     Mask(f32),
     /// There with probability alpha.
     Blend,
-}
-
-/// The inside of a closed solid (KHR_materials_volume).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Volume {
-    /// What is left of white light after `attenuation_distance`.
-    pub attenuation_color: Vec3,
-    /// Metres; infinity: nothing is absorbed.
-    pub attenuation_distance: f32,
 }
 
 /// glTF's metallic-roughness material with the extensions that are honoured. Fields are named as
@@ -73,6 +64,15 @@ pub struct Material {
     pub transmission: f32,
     /// In its red channel.
     pub transmission_texture: Option<TextureRef>,
+    /// Share of the light that the diffuse base does not send back but lets through, scattered
+    /// (KHR_materials_diffuse_transmission).
+    pub diffuse_transmission: f32,
+    /// In its alpha channel.
+    pub diffuse_transmission_texture: Option<TextureRef>,
+    /// Linear colour of what the diffuse base lets through.
+    pub diffuse_transmission_color: Vec3,
+    /// sRGB colour.
+    pub diffuse_transmission_color_texture: Option<TextureRef>,
     /// Whether it shows its base colour alone, whatever falls on it (KHR_materials_unlit). The rest
     /// is then as in [`Material::default`], but for alpha.
     pub unlit: bool,
@@ -80,6 +80,9 @@ pub struct Material {
     pub layers: Option<Box<MaterialLayers>>,
     /// Present: the surface bounds a solid; absent: it is infinitely thin.
     pub volume: Option<Volume>,
+    /// How the inside of a solid scatters light; `None`: it only absorbs. Without a volume there is
+    /// no inside.
+    pub scattering: Option<Scattering>,
     /// How much more a solid bends blue light than red: 20 over its Abbe number; 0: all alike.
     pub dispersion: f32,
     /// Where solids overlap, the one of the highest priority is there; of equals, the inner one.
@@ -112,9 +115,14 @@ impl Default for Material {
             specular_color_texture: None,
             transmission: 0.0,
             transmission_texture: None,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_texture: None,
+            diffuse_transmission_color: Vec3::ONE,
+            diffuse_transmission_color_texture: None,
             unlit: false,
             layers: None,
             volume: None,
+            scattering: None,
             dispersion: 0.0,
             priority: 0,
         }
@@ -179,8 +187,11 @@ impl Material {
             (&mut self.specular_texture, TextureRange::Unit),
             (&mut self.specular_color_texture, TextureRange::Unit),
             (&mut self.transmission_texture, TextureRange::Unit),
+            (&mut self.diffuse_transmission_texture, TextureRange::Unit),
+            (&mut self.diffuse_transmission_color_texture, TextureRange::Unit),
         ]
         .into_iter()
+        .chain(self.scattering.iter_mut().map(Scattering::ranged_slot_mut))
         .chain(self.layers.iter_mut().flat_map(|layers| layers.ranged_slots_mut()))
     }
 
@@ -188,6 +199,16 @@ impl Material {
     pub fn tangent_texture(&self) -> Option<TextureRef> {
         let of_layers = || self.layers.as_ref()?.tangent_texture();
         self.normal_texture.or_else(of_layers)
+    }
+
+    /// Whether any light may pass it, straight or scattered.
+    pub fn transmits(&self) -> bool {
+        self.transmission > 0.0 || self.diffuse_transmission > 0.0
+    }
+
+    /// Whether it bounds solids that light goes through.
+    pub fn is_solid(&self) -> bool {
+        self.volume.is_some() && self.transmits()
     }
 
     /// Whether any point of it may emit.

@@ -4,7 +4,8 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::Scene;
-use crate::accel::Footprint;
+use crate::accel::{Footprint, MeshUse};
+use crate::geom::Mesh;
 use crate::texture::Texture;
 
 /// Bytes of a scene's parts, and about how many its structure will take.
@@ -30,21 +31,24 @@ impl SceneMemory {
     /// Adds up.
     pub fn of(scene: &Scene) -> Self {
         let meshes = || scene.meshes.iter();
-        let unique_triangles = meshes().map(|mesh| mesh.indices.len() as u64).sum();
-        let placements = scene.instances.len() as u64;
-        let placed =
-            |instance: &super::Instance| scene.meshes[instance.mesh.index()].indices.len() as u64;
+        let unused = |mesh: &Arc<Mesh>| MeshUse { triangles: mesh.indices.len() as u64, uses: 0 };
+        let mut used: Vec<MeshUse> = meshes().map(unused).collect();
+        for instance in &scene.instances {
+            let uses = &mut used[instance.mesh.index()].uses;
+            *uses = uses.saturating_add(1);
+        }
+        let sum = |of: fn(&MeshUse) -> u64| used.iter().map(of).fold(0, u64::saturating_add);
         let mut seen = HashSet::new();
         let images = scene.textures.iter().map(Texture::image);
         let images = images.filter(|image| seen.insert(Arc::as_ptr(image)));
         Self {
-            unique_triangles,
-            placed_triangles: scene.instances.iter().map(placed).sum(),
-            placements,
+            unique_triangles: sum(|mesh| mesh.triangles),
+            placed_triangles: sum(MeshUse::placed),
+            placements: scene.instances.len() as u64,
             mesh_bytes: meshes().map(|mesh| mesh.heap_bytes() as u64).sum(),
             placement_bytes: size_of_val(&*scene.instances) as u64,
             texture_bytes: images.map(|image| image.texel_bytes()).sum(),
-            structure: Footprint::estimate(unique_triangles, placements),
+            structure: Footprint::estimate(&used),
         }
     }
 
@@ -69,7 +73,6 @@ impl SceneMemory {
 mod tests {
     use super::super::{Instance, Transform};
     use super::*;
-    use crate::geom::Mesh;
     use crate::math::{Affine3A, MaterialId, MeshId, Vec3};
 
     #[test]
@@ -91,8 +94,32 @@ mod tests {
         assert_eq!(counts, (1, 1000, 1000));
         assert_eq!(memory.mesh_bytes, 3 * 12 + 12);
         assert_eq!(memory.placement_bytes, 1000 * size_of::<Instance>() as u64);
-        assert_eq!(memory.structure, Footprint { triangles: 100, placements: 75_000 });
+        // So few are flattened.
+        assert_eq!(memory.structure, Footprint { triangles: 100_000, placements: 0 });
         let sum = memory.parts().map(|(_, bytes)| bytes).iter().sum::<u64>();
         assert_eq!(memory.total(), sum);
+    }
+
+    #[test]
+    fn copies_of_large_meshes_share_a_structure_and_those_of_small_ones_do_not() {
+        let mesh = |triangles: u32| {
+            let (positions, indices) = (vec![Vec3::ZERO, Vec3::X, Vec3::Y], [[0, 1, 2]]);
+            let indices = indices.repeat(triangles as usize);
+            Arc::new(Mesh { positions, indices, ..Mesh::default() })
+        };
+        let placed = |mesh: usize, times: usize| {
+            let instance = Instance {
+                mesh: MeshId::from_index(mesh),
+                material: MaterialId::from_index(0),
+                transform: Transform::new(Affine3A::IDENTITY),
+            };
+            std::iter::repeat_n(instance, times)
+        };
+        let instances = placed(0, 100).chain(placed(1, 50)).chain(placed(2, 1)).collect();
+        let meshes = vec![mesh(10_000), mesh(100), mesh(3_000)];
+        let scene = Scene { meshes, instances, ..Scene::default() };
+        let triangles = 10_000 + 50 * 100 + 3_000;
+        let expected = Footprint { triangles: 100 * triangles, placements: 100 * 75 };
+        assert_eq!(SceneMemory::of(&scene).structure, expected);
     }
 }

@@ -6,6 +6,7 @@ use super::{Instance, Material, SceneMotion};
 use crate::camera::Camera;
 use crate::geom::Mesh;
 use crate::light::{Environment, Punctual};
+use crate::medium::Medium;
 use crate::texture::Texture;
 
 /// A camera and what the file calls it.
@@ -72,6 +73,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Lights without extent.
     pub lights: Vec<Punctual>,
+    /// What fills all space but the insides of solids.
+    pub medium: Option<Medium>,
     /// What shines from infinitely far away.
     pub environment: Option<Environment>,
     /// Cameras in the file's order.

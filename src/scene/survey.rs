@@ -2,6 +2,7 @@
 
 use super::{Instance, Scene};
 use crate::geom::Mesh;
+use crate::light::{Punctual, PunctualKind};
 use crate::math::DVec3;
 
 /// Figures about a scene.
@@ -56,6 +57,13 @@ impl Survey {
         let dark = self.emitting_triangles == 0 && scene.lights.is_empty();
         if dark && scene.environment.is_none() {
             add("no-light", "nothing shines: a neutral sky, or --env".to_owned());
+        }
+        if scene.medium.is_some_and(|medium| medium.extinction().min_element() > 0.0) {
+            let far = |light: &Punctual| light.kind == PunctualKind::Directional;
+            if scene.environment.is_some() || scene.lights.iter().any(far) {
+                let message = "a medium fills all space: no light reaches anything from infinity";
+                add("veiled", message.to_owned());
+            }
         }
         if scene.cameras.is_empty() {
             add("no-camera", "no camera: all of it is framed, or --look-from".to_owned());
@@ -114,7 +122,23 @@ mod tests {
 
     use super::super::{Material, Transform};
     use super::*;
+    use crate::light::Environment;
     use crate::math::{Affine3A, MaterialId, MeshId, Vec3};
+    use crate::medium::Medium;
+
+    #[test]
+    fn a_sky_behind_endless_fog_is_told() {
+        let medium = Medium::new(Vec3::ONE, Vec3::ONE, 0.0);
+        let of = |medium| {
+            let environment = Some(Environment::constant(Vec3::ONE));
+            Scene { medium, environment, ..Scene::default() }
+        };
+        let told = |scene: &Scene| {
+            let faults = Survey::of(scene).find_faults(scene);
+            faults.iter().any(|(kind, _)| *kind == "veiled")
+        };
+        assert!(told(&of(Some(medium))) && !told(&of(None)));
+    }
 
     #[test]
     fn figures_and_faults_of_a_scene_with_all_of_them() {

@@ -8,6 +8,7 @@ use crate::geom::{
 };
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
 use crate::motion::Piece;
+use crate::simd::prefetch;
 
 /// A scene has more placed meshes than ids can number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,6 +28,11 @@ pub struct Triangles {
 }
 
 impl Triangles {
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
     fn deformation(&self, mesh: MeshId) -> Option<&Deformation> {
         Some(&**self.scene.motion.as_ref()?.deformation(mesh.index())?)
     }
@@ -89,8 +95,11 @@ impl TriangleSource for Triangles {
 
     #[inline]
     fn locate(&self, prim: PrimId) -> TriangleId {
-        let (instance, index) = self.numbering.find(u64::from(prim.0));
-        TriangleId { instance: InstanceId::from_index(instance), index }
+        self.numbering.locate(prim)
+    }
+
+    fn numbering(&self) -> Option<&Numbering> {
+        Some(&self.numbering)
     }
 
     fn number(&self, triangle: TriangleId) -> u64 {
@@ -134,6 +143,11 @@ impl Placements for Triangles {
     #[inline]
     fn to_world(&self, placement: InstanceId) -> Affine3A {
         self.scene.instances[placement.index()].transform.to_world()
+    }
+
+    #[inline]
+    fn prefetch(&self, placement: InstanceId) {
+        prefetch(&self.scene.instances, placement.index(), size_of::<Instance>());
     }
 
     #[inline]

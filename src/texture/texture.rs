@@ -102,6 +102,16 @@ impl Texture {
         &self.image
     }
 
+    /// What lies beyond the image's edges, along u and v.
+    pub fn wrap(&self) -> [Wrap; 2] {
+        self.wrap
+    }
+
+    /// How it is looked up between texels.
+    pub fn filter(&self) -> Filter {
+        self.filter
+    }
+
     /// What the image's numbers mean.
     pub fn color_space(&self) -> ColorSpace {
         self.color_space

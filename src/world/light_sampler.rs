@@ -1,10 +1,11 @@
 //! Which light to ask: by its power alone, or by what it may send to the point that asks.
 
+use crate::geom::Triangle;
 use crate::light::{LightBounds, LightSampleContext, LightTree, PunctualKind, Sides};
-use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
+use crate::math::{Vec2, Vec3};
 use crate::names::choices;
 use crate::sampling::{AliasTable, ONE_MINUS_EPSILON};
-use crate::scene::{Scene, Triangles};
+use crate::scene::Scene;
 
 /// How a light is chosen among many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -145,19 +146,12 @@ pub(super) fn punctual_bounds(scene: &Scene, weights: &[f64]) -> Vec<LightBounds
 }
 
 /// What the tree has to know of an emitting triangle.
-pub(super) fn triangle_bounds(
-    triangles: &Triangles,
-    (instance, index): (InstanceId, u32),
-    sides: Sides,
-    weight: f64,
-) -> LightBounds {
-    let triangle = triangles.of(TriangleId { instance, index });
+pub(super) fn triangle_bounds(triangle: &Triangle, sides: Sides, weight: f64) -> LightBounds {
     let normal = triangle.double_area().try_normalize().unwrap_or(Vec3::ZERO);
     // A flat light sends π times less straight ahead than a point of the same power does around, by
     // 4π: 4 times more; from both sides, half of that each.
     let gain = if sides == Sides::Both { 2.0 } else { 4.0 };
-    let corners = [triangle.a, triangle.b, triangle.c];
-    LightBounds::flat(corners, normal, sides, weight as f32 * gain)
+    LightBounds::flat(triangle.corners(), normal, sides, weight as f32 * gain)
 }
 
 #[cfg(test)]

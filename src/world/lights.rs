@@ -1,48 +1,42 @@
 //! What shines in a scene, and which of it to ask.
 
-use std::f32::consts::PI;
+use std::sync::Arc;
 
-use super::interpolation::Interpolation;
+use super::emitters::{
+    Emitter, EvenEmission, area, emitting, mean, mean_area, sides, triangle_weight, weight,
+};
+use super::lamps::{Lamp, Lamps};
 use super::light_sampler::{LightSampler, LightSamplerKind, punctual_bounds, triangle_bounds};
-use super::lookup::emission;
-use crate::geom::Triangle;
-use crate::light::{Environment, LightBounds, LightSampleContext, Sides};
-use crate::math::{InstanceId, TriangleId, Vec2, Vec3};
-use crate::sampling::warp;
-use crate::scene::{AlphaMode, Scene, Triangles};
+use crate::light::{Environment, LightBounds, LightSampleContext};
+use crate::math::{InstanceId, TriangleId, Vec2};
+use crate::sampling::mix_uniforms;
+use crate::scene::{Scene, Triangles};
 
 /// All lights under one running number: punctual lights, then the environment if there is one,
-/// then emitting triangles by instance; and what chooses one.
+/// then what emits, by instance: its triangles, or all of it as one lamp; and what chooses one.
 #[derive(Debug)]
 pub struct Lights {
     sampler: LightSampler,
     punctual: usize,
     environment: Option<usize>,
-    first_triangle: usize,
-    /// Emitting triangles.
-    triangles: Vec<Emitter>,
-    /// For each instance, the number of its first triangle's light; `u32::MAX`: it does not emit.
+    first_area: usize,
+    /// What emits and has an area.
+    areas: Vec<AreaLight>,
+    /// For each instance, the number of its first light; `u32::MAX`: it does not emit.
     instances: Vec<u32>,
+    lamps: Lamps,
 }
 
-/// A triangle that emits: where it is, so that it need not be looked for.
+/// What emits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Emitter {
-    pub instance: InstanceId,
-    /// Its number in the instance's mesh.
-    pub index: u32,
-    /// If it is as bright all over.
-    pub even: Option<EvenEmission>,
+enum AreaLight {
+    Triangle(Emitter),
+    /// All triangles of a placement whose mesh many have.
+    Lamp(Lamp),
 }
 
-/// What a triangle emits at all of its points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct EvenEmission {
-    /// In the world.
-    pub corners: [Vec3; 3],
-    pub radiance: Vec3,
-    pub both_sides: bool,
-}
+/// More emitting triangles than these are lights by placements where meshes are placed repeatedly.
+const MOST_ALONE: u64 = 1 << 16;
 
 /// A light that was chosen.
 #[derive(Clone, Copy, Debug)]
@@ -57,41 +51,51 @@ pub(super) enum ChosenLight {
 
 impl Lights {
     /// The lights of a scene within `radius` metres, to be chosen as told.
-    pub fn new(scene: &Scene, triangles: &Triangles, radius: f32, kind: LightSamplerKind) -> Self {
+    pub fn new(
+        scene: &Scene,
+        triangles: &Arc<Triangles>,
+        radius: f32,
+        kind: LightSamplerKind,
+    ) -> Self {
+        Self::with_lamps(scene, triangles, (radius, kind), MOST_ALONE)
+    }
+
+    /// The same with lamps where more triangles than `most_alone` emit.
+    pub(super) fn with_lamps(
+        scene: &Scene,
+        triangles: &Arc<Triangles>,
+        (radius, kind): (f32, LightSamplerKind),
+        most_alone: u64,
+    ) -> Self {
         let mut weights: Vec<f64> =
             scene.lights.iter().map(|light| weight(light.power(radius))).collect();
         let environment = scene.environment.as_ref().map(|_| {
             weights.push(0.0); // once the others are known
             weights.len() - 1
         });
-        let first_triangle = weights.len();
-        let (mut emitters, mut instances) = (Vec::new(), Vec::new());
-        for (index, instance) in scene.instances.iter().enumerate() {
-            let material = &scene.materials[instance.material.index()];
-            if !material.is_emissive() {
+        let first_area = weights.len();
+        let lamps = Lamps::new(scene, triangles, kind, most_alone);
+        let (mut areas, mut instances) = (Vec::new(), Vec::new());
+        for instance in (0..scene.instances.len()).map(InstanceId::from_index) {
+            let (material, mesh) = emitting(scene, instance);
+            let Some(material) = material else {
                 instances.push(u32::MAX);
                 continue;
-            }
+            };
             instances.push(weights.len() as u32);
-            let mesh = &scene.meshes[instance.mesh.index()];
-            let sides = if material.double_sided { 2.0 } else { 1.0 };
-            let is_even = material.emissive_texture.is_none()
-                && !material.unlit
-                && material.alpha_mode == AlphaMode::Opaque;
-            let moves = scene.moves(InstanceId::from_index(index));
-            for number in 0..mesh.indices.len() {
-                let instance = InstanceId::from_index(index);
-                let id = TriangleId { instance, index: number as u32 };
+            if let Some(lamp) = lamps.find(scene, instance) {
+                weights.push(lamps.weight(scene, lamp));
+                areas.push(AreaLight::Lamp(lamp));
+                continue;
+            }
+            let moves = scene.moves(instance);
+            for index in 0..scene.meshes[mesh].indices.len() as u32 {
+                let id = TriangleId { instance, index };
                 let triangle = triangles.of(id);
                 let area = if moves { mean_area(triangles, id) } else { area(&triangle) };
-                let radiance = mean_emission(scene, id);
-                weights.push(weight(PI * area * sides * radiance));
-                let even = (is_even && !moves).then_some(EvenEmission {
-                    corners: [triangle.a, triangle.b, triangle.c],
-                    radiance: material.emissive,
-                    both_sides: material.double_sided,
-                });
-                emitters.push(Emitter { instance, index: number as u32, even });
+                weights.push(triangle_weight(scene, material, id, area));
+                let even = EvenEmission::new(material, triangle.corners()).filter(|_| !moves);
+                areas.push(AreaLight::Triangle(Emitter { instance, index, even }));
             }
         }
         if let (Some(light), Some(environment)) = (environment, &scene.environment) {
@@ -103,20 +107,21 @@ impl Lights {
         let bounds = || {
             let mut bounds = punctual_bounds(scene, &weights);
             bounds.extend(environment.map(|_| LightBounds::NOWHERE));
-            let of_triangles = emitters.iter().zip(&weights[first_triangle..]);
-            bounds.extend(of_triangles.map(|(emitter, &weight)| {
-                if scene.moves(emitter.instance) {
-                    return LightBounds::NOWHERE;
+            let with_areas = areas.iter().zip(&weights[first_area..]);
+            bounds.extend(with_areas.map(|(light, &weight)| match *light {
+                AreaLight::Lamp(lamp) => lamps.bounds(scene, lamp),
+                AreaLight::Triangle(Emitter { instance, .. }) if scene.moves(instance) => {
+                    LightBounds::NOWHERE
                 }
-                let instance = &scene.instances[emitter.instance.index()];
-                let both = scene.materials[instance.material.index()].double_sided;
-                let sides = if both { Sides::Both } else { Sides::Front };
-                triangle_bounds(triangles, (emitter.instance, emitter.index), sides, weight)
+                AreaLight::Triangle(Emitter { instance, index, .. }) => {
+                    let sides = sides(emitting(scene, instance).0);
+                    triangle_bounds(&triangles.of(TriangleId { instance, index }), sides, weight)
+                }
             }));
             bounds
         };
         let sampler = LightSampler::new(weights.clone(), kind, bounds);
-        Self { sampler, punctual, environment, first_triangle, triangles: emitters, instances }
+        Self { sampler, punctual, environment, first_area, areas, instances, lamps }
     }
 
     /// Whether nothing shines.
@@ -124,9 +129,10 @@ impl Lights {
         self.sampler.is_empty()
     }
 
-    /// The number of lights, each emitting triangle one.
+    /// The number of lights: each emitting triangle one, but where there are very many, copies of a
+    /// mesh one each.
     pub fn len(&self) -> usize {
-        self.first_triangle + self.triangles.len()
+        self.first_area + self.areas.len()
     }
 
     /// Whether there are none.
@@ -143,15 +149,22 @@ impl Lights {
         u_light: f32,
         u: Vec2,
     ) -> Option<(ChosenLight, f32, Vec2)> {
-        let (light, pmf, u) = self.sampler.sample_and_reuse(context, u_light, u)?;
-        let chosen = if light >= self.first_triangle {
-            ChosenLight::Emitter(self.triangles[light - self.first_triangle])
+        let (light, pmf, place) = self.sampler.sample_and_reuse(context, u_light, u)?;
+        let chosen = if light >= self.first_area {
+            match self.areas[light - self.first_area] {
+                AreaLight::Triangle(emitter) => ChosenLight::Emitter(emitter),
+                AreaLight::Lamp(lamp) => {
+                    let u_triangle = mix_uniforms([u_light, u.x, u.y]);
+                    let (emitter, share) = self.lamps.sample(lamp, context, u_triangle)?;
+                    return Some((ChosenLight::Emitter(emitter), pmf * share, u));
+                }
+            }
         } else if light < self.punctual {
             ChosenLight::Punctual(light)
         } else {
             ChosenLight::Environment
         };
-        Some((chosen, pmf, u))
+        Some((chosen, pmf, place))
     }
 
     /// Whether the choice of a light, or what one without extent sends, depends on who asks.
@@ -173,24 +186,18 @@ impl Lights {
         instance: InstanceId,
         index: usize,
     ) -> f32 {
-        match self.instances[instance.index()] {
-            u32::MAX => 0.0,
-            first => self.sampler.near_probability(context, first as usize + index),
+        let first = self.instances[instance.index()] as usize;
+        if first == u32::MAX as usize {
+            return 0.0;
+        }
+        match self.areas[first - self.first_area] {
+            AreaLight::Triangle(_) => self.sampler.near_probability(context, first + index),
+            AreaLight::Lamp(lamp) => {
+                let share = self.lamps.pmf(lamp, context, index);
+                self.sampler.near_probability(context, first) * share
+            }
         }
     }
-}
-
-fn area(triangle: &Triangle) -> f32 {
-    0.5 * triangle.double_area().length()
-}
-
-/// The mean area of a triangle that moves; never zero where it has one at some of the times looked
-/// at.
-fn mean_area(triangles: &Triangles, id: TriangleId) -> f32 {
-    const TIMES: usize = 16;
-    let time = |i: usize| (i as f32 + 0.5) / TIMES as f32;
-    let areas = (0..TIMES).map(|i| area(&triangles.of_at(id, time(i))));
-    areas.sum::<f32>() / TIMES as f32
 }
 
 /// How often the environment is chosen where there are other lights. Its power is no measure: what
@@ -204,36 +211,4 @@ fn environment_share(environment: &Environment) -> f64 {
     } else {
         0.5
     }
-}
-
-fn mean(radiance: Vec3) -> f32 {
-    (radiance.x + radiance.y + radiance.z) / 3.0
-}
-
-/// A weight that the alias table takes: what is not finite or negative is not chosen.
-fn weight(power: f32) -> f64 {
-    if power.is_finite() { f64::from(power.max(0.0)) } else { 0.0 }
-}
-
-/// Mean emission of a triangle over a few points of it; the material's factor has no say alone
-/// where a texture dims it. Never zero where a point between might shine: then a little of it.
-fn mean_emission(scene: &Scene, id: TriangleId) -> f32 {
-    let (instance, index) = (id.instance, id.index as usize);
-    let instance = &scene.instances[instance.index()];
-    let material = &scene.materials[instance.material.index()];
-    if material.emissive_texture.is_none() {
-        return mean(material.emissive);
-    }
-    const STEPS: usize = 8;
-    let mesh = &scene.meshes[instance.mesh.index()];
-    let cells = (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j)));
-    let sum: f32 = cells
-        .map(|(i, j)| {
-            let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / STEPS as f32;
-            let uv = warp::triangle(u);
-            let point = Interpolation::new(mesh, index, instance.transform.mirrored(), uv.x, uv.y);
-            mean(emission(scene, material, &point.attributes(mesh, true)))
-        })
-        .sum();
-    (sum / (STEPS * STEPS) as f32).max(1e-3 * mean(material.emissive))
 }

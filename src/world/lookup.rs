@@ -69,6 +69,10 @@ pub(super) fn surface_params(scene: &Scene, material: &Material, at: &Attributes
         specular_color: material.specular_color
             * texel(&material.specular_color_texture).truncate(),
         transmission: material.transmission * texel(&material.transmission_texture).x,
+        diffuse_transmission: material.diffuse_transmission
+            * texel(&material.diffuse_transmission_texture).w,
+        diffuse_transmission_color: material.diffuse_transmission_color
+            * texel(&material.diffuse_transmission_color_texture).truncate(),
         thin: material.volume.is_none(),
     }
 }

@@ -5,12 +5,16 @@
 
 mod alpha;
 mod bulge;
+mod emitters;
+mod in_media;
 mod interpolation;
+mod lamps;
 pub mod lanes;
 mod layers;
 mod light_sampler;
 mod lights;
 mod lookup;
+mod media;
 mod prepared_material;
 mod relight;
 mod robust;

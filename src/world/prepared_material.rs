@@ -26,6 +26,7 @@ pub enum BsdfClass {
 /// The class of a material, whatever its textures say at a point.
 fn classify(material: &Material, form: BsdfForm) -> BsdfClass {
     let bare = material.layers.is_none() && !material.unlit && !material.is_emissive();
+    let bare = bare && material.diffuse_transmission <= 0.0 && material.scattering.is_none();
     let smooth = material.normal_texture.is_none() && material.bump_texture.is_none();
     if !(bare && smooth) {
         return BsdfClass::Other;
@@ -95,6 +96,8 @@ impl PreparedMaterial {
             material.specular_texture,
             material.specular_color_texture,
             material.transmission_texture,
+            material.diffuse_transmission_texture,
+            material.diffuse_transmission_color_texture,
         ];
         // Where layers have directions of their own, each point has.
         let layers = material.layers.as_deref();
@@ -128,7 +131,7 @@ impl PreparedMaterial {
             layered: layers.is_some(),
             textured: material.clone().textures_mut().next().is_some(),
             opaque: material.is_opaque(),
-            solid: material.volume.is_some() && material.transmission > 0.0,
+            solid: material.is_solid(),
             absorption: material.volume.filter(|volume| {
                 volume.attenuation_distance.is_finite()
                     && volume.attenuation_distance > 0.0

@@ -1,6 +1,7 @@
 //! Sampling direct light: which light, and where on it.
 
-use super::lights::{ChosenLight, Emitter};
+use super::emitters::Emitter;
+use super::lights::ChosenLight;
 use super::surface::{offset_origin, triangle_point};
 use super::{Surface, World};
 use crate::light::{LightSampleContext, Punctual, area_to_solid_angle, sample_triangle};

@@ -40,6 +40,24 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// A point in space that light passes in the unit `direction` at a `time` of the shutter, as if
+    /// a surface faced it there: rays leave it from where it is.
+    pub fn point_in_space(position: Vec3, direction: Vec3, time: f32) -> Self {
+        Self {
+            position,
+            position_error: Vec3::ZERO,
+            normal: -direction,
+            frame: Frame::from_normal(-direction),
+            attributes: Attributes::NONE,
+            instance: InstanceId::from_index(0),
+            triangle: 0,
+            area: 0.0,
+            material: MaterialId::NONE,
+            front: true,
+            time,
+        }
+    }
+
     /// The ray from here in a unit `direction`, as far as it goes; does not meet this surface.
     #[inline(always)]
     pub fn ray_towards(&self, direction: Vec3) -> Ray {

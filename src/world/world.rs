@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::interpolation::Interpolation;
 use super::layers::layers_at;
 use super::lookup::{alpha, emission, surface_params};
+use super::media::Media;
 use super::prepared_material::{BsdfClass, PreparedMaterial, materials_with_clear_vertices};
 use super::robust::bent_to_viewer;
 use super::shading_normal::{NormalContext, shading_normal};
@@ -39,6 +40,7 @@ pub struct World {
     pub(super) form: BsdfForm,
     /// Whether shading normals lose no light.
     pub(super) robust: bool,
+    pub(super) media: Media,
     see_through: bool,
     has_levels: bool,
 }
@@ -97,6 +99,7 @@ impl World {
             textured.for_each(|material| material.class = BsdfClass::Other);
         }
         let slack = extent.max_element() * SLACK;
+        let media = Media::new(&scene);
         Ok(Self {
             scene,
             triangles,
@@ -106,6 +109,7 @@ impl World {
             radius,
             form,
             robust: true,
+            media,
             see_through,
             has_levels,
         })

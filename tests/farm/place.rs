@@ -55,6 +55,14 @@ impl Place {
         String::from_utf8(output.stdout).expect("UTF-8")
     }
 
+    /// Writes a program that can be run.
+    pub fn program(&self, name: &str, text: &str) {
+        use std::os::unix::fs::PermissionsExt;
+        fs::write(self.path(name), text).expect("written");
+        let all = fs::Permissions::from_mode(0o755);
+        fs::set_permissions(self.path(name), all).expect("it is ours");
+    }
+
     /// Writes what dapple prints.
     pub fn write(&self, name: &str, words: &str) {
         fs::write(self.path(name), self.good(words)).expect("written");

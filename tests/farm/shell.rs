@@ -45,6 +45,79 @@ fn a_task_by_its_index_and_the_merge_are_commands_of_their_own() {
     assert!(place.read("out.exr") == place.read("one.exr"));
 }
 
+/// A script whose tasks end with codes of their own, by a program in dapple's place.
+fn script_of_codes(place: &Place, codes: [u8; 4]) {
+    let lines = codes.map(|code| format!("exit {code}"));
+    let [a, b, c, d] = lines;
+    let program = format!(
+        "#!/bin/sh\ncase \"$*\" in\n*0/4*) {a} ;;\n*1/4*) {b} ;;\n*2/4*) {c} ;;\n*3/4*) {d} ;;\n\
+         *) echo merged >>merged ;;\nesac\n"
+    );
+    place.program("false-dapple", &program);
+    let words = format!("farm shell {RENDER} -o out.exr --parts 4 --dapple ./false-dapple");
+    place.write("farm.sh", &words);
+}
+
+#[test]
+fn the_whole_ends_with_the_code_of_what_failed_first_or_else_of_what_stopped() {
+    // Where two count alike, either may be the first if both run at a time.
+    for (codes, expected, or) in [
+        ([0; 4], 0, 0),
+        ([0, 75, 3, 2], 3, 2),
+        ([0, 143, 75, 0], 143, 75),
+        ([75; 4], 75, 75),
+        ([0, 0, 0, 70], 70, 70),
+    ] {
+        let place = Place::new();
+        script_of_codes(&place, codes);
+        for jobs in ["1", "3"] {
+            let all = place.command("bash", &["farm.sh"]).env("JOBS", jobs).output();
+            let all = all.expect("bash runs");
+            let code = all.status.code();
+            let is_right = code == Some(expected) || jobs == "3" && code == Some(or);
+            assert!(is_right, "{}", said(&all));
+        }
+        assert_eq!(place.text("merged"), if expected == 0 { "merged\nmerged\n" } else { "" });
+    }
+    let place = Place::new();
+    script_of_codes(&place, [0; 4]);
+    for jobs in ["0", "two", ""] {
+        let all = place.command("bash", &["farm.sh"]).env("JOBS", jobs).output();
+        assert_eq!(all.expect("bash runs").status.code(), Some(i32::from(!jobs.is_empty()) * 2));
+    }
+}
+
+#[test]
+fn signals_reach_all_tasks_and_the_script_waits_for_them() {
+    for (signal, code) in [("TERM", 143), ("USR1", 75), ("INT", 130)] {
+        let place = Place::new();
+        let words = "cornell.gltf --spp 100000000 --resolution 24x16 --threads 1 -q";
+        script(&place, &format!("{words} -o out.exr --parts 4"));
+        let mut command = place.command("bash", &["farm.sh"]);
+        let mut running = command.env("JOBS", "2").spawn().expect("bash runs");
+        // The kernel's list of a process's children is empty as long as it has none.
+        let children = || {
+            let list = format!("/proc/{0}/task/{0}/children", running.id());
+            fs::read_to_string(list).unwrap_or_default()
+        };
+        let children: Vec<String> = loop {
+            std::thread::sleep(std::time::Duration::from_millis(300));
+            let found: Vec<String> = children().split_whitespace().map(str::to_owned).collect();
+            if found.len() == 2 {
+                break found;
+            }
+        };
+        let id = running.id().to_string();
+        assert!(place.command("kill", &["-s", signal, &id]).status().expect("kill runs").success());
+        assert_eq!(running.wait().expect("it ends").code(), Some(code), "{signal}");
+        for child in children {
+            let name = fs::read_to_string(format!("/proc/{child}/comm")).unwrap_or_default();
+            assert!(!name.starts_with("dapple"), "{signal}: {name} still runs");
+        }
+        assert!(!place.path("out.parts/2.part").exists(), "{signal}: no more were begun");
+    }
+}
+
 #[test]
 fn frames_by_a_shell_are_those_of_one_command() {
     let place = Place::new();

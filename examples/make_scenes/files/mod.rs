@@ -4,6 +4,7 @@ mod colors;
 mod finishes;
 mod gltf;
 mod materials;
+mod media;
 mod motion;
 mod painted;
 mod pictures;
@@ -23,6 +24,8 @@ pub fn all() -> Vec<(String, Vec<u8>)> {
         finishes::finishes(),
         colors::films(),
         colors::gems(),
+        media::media(),
+        media::leaves(),
         surfaces::textured(),
         surfaces::alpha(),
         surfaces::sky(),

@@ -14,7 +14,7 @@ use super::link::Link;
 use super::{BinaryTree, Parts, sah};
 use crate::accel::{
     BuildError, BuildInput, BuildReport, Built, Counters, Event, MemoryReport, Phases, PreparedRay,
-    Query, RayContext, Structure, Variant, WalkRay,
+    Query, RayContext, Structure, Variant, Verdict, WalkRay,
 };
 use crate::geom::{BlockRef, TriangleBlock, TriangleSource};
 use crate::math::{Aabb, PrimId, Vec3, larger};
@@ -245,13 +245,13 @@ impl Bvh2 {
     #[inline(never)]
     fn test_all<Q: Query, C: Counters>(
         &self,
-        ray: PreparedRay<'_>,
+        (ray, verdict): (PreparedRay<'_>, Option<&dyn Verdict>),
         mut query: Q,
         counters: &mut C,
         fetched: &mut Fetched<WIDTH>,
     ) -> Q {
-        let mut context =
-            RayContext { simd: crate::simd::baseline(), ray: &ray, query: &mut query, counters };
+        let (simd, ray, query_of) = (crate::simd::baseline(), &ray, &mut query);
+        let mut context = RayContext { simd, ray, verdict, query: query_of, counters };
         for leaf in 0..self.built.report.leaves {
             let block = self.visit_leaf(leaf, fetched, context.counters);
             if context.test_each(block).is_break() {
@@ -294,8 +294,9 @@ impl WalkRay for Bvh2 {
     ) {
         let Some(root) = self.root else { return };
         if self.parts.is_some_and(|parts| !parts.covers(&context.ray.ray)) {
+            let ray = (*context.ray, context.verdict);
             *context.query =
-                self.test_all(*context.ray, *context.query, context.counters, &mut scratch.fetched);
+                self.test_all(ray, *context.query, context.counters, &mut scratch.fetched);
             return;
         }
         let _final = self.walk_below(context, root, scratch);

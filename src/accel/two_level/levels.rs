@@ -9,9 +9,11 @@ use super::placement::{Shape, ToMesh, error_inside, world_box};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use super::spans::Spans;
 use crate::accel::Phases;
+use crate::accel::small_meshes::{MOVES, MeshUse, find_small};
 use crate::geom::{Motions, Placements};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
 use crate::motion::Piece;
+use crate::simd::prefetch;
 
 /// A mesh that is kept apart: in a structure of its own, in its own space.
 #[derive(Clone, Copy, Debug)]
@@ -62,9 +64,6 @@ pub struct Levels {
     boxes: Arc<[Aabb]>,
 }
 
-/// As many uses of a mesh as say that it moves.
-const MOVES: u32 = u32::MAX;
-
 /// A mesh of fewer triangles is flattened: a placement costs as much.
 const FEW: usize = 16;
 
@@ -78,21 +77,19 @@ impl Levels {
     pub fn new(placed: Placed, copies: bool, phases: &mut Phases) -> Self {
         let placements = placed.get();
         let motions = placements.motions();
-        let moves = |placement| motions.is_some_and(|motions| motions.is_moving(placement));
-        let mut uses = vec![0_u32; placements.meshes()];
-        for placement in 0..placements.len() {
-            let placement = InstanceId::from_index(placement);
-            let mesh = placements.mesh(placement).index();
-            uses[mesh] = if moves(placement) { MOVES } else { uses[mesh].saturating_add(1) };
+        let moves = |placement: &InstanceId| motions.is_some_and(|it| it.is_moving(*placement));
+        let mut used = find_uses(placements);
+        for placement in (0..placements.len()).map(InstanceId::from_index).filter(moves) {
+            used[placements.mesh(placement).index()].uses = MOVES;
         }
-        let small = find_small(placements, &uses);
-        let shape = |(mesh, &uses): (usize, &u32)| {
+        let small = find_small(&used);
+        let shape = |(mesh, &MeshUse { uses, .. }): (usize, &MeshUse)| {
             let mesh = MeshId::from_index(mesh);
             let worth_it = copies && uses > 1 && placements.mesh_len(mesh) >= FEW;
             let worth_it = uses == MOVES || (worth_it && !small[mesh.index()]);
             worth_it.then(|| Shape::new(placements, mesh)).flatten()
         };
-        let shapes: Vec<Option<Shape>> = uses.par_iter().enumerate().map(shape).collect();
+        let shapes: Vec<Option<Shape>> = used.par_iter().enumerate().map(shape).collect();
         let error = |placement: usize| {
             let placement = InstanceId::from_index(placement);
             let shape = shapes[placements.mesh(placement).index()].as_ref()?;
@@ -156,6 +153,12 @@ impl Levels {
         }
     }
 
+    /// Prefetches the way into a placement, if it is kept.
+    #[inline(always)]
+    pub fn prefetch_way(&self, number: usize) {
+        prefetch(&self.ways, number, size_of::<Way>());
+    }
+
     /// A placement by its number in the upper structure, and where it stands at a time.
     #[inline]
     pub fn placement(&self, prim: PrimId, time: f32) -> (InstanceId, Affine3A) {
@@ -217,27 +220,16 @@ fn error_over_time(shape: &Shape, motions: &dyn Motions, placement: InstanceId) 
     1.5 * pieces.iter().map(error).fold(0.0, f32::max)
 }
 
-/// So many triangles are flattened of meshes that are placed more than once: 150 MB.
-const MOST_FLATTENED: u64 = 1 << 21;
-
-/// Which meshes are small enough to be flattened however often they are placed: from the smallest
-/// on, while all copies so made have no more than twice the triangles of all meshes. Small parts
-/// lie within the boxes of others: a ray enters many, and that takes as long as some ten nodes. In
-/// a hall of robots rays entered half as many placements, and took four fifths of the time. What
-/// moves is none of them.
-fn find_small(placements: &dyn Placements, uses: &[u32]) -> Vec<bool> {
+/// All meshes, and how often each is placed.
+pub fn find_uses(placements: &dyn Placements) -> Vec<MeshUse> {
     let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
-    let is_copied = |&mesh: &usize| uses[mesh] > 1 && uses[mesh] != MOVES;
-    let mut copied: Vec<usize> = (0..uses.len()).filter(is_copied).collect();
-    copied.sort_by_key(|&mesh| len(mesh));
-    let unique: u64 = (0..uses.len()).filter(|&mesh| uses[mesh] > 0).map(len).sum();
-    let mut room = MOST_FLATTENED.min(2 * unique);
-    let mut small = vec![false; uses.len()];
-    for mesh in copied {
-        let Some(left) = room.checked_sub(len(mesh) * u64::from(uses[mesh])) else { break };
-        (small[mesh], room) = (true, left);
+    let mesh = |mesh| MeshUse { triangles: len(mesh), uses: 0 };
+    let mut used: Vec<MeshUse> = (0..placements.meshes()).map(mesh).collect();
+    for placement in (0..placements.len()).map(InstanceId::from_index) {
+        let uses = &mut used[placements.mesh(placement).index()].uses;
+        *uses = uses.saturating_add(1);
     }
-    small
+    used
 }
 
 /// All triangles of placements are looked at if these are no more; it takes some 10 ms a million.

@@ -71,5 +71,6 @@ mod verdict;
 mod wide;
 mod wide_levels;
 
+pub use levels::find_uses;
 pub use sources::Placed;
 pub use two_level::TwoLevel;

@@ -99,7 +99,8 @@ impl<'a> Above<'a> {
         (index, stack): (usize, usize),
     ) -> Flight<'a, Q> {
         let world = PreparedRay::of_batch(&slice.batch, index);
-        let (query, stripes, link) = (world.ask(), self.stripes, self.root);
+        let query = Q::new(&world.ray);
+        let (stripes, link) = (self.stripes, self.root);
         Flight { world, here: world, stripes, inside: None, query, key: 1, link, top: 1, stack }
     }
 
@@ -207,6 +208,7 @@ impl<'a> Above<'a> {
             Entered::Far => return test_all(levels, flight, *placement),
         };
         flight.inside = Some(Inside::new(*placement, *slack, shift));
+        levels.placed.get().prefetch(*placement);
         (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
         flight.stripes = self.meshes;
         flight.query.set_limit(ray.t_max());

@@ -104,7 +104,11 @@ impl WideLevels {
     /// Prefetches a part of a placement.
     #[inline(always)]
     pub fn prefetch_part(&self, number: usize) {
-        prefetch(&self.parts, number, size_of::<Part>());
+        if self.parts.is_empty() {
+            self.levels.prefetch_way(number);
+        } else {
+            prefetch(&self.parts, number, size_of::<Part>());
+        }
     }
 }
 

@@ -40,43 +40,110 @@ pub fn run(args: &ShellArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Runs all numbers of a function, so many at a time. Signals go to what runs: a shell that waits
+/// would not hand them on. `wait -n` only wakes: some versions of bash lose the code of what a
+/// signal ended, so each is asked for by its process.
+const RUN: &str = r#"
+# Runs $1 for the numbers 0 to $2, $JOBS at a time.
+run() {
+  local number code
+  trap 'stop 75 USR1' USR1
+  trap 'stop 143 TERM' TERM
+  trap 'stop 130 TERM' INT
+  trap 'tell HUP' HUP
+  for ((number = 0; number <= $2; number++)); do
+    while ((${#running[@]} >= JOBS)); do collect; done
+    [ -z "$told" ] || break
+    "$1" "$number" &
+    running+=("$!")
+    [ -z "$told" ] || tell TERM # It came in between.
+  done
+  while ((${#running[@]})); do collect; done
+  code=${failed:-${told:-$stopped}}
+  [ -z "$code" ] || exit "$code"
+}
+
+# Waits until one has ended, and takes down the codes of all that have.
+collect() {
+  local process code alive going=()
+  wait -n || :
+  alive=$(jobs -rp)
+  for process in "${running[@]}"; do
+    if [[ $'\n'$alive$'\n' == *$'\n'$process$'\n'* ]]; then
+      going+=("$process")
+      continue
+    fi
+    code=0
+    wait "$process" || code=$?
+    if ((code == 75 || code > 128)); then
+      stopped=${stopped:-$code}
+    elif ((code)); then
+      failed=${failed:-$code}
+    fi
+  done
+  running=("${going[@]}")
+}
+
+# Has those that run save and end.
+stop() {
+  told=${told:-$1}
+  tell "$2"
+}
+
+tell() {
+  kill -s "$1" "${running[@]}" 2>/dev/null || :
+}
+
+"#;
+
 /// The script.
 fn script(plan: &Plan) -> String {
     let last = plan.tasks() - 1;
-    let merges = plan.merges() > 0;
-    let line = |text: &str| if merges { format!("{text}\n") } else { String::new() };
-    let work = quote(&plan.work);
+    let merges = plan.merges();
+    let if_merges = |text: String| if merges > 0 { text } else { String::new() };
+    let merge_all = if_merges(format!("run merge {}", merges.saturating_sub(1)));
+    let function = |name: &str, lines: &str| format!("{name}() {{\n{}}}\n\n", indent(lines));
     let task = plan.render_task("exec ", &[]);
-    let render = format!("render() {{\n{}}}\n\n", indent(&format!("local task=$1\n{task}")));
-    let merge = if merges {
-        format!("merge() {{\n{}}}\n\n", indent(&merge_all(plan)))
-    } else {
-        String::new()
-    };
+    let render = function("render", &format!("local task=$1\n{task}"));
+    let picture = if plan.frames.is_some() { "local picture=$1\n" } else { "" };
+    let picture = format!("{picture}{}", plan.merge_picture("exec ", &[]));
+    let merge = if_merges(function("merge", &picture));
     format!(
         "#!/usr/bin/env bash\n\
          # {}.\n\
          # Run it where the scene's path leads to the scene:\n\
-         #   bash FILE         all tasks, $JOBS of them at a time, by GNU parallel or xargs\n\
-         #   bash FILE TASK    one of the tasks 0 to {last}; exit code 75: saved, start it again\n\
+         #   bash FILE         all tasks, $JOBS of them at a time\n\
+         #   bash FILE TASK    one of the tasks 0 to {last}\n\
          {}\
          # Tasks that are done end at once; those that were stopped go on.\n\
+         # Exit code 75: saved, start it again. All tasks: the code of the first that failed,\n\
+         # or else of the first that was stopped.\n\
          set -euo pipefail\n\
-         mkdir -p {work}\n\n\
+         mkdir -p {}\n\n\
          {render}{merge}\
-         case ${{1:-all}} in\n  all) ;;\n{}  *)\n    {}\n    render \"$1\"\n    ;;\nesac\n\n\
-         if command -v parallel >/dev/null; then\n  \
-         seq 0 {last} | parallel --quote --jobs \"${{JOBS:-1}}\" bash \"$0\"\n\
-         else\n  \
-         seq 0 {last} | xargs -n 1 -P \"${{JOBS:-1}}\" bash \"$0\"\n\
-         fi\n{}",
+         running=() failed='' stopped='' told=''\n\
+         {}\
+         case ${{1:-all}} in\n  \
+         all)\n    {}\n    run render {last}\n{}    ;;\n\
+         {}  \
+         *)\n    {}\n    render \"$1\"\n    ;;\n\
+         esac\n",
         plan.describe(),
-        line("#   bash FILE merge   merges the parts"),
-        line("  merge) merge; exit ;;"),
+        if_merges("#   bash FILE merge   merges the parts\n".to_owned()),
+        quote(&plan.work),
+        RUN.trim_start(),
+        CHECK_JOBS,
+        if_merges(format!("    {merge_all}\n")),
+        if_merges(format!("  merge)\n    JOBS=1\n    {merge_all}\n    ;;\n")),
         check_task(last),
-        line("merge"),
     )
 }
+
+/// The lines that make sure of the variable JOBS.
+const CHECK_JOBS: &str = r#"if [[ ! ${JOBS:=1} =~ ^[1-9][0-9]{0,3}$ ]]; then
+      echo "$0: JOBS is '$JOBS': it is how many tasks run at a time" >&2
+      exit 2
+    fi"#;
 
 /// The lines that make sure that the script's word is the number of a task.
 fn check_task(last: u64) -> String {
@@ -86,16 +153,4 @@ fn check_task(last: u64) -> String {
          exit 2\n    \
          fi"
     )
-}
-
-/// The lines that merge all pictures.
-fn merge_all(plan: &Plan) -> String {
-    let merge = plan.merge_picture("", &[]);
-    match plan.merges() {
-        1 if plan.frames.is_none() => merge,
-        merges => {
-            let last = merges - 1;
-            format!("local picture\nfor picture in {{0..{last}}}; do\n{}done", indent(&merge))
-        }
-    }
 }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use serde_json::json;
 
 use crate::cli::error::CliError;
+use crate::cli::shell::quote;
 use crate::cli::text::print;
 use crate::part::Part;
 
@@ -49,7 +50,12 @@ fn to_text(part: &Part) -> String {
     let there = match part.is_complete() {
         true if fewest == most => "all there".to_owned(),
         true => format!("all there: {fewest} to {most} a pixel"),
-        false => format!("not all there: {fewest} to {most} a pixel; --resume goes on"),
+        // A checkpoint is one, too. A part beside which there was none goes on as well, but not by
+        // the command that made it.
+        false => format!(
+            "not all there: {fewest} to {most} a pixel; --checkpoint {} --resume goes on",
+            quote(part.path())
+        ),
     };
     let mut text = format!(
         "{}: part of a picture, {:.1} MB, whole\n\

@@ -19,18 +19,33 @@ const LISTED: usize = 20;
 pub fn describe(merge: &Merge) -> Result<String, CliError> {
     let gaps = merge.gaps();
     let mut lines = vec!["samples are missing; these commands fill the gaps:".to_owned()];
-    for (at, gap) in gaps.iter().take(LISTED).enumerate() {
-        lines.push(format!("  {}", command(merge, gap, at)?));
+    let mut names = names(merge);
+    let mut wholes = Vec::new();
+    for gap in gaps.iter().take(LISTED) {
+        let stopped = gap.unfinished.map(|part| merge.parts()[part].path().display().to_string());
+        let name = match &stopped {
+            Some(path) => format!("{path}.whole"),
+            None => names.next().unwrap_or_default(),
+        };
+        lines.push(format!("  {}", command(merge, gap, &name)?));
+        wholes.extend(stopped.map(|path| format!("then merge {name} in place of {path}")));
     }
     if gaps.len() > LISTED {
         lines.push(format!("  and {} more", gaps.len() - LISTED));
     }
+    lines.append(&mut wholes);
     lines.push("--incomplete takes what there is, if every pixel has the same samples".to_owned());
     Ok(lines.join("\n"))
 }
 
-/// The command that fills a gap.
-fn command(merge: &Merge, gap: &Gap, number: usize) -> Result<String, CliError> {
+/// Names for new parts, which none of those that are there has.
+fn names(merge: &Merge) -> impl Iterator<Item = String> + use<'_> {
+    let is_new = |name: &String| merge.parts().iter().all(|part| part.path() != Path::new(name));
+    (0..).map(|number| format!("gap{number}.part")).filter(is_new)
+}
+
+/// The command that fills a gap by a part of some name.
+fn command(merge: &Merge, gap: &Gap, name: &str) -> Result<String, CliError> {
     let head = merge.head();
     let mut words = vec!["render".to_owned(), head.scene.clone()];
     words.extend(Table::default().to_words(Path::new("the part"), &head.settings)?);
@@ -48,12 +63,12 @@ fn command(merge: &Merge, gap: &Gap, number: usize) -> Result<String, CliError> 
         words.extend(crop_of(part.head.crop()));
         words.extend(["--samples".to_owned(), format!("{}..{}", samples.start, samples.end)]);
         words.extend(["--resume", "--checkpoint"].map(str::to_owned));
-        words.extend([path.clone(), "--partial".to_owned(), path + ".whole"]);
+        words.extend([path, "--partial".to_owned(), name.to_owned()]);
     } else {
         let first = gap.samples.start / BLOCK * BLOCK;
         words.extend(crop_of(gap.window));
         words.extend(["--samples".to_owned(), format!("{first}..{}", gap.samples.end)]);
-        words.extend(["--partial".to_owned(), format!("gap{number}.part")]);
+        words.extend(["--partial".to_owned(), name.to_owned()]);
     }
     Ok(format!("dapple {}", shell::join(words)))
 }

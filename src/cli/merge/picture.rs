@@ -48,7 +48,9 @@ pub fn write(args: &MergeArgs, merge: &Merge) -> Result<(), CliError> {
     let Some((path, colours)) = args.png.as_deref().zip(colours) else { return Ok(()) };
     let picture = colours.into_picture(frame, head.crop());
     let (tonemap, exposure) = look(args, &head);
-    png::write(path, &picture, tonemap, exposure).map_err(CliError::from)
+    let as_told = (args.tonemap, args.exposure) == (None, None);
+    let label = header.label().filter(|_| as_told);
+    png::write(path, &picture, tonemap, exposure, label.as_deref()).map_err(CliError::from)
 }
 
 /// Reads all rows, for what is not written.

@@ -9,6 +9,7 @@ use crate::cli::job::Job;
 use crate::cli::settings::Table;
 use crate::cli::shell;
 use crate::film::Picture;
+use crate::math::Digest;
 use crate::part::Head;
 use crate::render::{NoiseReached, Rendered};
 
@@ -65,6 +66,23 @@ impl Header {
             && found("settings").is_some_and(|it| are_same(it, &wanted.settings.to_string()))
     }
 
+    /// The label of a PNG that a job is to make.
+    pub fn label_of(job: &Job) -> Option<String> {
+        Self::of_job(job).label()
+    }
+
+    /// What a PNG is told: it differs where the pixels may, and nowhere else. One of a picture
+    /// that is not whole is told nothing.
+    pub fn label(&self) -> Option<String> {
+        let mut digest = Digest::default();
+        let mut settings = of_picture(self.settings.clone());
+        settings.retain(|name, _| name != "aov" && name != "reproducible");
+        digest.bytes(settings.to_string().as_bytes());
+        let (version, scene) = (env!("CARGO_PKG_VERSION"), &self.scene_digest);
+        let label = format!("{version} scene {scene} settings {:016x}", digest.value());
+        (!self.unfinished).then_some(label)
+    }
+
     /// The header of a picture that parts add up to: what one render of all samples would tell.
     pub fn of_parts(head: &Head, lost_samples: u64, words: &[String]) -> Self {
         let mut settings = parse(&head.settings);
@@ -119,8 +137,7 @@ impl Header {
         let mut scene = self.scene.clone();
         let mut strings = Vec::new();
         if is_reproducible {
-            let table = Table::default();
-            settings.retain(|name, _| table.is_reproducible(name));
+            settings = of_picture(settings);
             let name =
                 Path::new(&scene).file_name().map(|name| name.to_string_lossy().into_owned());
             scene = name.unwrap_or(scene);
@@ -160,13 +177,14 @@ impl Header {
 
 /// Whether two texts of settings differ at most in what is about the machine.
 pub fn are_same(a: &str, b: &str) -> bool {
+    of_picture(parse(a)) == of_picture(parse(b))
+}
+
+/// Settings without those that are about the machine.
+fn of_picture(mut settings: TomlTable) -> TomlTable {
     let table = Table::default();
-    let of_picture = |text: &str| {
-        let mut settings = parse(text);
-        settings.retain(|name, _| table.is_reproducible(name));
-        settings
-    };
-    of_picture(a) == of_picture(b)
+    settings.retain(|name, _| table.is_reproducible(name));
+    settings
 }
 
 /// Settings that this program wrote.

@@ -145,7 +145,10 @@ impl Publisher<'_> {
     /// Writes the pictures; where one fails the others are there still.
     fn write(&self, picture: &Picture) -> Result<(), CliError> {
         let args = &self.job.args;
-        outputs::write_picture(&pictures(args), picture, args.tonemap, args.exposure)
+        let is_whole = !picture.strings.contains_key("dapple/unfinished");
+        let label = Header::label_of(self.job).filter(|_| is_whole);
+        let (tonemap, exposure) = (args.tonemap, args.exposure);
+        outputs::write_picture(&pictures(args), picture, tonemap, exposure, label.as_deref())
     }
 }
 

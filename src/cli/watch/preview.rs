@@ -45,7 +45,7 @@ mod tests {
         std::fs::write(&path, "old").expect("written");
         let preview = Preview { path: path.clone(), tonemap: Tonemap::Agx, exposure: 1.5 };
         preview.write(&picture).expect("written");
-        png::write(&end, &picture, Tonemap::Agx, 1.5).expect("written");
+        png::write(&end, &picture, Tonemap::Agx, 1.5, None).expect("written");
         assert_eq!(std::fs::read(&path).expect("there"), std::fs::read(&end).expect("there"));
         let preview = Preview { path: folder.path().join("no/a.png"), ..preview };
         assert_eq!(preview.write(&picture).expect_err("no folder").exit_code(), 4);

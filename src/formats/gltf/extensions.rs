@@ -9,7 +9,7 @@ use super::notices::Notices;
 use crate::scene::UsedExtension;
 
 /// What this loader does all of.
-const HONOURED: [&str; 25] = [
+const HONOURED: [&str; 27] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -19,6 +19,7 @@ const HONOURED: [&str; 25] = [
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -30,6 +31,7 @@ const HONOURED: [&str; 25] = [
     "KHR_materials_unlit",
     "KHR_materials_variants",
     "KHR_materials_volume",
+    "KHR_materials_volume_scatter",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",

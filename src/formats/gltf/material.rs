@@ -135,6 +135,7 @@ impl Reader<'_, '_> {
         }
         material.priority = self.priority()?;
         material.layers = self.layers(material.transmission)?;
+        self.translucency(material)?;
         Ok(())
     }
 

@@ -44,6 +44,7 @@ mod shape;
 mod skin;
 mod specular_glossiness;
 mod texture;
+mod translucency;
 mod variants;
 
 use std::path::Path;

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::reader::Table;
 use crate::formats::LoadError;
 use crate::math::{Vec2, Vec3};
-use crate::scene::{AlphaMode, Material, MaterialLayers, Volume};
+use crate::scene::{AlphaMode, Material, MaterialLayers, ScatterColor, Scattering, Volume};
 
 type Setter<T> = fn(&mut Material, T);
 
@@ -19,6 +19,9 @@ const COLORS: &[(&str, f32, Setter<Vec3>)] = &[
     ("specular-color", f32::MAX, |m, color| m.specular_color = color),
     ("attenuation-color", 1.0, |m, color| volume(m).attenuation_color = color),
     ("sheen-color", 1.0, |m, color| layers(m).sheen_color = color),
+    ("diffuse-transmission-color", 1.0, |m, color| m.diffuse_transmission_color = color),
+    ("multiscatter-color", 1.0, |m, color| scattering(m).color = ScatterColor::All(color)),
+    ("scatter-albedo", 1.0, |m, color| scattering(m).color = ScatterColor::One(color)),
 ];
 
 /// Keys of numbers, their ranges, and what they set.
@@ -28,6 +31,8 @@ const NUMBERS: &[(&str, RangeInclusive<f32>, Setter<f32>)] = &[
     ("ior", 0.0..=f32::MAX, |m, value| m.ior = value),
     ("specular", SHARE, |m, value| m.specular = value),
     ("transmission", SHARE, |m, value| m.transmission = value),
+    ("diffuse-transmission", SHARE, |m, value| m.diffuse_transmission = value),
+    ("scatter-anisotropy", -1.0..=1.0, |m, value| scattering(m).anisotropy = value),
     ("emissive-strength", ANY, |m, value| m.emissive *= value),
     ("normal-scale", -f32::MAX..=f32::MAX, |m, value| m.normal_scale = value),
     ("alpha", SHARE, |m, value| {
@@ -80,6 +85,10 @@ const SWITCHES: &[(&str, Setter<bool>)] = &[
 fn volume(material: &mut Material) -> &mut Volume {
     let clear = Volume { attenuation_color: Vec3::ONE, attenuation_distance: f32::INFINITY };
     material.volume.get_or_insert(clear)
+}
+
+fn scattering(material: &mut Material) -> &mut Scattering {
+    material.scattering.get_or_insert(Scattering::NONE)
 }
 
 fn layers(material: &mut Material) -> &mut MaterialLayers {
@@ -181,6 +190,10 @@ fn read_changes(table: &Table) -> Result<Vec<Change>, LoadError> {
             return Err(table.fault_at(key, message));
         }
         changes.extend(value.map(|value| Change::Number(row, value)));
+    }
+    if table.has("scatter-albedo") && table.has("multiscatter-color") {
+        let message = "goes without multiscatter-color: give one of the two";
+        return Err(table.fault_at("scatter-albedo", message));
     }
     // Last, since an alpha or a cutoff implies a mode of its own.
     changes.extend(alpha_mode(table)?.map(Change::Mode));

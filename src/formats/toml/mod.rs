@@ -13,6 +13,8 @@
 //! - `[sun]`: where it stands as in `[sky]`; `color`, `irradiance`, `diameter`.
 //! - `[[light]]`: `type`, `position`, `direction`, `color`, `intensity` or `lumen` (of point and
 //!   spot lights), `range`, `inner`, `outer`.
+//! - `[medium]`: what fills all space but solids: `absorption` and `scattering` per metre, of all
+//!   light or by colour; `anisotropy`.
 //! - `[render]`: the flags of `dapple render` by their names; read by the command line.
 //!
 //! Angles are in degrees, lengths in metres, directions need not be of unit length. Paths are
@@ -26,6 +28,7 @@ mod copies;
 mod library;
 mod light;
 mod material;
+mod medium;
 mod place;
 mod placement;
 mod reader;
@@ -49,6 +52,7 @@ use super::model::load_model;
 use super::{LoadError, LoadOptions, read_file};
 use crate::light::{Environment, Punctual, Sun};
 use crate::math::Vec3;
+use crate::medium::Medium;
 use crate::scene::defaults::bounds;
 use crate::scene::{NamedCamera, Notice, Scene};
 
@@ -108,6 +112,7 @@ struct Declarations<'d> {
     lights: Vec<Punctual>,
     surroundings: Option<Surroundings>,
     sun: Option<Sun>,
+    medium: Option<Medium>,
 }
 
 impl<'d> Declarations<'d> {
@@ -134,6 +139,10 @@ impl<'d> Declarations<'d> {
             lights: root.tables("light")?.iter().map(each).collect::<Result<_, _>>()?,
             surroundings,
             sun,
+            medium: match root.table("medium")? {
+                Some(table) => Some(medium::medium(&table)?),
+                None => None,
+            },
         };
         root.finish()?;
         Ok(all)
@@ -173,6 +182,7 @@ impl<'d> Declarations<'d> {
         }
         scene.cameras.splice(0..0, own);
         scene.lights.extend(self.lights);
+        scene.medium = self.medium;
         if let Some(surroundings) = &self.surroundings {
             let (environment, mut notices) = surroundings.load()?;
             scene.notices.append(&mut notices);

@@ -201,6 +201,19 @@ fn what_is_wrong_is_told_with_its_line() {
             "s.toml:2: type: \"lamp\" is none of point, spot and directional",
         ),
         ("[sky]\nturbidity = 1", "s.toml:2: turbidity: must be from 2 to 10"),
+        ("[medium]\nscattering = -1", "s.toml:2: scattering: must be from 0 to 5e11 per metre"),
+        (
+            "[medium]\nabsorption = [1, 2, nan]",
+            "s.toml:2: absorption: must be a finite number, or […] of 3",
+        ),
+        ("[medium]\nscattering = 1\nanisotropy = 2", "s.toml:3: anisotropy: must be from -1 to 1"),
+        ("\n[medium]\nanisotropy = 0", "s.toml:2: [medium]: neither absorbs nor scatters"),
+        ("[medium]\nscater = 1", "s.toml:2: [medium]: unknown key \"scater\"; did you mean"),
+        (
+            "[material.red]\nmultiscatter-color = [1, 1, 1]\nscatter-albedo = [1, 1, 1]",
+            "s.toml:3: scatter-albedo: goes without multiscatter-color",
+        ),
+        ("[material.red]\nscatter-anisotropy = 2", "s.toml:2: scatter-anisotropy: must be from -1"),
         (
             "[sky]\n[environment]\ncolor = [1, 1, 1]",
             "s.toml:1: [sky]: there is an [environment] already",
@@ -254,4 +267,30 @@ fn settings_become_words() {
     fs::write(&path, "[render]\nenv = '../e.hdr'\n").expect("written");
     let message = settings(&path, &env).expect_err("outside").to_string();
     assert!(message.contains("s.toml:2: env: \"../e.hdr\": leads out"), "{message}");
+}
+
+#[test]
+fn media_are_told_by_the_metre() {
+    let scene = loaded("[medium]\nabsorption = 1\nscattering = [3, 1, 0]\nanisotropy = 0.5\n");
+    let medium = scene.expect("a good scene").medium.expect("a medium");
+    assert_eq!(medium.extinction(), Vec3::new(4.0, 2.0, 1.0));
+    assert_eq!(medium.albedo(), Vec3::new(0.75, 0.5, 0.0));
+    assert_eq!(medium.phase(), crate::medium::HenyeyGreenstein::new(0.5));
+}
+
+#[test]
+fn overrides_make_wax() {
+    use crate::scene::ScatterColor;
+    let scene = loaded(
+        "[[place]]\nfile = 'a.obj'\n[material.red]\nsolid = true\nattenuation-distance = 0.01\n\
+         attenuation-color = [0.5, 0.5, 0.5]\ndiffuse-transmission = 1\n\
+         diffuse-transmission-color = [1, 0.9, 0.8]\nmultiscatter-color = [0.9, 0.5, 0.2]\n\
+         scatter-anisotropy = 0.25\n",
+    );
+    let wax = &scene.expect("a good scene").materials[0];
+    assert!(wax.is_solid() && wax.diffuse_transmission == 1.0);
+    assert_eq!(wax.diffuse_transmission_color, Vec3::new(1.0, 0.9, 0.8));
+    let scattering = wax.scattering.expect("it scatters");
+    assert_eq!(scattering.color, ScatterColor::All(Vec3::new(0.9, 0.5, 0.2)));
+    assert_eq!(scattering.anisotropy, 0.25);
 }

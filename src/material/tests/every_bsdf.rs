@@ -64,6 +64,12 @@ fn white_furnaces_close() {
         ("bubble", SurfaceParams { transmission: 1.0, ior: 0.75, ..white }),
         ("sheet", SurfaceParams { transmission: 1.0, thin: true, ..white }),
         ("half clear", SurfaceParams { transmission: 0.5, metallic: 0.25, ..white }),
+        ("paper", SurfaceParams { diffuse_transmission: 0.5, ..white }),
+        ("thin paper", SurfaceParams { diffuse_transmission: 1.0, thin: true, ..white }),
+        (
+            "wax",
+            SurfaceParams { diffuse_transmission: 0.7, transmission: 0.3, metallic: 0.2, ..white },
+        ),
         ("dull glass", SurfaceParams { transmission: 1.0, specular: 0.5, ..white }),
         ("bare glass", SurfaceParams { transmission: 1.0, specular: 0.0, ..white }),
         (
@@ -259,7 +265,7 @@ proptest! {
     fn nothing_is_ever_nan(
         wo in [awkward(), awkward(), awkward()],
         wi in [awkward(), awkward(), awkward()],
-        scalars in [parameter(), parameter(), parameter(), parameter()],
+        scalars in [parameter(), parameter(), parameter(), parameter(), parameter()],
         color in 0.0..1.0_f32,
         ior in prop_oneof![Just(0.0), Just(1.0), Just(1.0001), Just(1e30), 0.3..4.0_f32],
         u in [0.0..1.0_f32, 0.0..1.0_f32, 0.0..1.0_f32],
@@ -278,6 +284,8 @@ proptest! {
             specular: scalars[2],
             specular_color: Vec3::new(1.0, color, 0.0),
             transmission: scalars[3],
+            diffuse_transmission: scalars[4],
+            diffuse_transmission_color: Vec3::new(color, 1.0, 0.0),
             thin: flags & 1 == 1,
         };
         let bsdf = Bsdf::new(&params, BsdfForm::ALL[(flags >> 1) as usize]);

@@ -16,6 +16,20 @@ pub const FILM: Layers = Layers {
     ..Layers::NONE
 };
 
+/// What lets some light through, scattered.
+pub const LEAF: SurfaceParams = SurfaceParams {
+    base_color: Vec3::new(0.3, 0.6, 0.1),
+    metallic: 0.0,
+    roughness: 0.5,
+    ior: 1.5,
+    specular: 1.0,
+    specular_color: Vec3::ONE,
+    transmission: 0.0,
+    diffuse_transmission: 0.6,
+    diffuse_transmission_color: Vec3::new(0.8, 0.9, 0.2),
+    thin: true,
+};
+
 /// Every kind of BSDF in both forms, over roughness, by name.
 pub fn all() -> Vec<(String, Bsdf)> {
     let (white, red) = (SurfaceParams::default(), Vec3::new(1.0, 0.3, 0.0));
@@ -32,6 +46,9 @@ pub fn all() -> Vec<(String, Bsdf)> {
         ),
         ("bubble", SurfaceParams { transmission: 1.0, ior: 0.75, ..white }),
         ("sheet", SurfaceParams { transmission: 1.0, thin: true, ..white }),
+        ("leaf", LEAF),
+        ("thick leaf", SurfaceParams { thin: false, diffuse_transmission: 1.0, ..LEAF }),
+        ("wax", SurfaceParams { metallic: 0.25, thin: false, transmission: 0.4, ..LEAF }),
         ("half clear", SurfaceParams { transmission: 0.5, metallic: 0.25, ..white }),
         ("red sheen on glass", SurfaceParams { specular_color: red, transmission: 1.0, ..white }),
         ("dull glass", SurfaceParams { specular: 0.5, transmission: 1.0, ..white }),
@@ -75,6 +92,8 @@ fn under_layers(form: BsdfForm) -> impl Iterator<Item = (String, Bsdf)> {
         ("all layers", metal, Layers { anisotropy: 0.5, clearcoat: 0.8, ..cloth }),
         ("bent coat", red, bent),
         ("cloth on glass", glass, cloth),
+        ("waxed leaf", LEAF, coat),
+        ("cloth on wax", SurfaceParams { thin: false, transmission: 0.5, ..LEAF }, cloth),
         ("lacquered glass", glass, coat),
         ("film on plastic", red, FILM),
         ("film on metal", metal, Layers { iridescence: 0.7, ..FILM }),

@@ -1,7 +1,8 @@
 //! Sampling direct light in lanes.
 
 use super::super::World;
-use super::super::lights::{ChosenLight, Emitter};
+use super::super::emitters::Emitter;
+use super::super::lights::ChosenLight;
 use super::environment::sample_environment;
 use super::light_samples::LightSamples;
 use super::surface::{SurfaceLanes, offset_origin, triangle_point};

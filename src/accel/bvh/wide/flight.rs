@@ -68,7 +68,7 @@ impl<const W: usize> WideBvh<W>
 where
     Width: Vectors<W>,
 {
-    /// Traces a slice.
+    /// Traces a slice whose hits the exact test says.
     #[inline(always)]
     fn fly<S: Simd, Q: Query, C: Counters>(
         &self,
@@ -80,7 +80,7 @@ where
         let batch = slice.batch;
         let start = |index: usize, stack: usize| {
             let ray = PreparedRay::of_batch(&batch, index);
-            Flight { query: ray.ask(), ray, key: 1, link: root, top: 1, stack }
+            Flight { query: Q::new(&ray.ray), ray, key: 1, link: root, top: 1, stack }
         };
         let Scratch { stacks, fetched, .. } = scratch;
         let mut next = rays.len().min(RAYS);
@@ -97,7 +97,7 @@ where
                 }
                 let ended = *key == 0 || {
                     let counters = &mut *slice.counters;
-                    let context = &mut RayContext { simd, ray, query, counters };
+                    let context = &mut RayContext { simd, ray, verdict: None, query, counters };
                     self.step(context, (stripes, fetched), *link, (stack, top)).is_break()
                 };
                 if !ended {
@@ -155,7 +155,8 @@ where
         let in_lanes = is_wide(slice.simd) && !C::COUNTS;
         // Sixteen rays in a row spread too far for dense scenes: half the rate of single rays.
         let is_raster = slice.batch.grid().is_some();
-        if in_lanes && pays(rays) && rays.iter().all(covered) {
+        let is_judged = slice.batch.verdict().is_some();
+        if in_lanes && !is_judged && pays(rays) && rays.iter().all(covered) {
             self.fly(slice, scratch);
         } else if in_lanes && self.side_by_side && is_raster && rays.len() >= FEW {
             self.trace_packets(slice, scratch);

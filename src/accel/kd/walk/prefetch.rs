@@ -20,9 +20,10 @@ use super::visit::{LeafTest, Visit, With};
 use crate::accel::kd::layout::{Compact, Layout, Nodes, View};
 use crate::accel::kd::ray::{Crossing, KdRay, Span};
 use crate::accel::kd::tree::{Base, KdTree, LeafId};
+use crate::accel::query::{ask, ask_of};
 use crate::accel::{
     BuildError, Built, Counters, Event, MemoryReport, PreparedRay, Query, SliceContext, Structure,
-    Traverse,
+    Traverse, Verdict,
 };
 use crate::math::NodeId;
 
@@ -83,8 +84,8 @@ impl Prefetch {
     }
 }
 
-/// A ray that crosses the tree, and where.
-type Start<'a> = (PreparedRay<'a>, KdRay, Span);
+/// A ray that crosses the tree, who says what it hits, and where it crosses.
+type Start<'a> = (PreparedRay<'a>, Option<&'a dyn Verdict>, KdRay, Span);
 
 /// The rays of a slice that are not under way yet.
 struct Waiting<'a, Q, C> {
@@ -101,15 +102,17 @@ impl<Q: Query, C: Counters> Waiting<'_, Q, C> {
         let (base, leaf_test) = (&*self.walk.base, self.leaf_test);
         loop {
             let index = self.next;
-            let ray = slice.batch.rays().get(index)?;
+            let world = slice.batch.rays().get(index)?;
             self.next += 1;
-            let (prepared, kd_ray) = (PreparedRay::of_batch(&slice.batch, index), KdRay::new(ray));
-            let (query, counters) = (&mut prepared.ask::<Q>(), &mut *slice.counters);
-            let mut visit = Visit { base, ray: &prepared, kd_ray, leaf_test, query, counters };
-            if !base.slack.is_tame(ray) {
+            let prepared = PreparedRay::of_batch(&slice.batch, index);
+            let kd_ray = KdRay::new(world);
+            let (ray, verdict) = (&prepared, slice.batch.verdict());
+            let (query, counters) = (&mut ask_of::<Q>(&slice.batch, index), &mut *slice.counters);
+            let mut visit = Visit { base, ray, kd_ray, leaf_test, verdict, query, counters };
+            if !base.slack.is_tame(world) {
                 robust::walk(&self.walk.layout, &mut visit, self.robust);
             } else if let Some(span) = visit.span() {
-                return Some((prepared, kd_ray, span));
+                return Some((prepared, verdict, kd_ray, span));
             }
             slice.answers[index] = visit.query.answer();
         }
@@ -133,6 +136,7 @@ enum Turn {
 struct Flight<'a, Q> {
     ray: PreparedRay<'a>,
     kd_ray: KdRay,
+    verdict: Option<&'a dyn Verdict>,
     query: Q,
     span: Span,
     at: NodeId,
@@ -141,10 +145,11 @@ struct Flight<'a, Q> {
 }
 
 impl<'a, Q: Query> Flight<'a, Q> {
-    fn new(walk: &Prefetch, (ray, kd_ray, span): Start<'a>) -> Self {
+    fn new(walk: &Prefetch, (ray, verdict, kd_ray, span): Start<'a>) -> Self {
         Self {
-            query: ray.ask(),
+            query: ask(&ray.ray, verdict),
             ray,
+            verdict,
             kd_ray,
             span,
             at: walk.layout.root(),
@@ -155,8 +160,8 @@ impl<'a, Q: Query> Flight<'a, Q> {
 
     /// Takes another ray in place of one that is done.
     #[inline(always)]
-    fn restart(&mut self, walk: &Prefetch, (ray, kd_ray, span): Start<'a>) {
-        self.query = ray.ask();
+    fn restart(&mut self, walk: &Prefetch, (ray, verdict, kd_ray, span): Start<'a>) {
+        (self.query, self.verdict) = (ask(&ray.ray, verdict), verdict);
         (self.ray, self.kd_ray, self.span, self.at) = (ray, kd_ray, span, walk.layout.root());
         self.turn = Turn::Node;
         self.todo.clear();
@@ -182,9 +187,9 @@ impl<'a, Q: Query> Flight<'a, Q> {
                 self.turn = Turn::Test(leaf);
             }
             Turn::Test(leaf) => {
-                let Self { ray, kd_ray, query, .. } = self;
-                let (base, kd_ray) = (&*walk.base, *kd_ray);
-                let mut visit = Visit { base, ray, kd_ray, leaf_test, query, counters };
+                let Self { ray, kd_ray, verdict, query, .. } = self;
+                let (base, kd_ray, verdict) = (&*walk.base, *kd_ray, *verdict);
+                let mut visit = Visit { base, ray, kd_ray, leaf_test, verdict, query, counters };
                 if visit.ends_in_leaf(leaf, self.span.exit) || self.ends() {
                     return true;
                 }

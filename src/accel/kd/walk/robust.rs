@@ -93,9 +93,10 @@ fn test_all<Q: Query, C: Counters>(visit: &mut Visit<'_, Q, C>) -> ControlFlow<(
         visit.counters.count(Event::BoxTest);
         let (enter, exit) = visit.ray.slab.interval(&source.own_box(id));
         if enter <= exit && enter <= visit.query.t_max() {
-            let Visit { ray, query, counters, .. } = visit;
-            let (simd, query, counters) = (baseline(), &mut **query, &mut **counters);
-            RayContext { simd, ray, query, counters }.test_triangle(id, &triangle)?;
+            let Visit { ray, verdict, query, counters, .. } = visit;
+            let (verdict, query, counters) = (*verdict, &mut **query, &mut **counters);
+            RayContext { simd: baseline(), ray, verdict, query, counters }
+                .test_triangle(id, &triangle)?;
         }
     }
     ControlFlow::Continue(())

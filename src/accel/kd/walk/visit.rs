@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 
 use crate::accel::kd::ray::{KdRay, Span};
 use crate::accel::kd::tree::{Base, LANES, LeafId, Slot};
-use crate::accel::{Counters, Event, PreparedRay, Query, RayContext};
+use crate::accel::{Counters, Event, PreparedRay, Query, RayContext, Verdict};
 use crate::math::{larger, smaller};
 
 /// Tests the triangles of a leaf with some instruction set.
@@ -33,10 +33,11 @@ impl<S: Simd, Q: Query, C: Counters> LeafTest<Q, C> for With<S> {
 #[inline(always)]
 fn test_slots<S: Simd, Q: Query, C: Counters>(
     simd: S,
-    Visit { base, ray, query, counters, .. }: &mut Visit<'_, Q, C>,
+    Visit { base, ray, verdict, query, counters, .. }: &mut Visit<'_, Q, C>,
     slots: &[Slot],
 ) -> ControlFlow<()> {
-    let context = &mut RayContext { simd, ray, query: &mut **query, counters: &mut **counters };
+    let (verdict, query, counters) = (*verdict, &mut **query, &mut **counters);
+    let context = &mut RayContext { simd, ray, verdict, query, counters };
     for slots in slots.chunks(LANES) {
         let block = base.leaves.block(simd, slots);
         context.test_block(block.parts())?;
@@ -54,6 +55,8 @@ pub struct Visit<'a, Q, C> {
     pub kd_ray: KdRay,
     /// How leaves are tested.
     pub leaf_test: &'a dyn LeafTest<Q, C>,
+    /// Who says what is hit, if not the exact test.
+    pub verdict: Option<&'a dyn Verdict>,
     /// The question.
     pub query: &'a mut Q,
     /// What is counted.
@@ -68,8 +71,9 @@ impl<'a, Q: Query, C: Counters> Visit<'a, Q, C> {
         context: &'a mut RayContext<'_, S, Q, C>,
         leaf_test: &'a With<S>,
     ) -> Self {
-        let RayContext { ray, query, counters, .. } = context;
-        Self { base, ray, kd_ray: KdRay::new(&ray.ray), leaf_test, query, counters }
+        let RayContext { ray, verdict, query, counters, .. } = context;
+        let kd_ray = KdRay::new(&ray.ray);
+        Self { base, ray, kd_ray, leaf_test, verdict: *verdict, query, counters }
     }
 
     /// See `find_span`.

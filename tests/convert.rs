@@ -1,0 +1,151 @@
+//! `dapple convert`: what is written is what was read, without what glTF needs extensions for.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use dapple::math::TextureId;
+use dapple::scene::{Material, Scene};
+use dapple::{LoadOptions, load};
+
+/// Extensions that plain files may have: how materials answer to light, and lights.
+const PLAIN: [&str; 3] = ["KHR_materials_", "KHR_lights_punctual", "KHR_texture_transform"];
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn dapple(words: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_dapple")).args(words).output().expect("runs");
+    (output.status.code(), String::from_utf8(output.stderr).expect("text"))
+}
+
+fn convert(from: &Path, to: &Path) -> String {
+    let (code, told) = dapple(&["convert", path(from), "-o", path(to)]);
+    assert_eq!(code, Some(0), "{told}");
+    told
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("is text")
+}
+
+fn own(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn read(path: &Path) -> Scene {
+    load(path, &LoadOptions::default()).expect("is a scene")
+}
+
+/// A material with nothing to tell which number its textures have.
+fn without_numbers(material: &Material) -> Material {
+    let mut material = material.clone();
+    material.textures_mut().for_each(|texture| texture.texture = TextureId(0));
+    material
+}
+
+fn assert_same(scene: &Scene, original: &Scene, name: &str) {
+    assert_eq!(scene.instances.len(), original.instances.len(), "{name}");
+    for (a, b) in scene.instances.iter().zip(&original.instances) {
+        assert_eq!(a.transform, b.transform, "{name}");
+        let (mesh, other) = (&scene.meshes[a.mesh.index()], &original.meshes[b.mesh.index()]);
+        assert_eq!(mesh.positions, other.positions, "{name}: {}", other.name);
+        assert_eq!(mesh.indices, other.indices, "{name}: {}", other.name);
+        assert_eq!(
+            (&mesh.uvs, &mesh.colors),
+            (&other.uvs, &other.colors),
+            "{name}: {}",
+            other.name
+        );
+        // Unit vectors are made so again when they are read.
+        assert_eq!(mesh.normals.len(), other.normals.len(), "{name}: {}", other.name);
+        for (a, b) in mesh.normals.iter().zip(&other.normals) {
+            assert!(a.distance(*b) < 1e-6, "{name}: {a} {b}");
+        }
+        let material = &original.materials[b.material.index()];
+        let [ours, theirs] = [&scene.materials[a.material.index()], material].map(without_numbers);
+        assert_eq!(ours, theirs, "{name}");
+    }
+    assert_eq!(scene.lights.len(), original.lights.len(), "{name}");
+    for (a, b) in scene.lights.iter().zip(&original.lights) {
+        assert_eq!((a.kind, a.position, a.range), (b.kind, b.position, b.range), "{name}");
+        assert_eq!(a.intensity, b.intensity, "{name}");
+        assert!(a.direction.distance(b.direction) < 1e-6, "{name}");
+    }
+    assert_eq!(scene.cameras.len(), original.cameras.len(), "{name}");
+    for (a, b) in scene.cameras.iter().zip(&original.cameras) {
+        assert_eq!((&a.name, a.aspect), (&b.name, b.aspect), "{name}");
+        assert_eq!(a.camera.projection, b.camera.projection, "{name}");
+        assert!(a.camera.to_world.abs_diff_eq(b.camera.to_world, 1e-5), "{name}");
+    }
+}
+
+#[test]
+fn scenes_of_all_kinds_are_read_back_as_they_were() {
+    let folder = folder();
+    let scenes = fs::read_dir(own("scenes")).expect("is there").map(|entry| entry.unwrap().path());
+    let mut count = 0;
+    for scene in scenes.filter(|path| path.extension().is_some_and(|it| it == "gltf")) {
+        let name = scene.file_stem().unwrap().to_str().unwrap().to_owned();
+        let made = folder.path().join(format!("{name}.glb"));
+        convert(&scene, &made);
+        let (ours, original) = (read(&made), read(&scene));
+        assert_same(&ours, &original, &name);
+        for extension in &ours.contents.extensions {
+            let plain = PLAIN.iter().any(|plain| extension.name.starts_with(plain));
+            assert!(plain && extension.honoured, "{name}: {}", extension.name);
+        }
+        count += 1;
+    }
+    assert!(count >= 15, "{count}");
+}
+
+#[test]
+fn what_is_packed_is_unpacked() {
+    let folder = folder();
+    for name in [
+        "ok-draco-edgebreaker.glb",
+        "ok-draco-sequential.glb",
+        "ok-meshopt-khr.gltf",
+        "ok-sparse.gltf",
+    ] {
+        let packed = own("fuzz/corpus/gltf").join(name);
+        let made = folder.path().join("plain.glb");
+        convert(&packed, &made);
+        assert_same(&read(&made), &read(&packed), name);
+        let text = String::from_utf8_lossy(&fs::read(&made).unwrap()).into_owned();
+        assert!(!["draco", "meshopt", "sparse"].iter().any(|word| text.contains(word)), "{name}");
+    }
+}
+
+#[test]
+fn a_picture_of_it_is_the_same_to_the_bit() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let scene = own("scenes/cornell.gltf");
+    convert(&scene, &at("plain.glb"));
+    for (from, to) in [(&scene, "a.exr"), (&at("plain.glb"), "b.exr")] {
+        let words = ["--spp", "4", "--resolution", "48x48", "--reproducible", "-q"];
+        let (code, told) =
+            dapple(&[&["render", path(from), "-o", path(&at(to))], &words[..]].concat());
+        assert_eq!(code, Some(0), "{told}");
+    }
+    let read = |name| dapple::Picture::read(at(name)).expect("a picture");
+    let [a, b] = [read("a.exr"), read("b.exr")];
+    assert_eq!(dapple::diff(&a, &b).expect("same size").errors.rmse, 0.0);
+}
+
+#[test]
+fn what_has_no_place_is_named_and_refused_under_strict() {
+    let folder = folder();
+    let made = folder.path().join("tower.glb");
+    let told = convert(&own("scenes/tower.obj"), &made);
+    assert!(told.contains("left out: material \"brick wall\": a map of heights"), "{told}");
+    fs::remove_file(&made).unwrap();
+    let scene = own("scenes/tower.obj");
+    let (code, told) = dapple(&["convert", path(&scene), "-o", path(&made), "--strict"]);
+    assert_eq!(code, Some(3), "{told}");
+    assert!(told.contains("--strict") && told.contains("a map of heights"), "{told}");
+    assert!(!made.exists() && fs::read_dir(folder.path()).unwrap().count() == 0);
+}
