@@ -44,6 +44,7 @@ impl Surface {
     /// a surface faced it there: rays leave it from where it is.
     pub fn point_in_space(position: Vec3, direction: Vec3, time: f32) -> Self {
         Self {
+            barycentrics: Vec2::ZERO,
             position,
             position_error: Vec3::ZERO,
             normal: -direction,
