@@ -53,9 +53,9 @@ impl Curve {
     }
 }
 
-/// What a coat keeps back of light that does not graze it, and of which cosine that of cloth is
+/// What a coat keeps back of light that comes straight, and of which cosine that of cloth is
 /// taken.
-const COAT_KEEPS: f32 = 0.05;
+const COAT_KEEPS: f32 = 0.04;
 const TYPICAL_COSINE: f32 = 0.6;
 
 /// White bases: diffuse, coated and metal.
@@ -219,12 +219,13 @@ impl Returned {
         };
         let mut cloth_color = Vec3::ZERO;
         // Under both, either has less to lose: about what the other lets through.
+        let white_albedo = cloth.map_or(0.0, |(_, roughness)| {
+            let white = Sheen::new(Vec3::ONE, roughness, BsdfForm::Conserving);
+            white.albedo(towards(TYPICAL_COSINE))
+        });
         let [coat_kept, cloth_kept] = [
             coat.map_or(0.0, |(strength, _)| strength * COAT_KEEPS),
-            cloth.map_or(0.0, |(color, roughness)| {
-                let white = Sheen::new(Vec3::ONE, roughness, BsdfForm::Conserving);
-                color.max_element() * white.albedo(towards(TYPICAL_COSINE))
-            }),
+            cloth.map_or(0.0, |(color, _)| color.max_element() * white_albedo),
         ];
         if let Some((strength, roughness)) = coat {
             take(&UNDER_COAT, saturate(roughness), strength * (1.0 - cloth_kept));
@@ -236,6 +237,14 @@ impl Returned {
             in_cloth.add(&IN_CLOTH[layer], 1.0 - t);
             in_cloth.add(&IN_CLOTH[layer + 1], t);
             cloth_color = color;
+        }
+        // What cloth scatters meets the coat as what a diffuse base does.
+        if let Some((strength, roughness)) = coat {
+            let (layer, t) = locate_cell::<LAYERS>(saturate(roughness) * (LAYERS - 1) as f32);
+            for (row, weight) in [(layer, 1.0 - t), (layer + 1, t)] {
+                let below = &UNDER_COAT[0][BASES - 1][row];
+                in_cloth.add(below, strength * white_albedo * weight);
+            }
         }
         Self { between, base_color, in_cloth, cloth_color }
     }
