@@ -75,8 +75,8 @@ mod tests {
         Texture::new(image, space, [Wrap::Repeat; 2], Filter::Bilinear)
     }
 
-    fn reference(index: usize) -> Option<TextureRef> {
-        Some(TextureRef::new(TextureId::from_index(index)))
+    fn reference(index: usize) -> TextureRef {
+        TextureRef::new(TextureId::from_index(index))
     }
 
     #[test]
@@ -85,8 +85,8 @@ mod tests {
         let alphas = texture(vec![[0, 0, 0, 255], [128, 0, 0, 255]], ColorSpace::Linear);
         let scene = Scene { textures: vec![colors, alphas], ..Scene::default() };
         let mut material = Material {
-            base_color_texture: reference(0),
-            alpha_texture: reference(1),
+            base_color_texture: Some(reference(0)),
+            alpha_texture: Some(reference(1)),
             ..Material::default()
         };
         let mut images = Images::new(&scene);
@@ -94,9 +94,9 @@ mod tests {
         let made = images.of(material.base_color_texture.expect("has one").texture);
         assert_eq!(made.image().rgba::<u8>(), Some(vec![[1, 2, 3, 0], [4, 5, 6, 128]]));
         // A texture that is turned is not looked up alike.
-        let turned = TextureRef { rotation: crate::math::Vec2::Y, ..reference(1).expect("one") };
+        let turned = TextureRef { rotation: crate::math::Vec2::Y, ..reference(1) };
         let mut material = Material {
-            base_color_texture: reference(0),
+            base_color_texture: Some(reference(0)),
             alpha_texture: Some(turned),
             ..Material::default()
         };
@@ -110,7 +110,7 @@ mod tests {
         let mut material = Material {
             roughness: 0.5,
             metallic: 0.0,
-            glossiness_texture: reference(0),
+            glossiness_texture: Some(reference(0)),
             ..Material::default()
         };
         let mut images = Images::new(&scene);

@@ -49,7 +49,7 @@ impl Writer<'_, '_> {
         let rough = material.metallic_roughness_texture;
         self.texture(&mut pbr, "metallicRoughnessTexture", rough, LINEAR);
         let mut object = named(&material.name, json!({ "pbrMetallicRoughness": pbr }));
-        self.alpha(&mut object, material);
+        write_alpha(&mut object, material);
         if material.double_sided {
             object["doubleSided"] = true.into();
         }
@@ -71,17 +71,6 @@ impl Writer<'_, '_> {
             object["extensions"] = Value::Object(self.extensions);
         }
         object
-    }
-
-    fn alpha(&self, object: &mut Value, material: &Material) {
-        match material.alpha_mode {
-            AlphaMode::Opaque => {}
-            AlphaMode::Mask(cutoff) => {
-                object["alphaMode"] = "MASK".into();
-                object["alphaCutoff"] = json!(cutoff);
-            }
-            AlphaMode::Blend => object["alphaMode"] = "BLEND".into(),
-        }
     }
 
     fn normals(&mut self, object: &mut Value, material: &Material) {
@@ -245,6 +234,18 @@ impl Writer<'_, '_> {
             info["extensions"] = json!({ "KHR_texture_transform": transform });
         }
         object[key] = info;
+    }
+}
+
+/// What alpha does.
+fn write_alpha(object: &mut Value, material: &Material) {
+    match material.alpha_mode {
+        AlphaMode::Opaque => {}
+        AlphaMode::Mask(cutoff) => {
+            object["alphaMode"] = "MASK".into();
+            object["alphaCutoff"] = json!(cutoff);
+        }
+        AlphaMode::Blend => object["alphaMode"] = "BLEND".into(),
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::base::BaseBsdf;
 use super::form::BsdfForm;
-use super::layered::{Layered, is_half_clear};
+use super::layer_base::is_half_clear;
+use super::layered::Layered;
 use super::layers::Layers;
 use super::params::SurfaceParams;
 use super::sample::BsdfSample;

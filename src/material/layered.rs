@@ -1,18 +1,16 @@
 //! Surfaces with something on them: a film, cloth, lacquer, or all of these.
 
 use super::anisotropic::Anisotropic;
-use super::base::BaseBsdf;
 use super::clearcoat::Clearcoat;
 use super::filmed::Filmed;
 use super::form::BsdfForm;
+use super::layer_base::{Base, clear_share, is_half_clear};
 use super::layer_energy::Returned;
 use super::layers::Layers;
-use super::mixed::Mixed;
 use super::params::{SurfaceParams, saturate};
 use super::sample::{BsdfSample, is_above, mean};
 use super::sheen::Sheen;
 use super::thin_film::ThinFilm;
-use super::translucent::Translucent;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::{ONE_MINUS_EPSILON, warp};
 
@@ -72,16 +70,6 @@ impl Share {
     fn get(self) -> f32 {
         f32::from(self.0) / Self::ONE
     }
-}
-
-/// The share of glass.
-fn clear_share(params: &SurfaceParams) -> f32 {
-    saturate(params.transmission) * (1.0 - saturate(params.metallic))
-}
-
-/// Whether light goes through both straight and scattered: too much for a [`BaseBsdf`].
-pub(super) fn is_half_clear(params: &SurfaceParams) -> bool {
-    (1e-6..1.0).contains(&clear_share(params)) && Translucent::is_seen(params)
 }
 
 impl Layered {
@@ -221,63 +209,6 @@ impl Layered {
         let returned = returned.map_or(Vec3::ZERO, |returned| returned.albedo(1.0));
         let below = fibres + stack.base.albedo() * through_sheen;
         Vec3::splat(coat) + returned + below * through_coat
-    }
-}
-
-/// What lies below all layers.
-#[derive(Clone, Copy, Debug)]
-enum Base {
-    Plain(BaseBsdf),
-    /// Glass in part, else a surface that lets light through scattered.
-    HalfClear(Mixed<Translucent>),
-    Brushed(Anisotropic),
-    Filmed(Filmed),
-}
-
-impl Base {
-    /// What is neither brushed nor under a film.
-    fn plain(params: &SurfaceParams, form: BsdfForm) -> Self {
-        if is_half_clear(params) {
-            Self::HalfClear(Mixed::new(params, clear_share(params), form))
-        } else {
-            Self::Plain(BaseBsdf::new(params, form))
-        }
-    }
-
-    fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        match self {
-            Self::Plain(bsdf) => bsdf.eval(wo, wi),
-            Self::HalfClear(mixed) => mixed.eval(wo, wi),
-            Self::Brushed(brushed) => brushed.eval(wo, wi),
-            Self::Filmed(filmed) => filmed.eval(wo, wi),
-        }
-    }
-
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        match self {
-            Self::Plain(bsdf) => bsdf.sample(wo, u_lobe, u),
-            Self::HalfClear(mixed) => mixed.sample(wo, u_lobe, u),
-            Self::Brushed(brushed) => brushed.sample(wo, u_lobe, u),
-            Self::Filmed(filmed) => filmed.sample(wo, u_lobe, u),
-        }
-    }
-
-    fn transmits(&self) -> bool {
-        match self {
-            Self::Plain(bsdf) => bsdf.transmits(),
-            Self::HalfClear(_) => true,
-            Self::Brushed(_) => false,
-            Self::Filmed(filmed) => filmed.transmits(),
-        }
-    }
-
-    fn albedo(&self) -> Vec3 {
-        match self {
-            Self::Plain(bsdf) => bsdf.albedo(),
-            Self::HalfClear(mixed) => mixed.albedo(),
-            Self::Brushed(brushed) => brushed.albedo(),
-            Self::Filmed(filmed) => filmed.albedo(),
-        }
     }
 }
 

@@ -17,6 +17,7 @@
 //! | `boundary`, `rough_dielectric`, `glass_multiple` | glass, smooth and rough |
 //! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
 //! | `lanes` | bases in lanes, for many paths at once |
+//! | `layer_base` | what lies below layers |
 //! | `layer_energy` | what comes back of light that is lost under layers |
 //! | `energy`, `glass_energy`, `anisotropic_energy` | albedos, by which energy is conserved |
 
@@ -38,6 +39,7 @@ mod glass_energy;
 mod glass_multiple;
 mod lambert;
 pub mod lanes;
+mod layer_base;
 mod layer_energy;
 mod layered;
 mod layers;

@@ -156,9 +156,35 @@ fn unknown_keys_are_errors_with_their_line_and_the_near_ones() {
     }
 }
 
+fn assert_told(faults: &[(&str, &str)]) {
+    for (text, message) in faults {
+        let found = error(text);
+        assert!(found.starts_with(message), "{text}\n{found}\n{message}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_media_is_told_with_its_line() {
+    assert_told(&[
+        ("[medium]\nscattering = -1", "s.toml:2: scattering: must be from 0 to 5e11 per metre"),
+        (
+            "[medium]\nabsorption = [1, 2, nan]",
+            "s.toml:2: absorption: must be a finite number, or […] of 3",
+        ),
+        ("[medium]\nscattering = 1\nanisotropy = 2", "s.toml:3: anisotropy: must be from -1 to 1"),
+        ("\n[medium]\nanisotropy = 0", "s.toml:2: [medium]: neither absorbs nor scatters"),
+        ("[medium]\nscater = 1", "s.toml:2: [medium]: unknown key \"scater\"; did you mean"),
+        (
+            "[material.red]\nmultiscatter-color = [1, 1, 1]\nscatter-albedo = [1, 1, 1]",
+            "s.toml:3: scatter-albedo: goes without multiscatter-color",
+        ),
+        ("[material.red]\nscatter-anisotropy = 2", "s.toml:2: scatter-anisotropy: must be from -1"),
+    ]);
+}
+
 #[test]
 fn what_is_wrong_is_told_with_its_line() {
-    for (text, message) in [
+    assert_told(&[
         ("[[place]]\n", "s.toml:1: [[place]]: has no file"),
         ("[[place]]\nfile = 3", "s.toml:2: file: must be text in quotes"),
         (
@@ -201,19 +227,6 @@ fn what_is_wrong_is_told_with_its_line() {
             "s.toml:2: type: \"lamp\" is none of point, spot and directional",
         ),
         ("[sky]\nturbidity = 1", "s.toml:2: turbidity: must be from 2 to 10"),
-        ("[medium]\nscattering = -1", "s.toml:2: scattering: must be from 0 to 5e11 per metre"),
-        (
-            "[medium]\nabsorption = [1, 2, nan]",
-            "s.toml:2: absorption: must be a finite number, or […] of 3",
-        ),
-        ("[medium]\nscattering = 1\nanisotropy = 2", "s.toml:3: anisotropy: must be from -1 to 1"),
-        ("\n[medium]\nanisotropy = 0", "s.toml:2: [medium]: neither absorbs nor scatters"),
-        ("[medium]\nscater = 1", "s.toml:2: [medium]: unknown key \"scater\"; did you mean"),
-        (
-            "[material.red]\nmultiscatter-color = [1, 1, 1]\nscatter-albedo = [1, 1, 1]",
-            "s.toml:3: scatter-albedo: goes without multiscatter-color",
-        ),
-        ("[material.red]\nscatter-anisotropy = 2", "s.toml:2: scatter-anisotropy: must be from -1"),
         (
             "[sky]\n[environment]\ncolor = [1, 1, 1]",
             "s.toml:1: [sky]: there is an [environment] already",
@@ -222,10 +235,7 @@ fn what_is_wrong_is_told_with_its_line() {
         ("render = 3", "s.toml:1: render: must be a table"),
         ("[camera\n", "s.toml:1: "),
         ("a = 1\na = 2", "s.toml:2: duplicate key"),
-    ] {
-        let found = error(text);
-        assert!(found.starts_with(message), "{text}\n{found}\n{message}");
-    }
+    ]);
 }
 
 #[test]
