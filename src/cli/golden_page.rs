@@ -118,7 +118,7 @@ impl Page {
 }
 
 fn encode_for_display(picture: &Picture) -> Result<Vec<u8>, FilmError> {
-    png::encode(Path::new("the picture"), picture, Tonemap::Agx, 0.0)
+    png::encode(Path::new("the picture"), picture, Tonemap::Agx, 0.0, None)
 }
 
 /// None where the two are of different sizes.

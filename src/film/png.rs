@@ -21,10 +21,7 @@ pub fn write(
     exposure: f32,
     label: Option<&str>,
 ) -> Result<(), FilmError> {
-    let mut bytes = encode(path, picture, tonemap, exposure)?;
-    if let Some(label) = label {
-        png_label::insert(&mut bytes, label);
-    }
+    let bytes = encode(path, picture, tonemap, exposure, label)?;
     files::write(path, Flush::ToDisk, |file| io::Write::write_all(file, &bytes))
         .map_err(|source| FilmError::write(path, source))
 }
@@ -38,11 +35,15 @@ pub fn encode(
     picture: &Picture,
     tonemap: Tonemap,
     exposure: f32,
+    label: Option<&str>,
 ) -> Result<Vec<u8>, FilmError> {
     let (kind, bytes) = display_bytes(path, picture, tonemap, exposure)?;
     let mut file = Vec::new();
     encode_pixels(&mut file, picture.width(), picture.height(), kind, &bytes)
         .map_err(|error| FilmError::invalid(path, error.to_string()))?;
+    if let Some(label) = label {
+        png_label::insert(&mut file, label);
+    }
     Ok(file)
 }
 

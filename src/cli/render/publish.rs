@@ -59,8 +59,8 @@ impl Publisher<'_> {
             None => Ok(()),
         };
         let picture = &rendered.picture;
-        let written =
-            [self.write_part(&film), self.write(picture), control.watch.present(picture), denoised];
+        let shown = control.watch.present(picture, self.label(picture).as_deref());
+        let written = [self.write_part(&film), self.write(picture), shown, denoised];
         if let Err(error) = outputs::try_all([saved].into_iter().chain(written)) {
             return Err(match checkpoint.as_ref().filter(|_| is_whole).map(save) {
                 Some(Err(too)) => CliError::Several(vec![error, too]),
@@ -142,11 +142,16 @@ impl Publisher<'_> {
         checkpoint::write(path, &head, film).map_err(|source| CliError::not_written(path, &source))
     }
 
+    /// The label of a picture's PNG, if it is whole.
+    fn label(&self, picture: &Picture) -> Option<String> {
+        let is_whole = !picture.strings.contains_key("dapple/unfinished");
+        Header::label_of(self.job).filter(|_| is_whole)
+    }
+
     /// Writes the pictures; where one fails the others are there still.
     fn write(&self, picture: &Picture) -> Result<(), CliError> {
         let args = &self.job.args;
-        let is_whole = !picture.strings.contains_key("dapple/unfinished");
-        let label = Header::label_of(self.job).filter(|_| is_whole);
+        let label = self.label(picture);
         let (tonemap, exposure) = (args.tonemap, args.exposure);
         outputs::write_picture(&pictures(args), picture, tonemap, exposure, label.as_deref())
     }

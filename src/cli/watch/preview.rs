@@ -18,13 +18,14 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// Writes it; whoever looks meanwhile sees the one before.
+    /// Writes it, with the label of the PNG of the end if it is that; whoever looks meanwhile sees
+    /// the one before.
     ///
     /// # Errors
     /// [`FilmError::Write`]; [`FilmError::Invalid`] if the picture has no colours.
-    pub fn write(&self, picture: &Picture) -> Result<(), FilmError> {
+    pub fn write(&self, picture: &Picture, label: Option<&str>) -> Result<(), FilmError> {
         let path = &self.path;
-        let bytes = png::encode(path, picture, self.tonemap, self.exposure)?;
+        let bytes = png::encode(path, picture, self.tonemap, self.exposure, label)?;
         files::write(path, Flush::WhenIdle, |file| file.write_all(&bytes))
             .map_err(|source| FilmError::write(path, source))
     }
@@ -44,10 +45,10 @@ mod tests {
         let (path, end) = (folder.path().join("a.png"), folder.path().join("b.png"));
         std::fs::write(&path, "old").expect("written");
         let preview = Preview { path: path.clone(), tonemap: Tonemap::Agx, exposure: 1.5 };
-        preview.write(&picture).expect("written");
+        preview.write(&picture, None).expect("written");
         png::write(&end, &picture, Tonemap::Agx, 1.5, None).expect("written");
         assert_eq!(std::fs::read(&path).expect("there"), std::fs::read(&end).expect("there"));
         let preview = Preview { path: folder.path().join("no/a.png"), ..preview };
-        assert_eq!(preview.write(&picture).expect_err("no folder").exit_code(), 4);
+        assert_eq!(preview.write(&picture, None).expect_err("no folder").exit_code(), 4);
     }
 }

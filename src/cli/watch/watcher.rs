@@ -194,17 +194,18 @@ impl Watch {
         if self.quiet { log::write(line) } else { say(line) }
     }
 
-    /// Gives the last picture to all that show one, and waits for them within bounds.
+    /// Gives the last picture to all that show one, and waits for them within bounds. `label` is that
+    /// of its PNG.
     ///
     /// # Errors
     /// [`CliError::Film`] if the preview could not be written.
-    pub fn present(&self, picture: &Picture) -> Result<(), CliError> {
+    pub fn present(&self, picture: &Picture, label: Option<&str>) -> Result<(), CliError> {
         let mut made: Option<Arc<Picture>> = None;
         let mut last = || Arc::clone(made.get_or_insert_with(|| Arc::new(colours_of(picture))));
         for outlet in lock(&self.outlets).drain(..) {
             outlet.finish(&mut last);
         }
-        self.preview.as_ref().map_or(Ok(()), |preview| preview.write(picture))?;
+        self.preview.as_ref().map_or(Ok(()), |preview| preview.write(picture, label))?;
         Ok(())
     }
 
@@ -263,7 +264,7 @@ impl MetricsFile {
 fn start_preview(preview: Preview, every: Every) -> std::io::Result<Outlet> {
     let mut failed = false;
     Outlet::start("preview", every, None, move |picture| {
-        warn_once(&mut failed, preview.write(picture).map_err(CliError::from));
+        warn_once(&mut failed, preview.write(picture, None).map_err(CliError::from));
         Duration::ZERO
     })
 }

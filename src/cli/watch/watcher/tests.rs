@@ -50,7 +50,7 @@ fn a_watched_run_leaves_the_last_state_of_all_files() {
     }
     watch.count_checkpoints(1);
     watch.set_rays(77);
-    watch.present(&grey(1.0)).expect("written");
+    watch.present(&grey(1.0), None).expect("written");
     watch.finish(0).expect("written");
     let shown = png::read(&folder.join("a.png")).expect("whole");
     assert_eq!(shown.rgb(Path::new("a")).expect("colours"), [[1.0; 3]; 4]);
@@ -91,7 +91,7 @@ fn what_cannot_be_written_is_an_error_at_the_start_or_at_the_end() {
     let checked = outputs::check(&outputs(&args), &[]);
     assert_eq!(checked.expect_err("no folder").exit_code(), 4);
     let watch = Watch::start(&args).expect("it begins");
-    let preview = watch.present(&grey(1.0)).expect_err("no folder");
+    let preview = watch.present(&grey(1.0), None).expect_err("no folder");
     let metrics = watch.finish(0).expect_err("no folder");
     for (error, file) in [(preview, "a.png"), (metrics, "a.prom")] {
         assert!(error.exit_code() == 4 && error.to_string().contains(file), "{error}");
