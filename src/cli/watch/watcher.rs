@@ -194,8 +194,8 @@ impl Watch {
         if self.quiet { log::write(line) } else { say(line) }
     }
 
-    /// Gives the last picture to all that show one, and waits for them within bounds. `label` is that
-    /// of its PNG.
+    /// Gives the last picture to all that show one, and waits for them within bounds. `label` is
+    /// that of its PNG.
     ///
     /// # Errors
     /// [`CliError::Film`] if the preview could not be written.
