@@ -11,7 +11,7 @@ const MOST_FLATTENED: u64 = 1 << 21;
 pub struct MeshUse {
     /// Its triangles.
     pub triangles: u64,
-    /// How often it is placed; [`MOVES`] if any of that moves.
+    /// How often it is placed; `u32::MAX` if any of that moves.
     pub uses: u32,
 }
 

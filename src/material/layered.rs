@@ -26,7 +26,7 @@ const MIN_PROBABILITY: f32 = 0.1;
 /// for the coat in [`BsdfForm::AppendixB`] by the product of that for both directions (as
 /// KHR_materials_clearcoat has it), else by the lesser of both (as KHR_materials_sheen has it),
 /// which is reciprocal and never gives more than there is. What of it is less than the base could
-/// reflect comes back by a lobe of its own, see [`super::layer_energy`]. A coat over glass that is
+/// reflect comes back by a lobe of its own, see `layer_energy`. A coat over glass that is
 /// solid lies on the outside only. Emission is not dimmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layered {
