@@ -27,6 +27,8 @@ mod json;
 mod layers;
 mod light;
 mod material;
+#[cfg(test)]
+mod material_of;
 mod mesh;
 mod meshopt;
 mod motion;

@@ -83,21 +83,8 @@ impl Reader<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::json;
-    use super::super::material::read;
-    use super::super::notices::Notices;
-    use super::super::texture::Slots;
+    use super::super::material_of::material;
     use super::*;
-
-    fn material(extensions: &str) -> Result<(Material, Vec<String>), Fault> {
-        let text = format!("{{\"materials\": [{{\"extensions\": {extensions}}}]}}");
-        let value = json::parse(text.as_bytes()).expect("valid JSON");
-        let root = Object::new(&value, String::new()).expect("an object");
-        let (mut slots, mut notices) = (Slots::new(4), Notices::default());
-        let material = read(&root, &mut slots, &mut notices)?.remove(0);
-        let notices = notices.finish(std::path::Path::new("a"));
-        Ok((material, notices.into_iter().map(|notice| notice.message).collect()))
-    }
 
     const VOLUME: &str = r#""KHR_materials_volume": {"thicknessFactor": 1}"#;
 
