@@ -97,8 +97,9 @@ fn a_picture_is_denoised_later_as_in_its_render() {
     assert!(output.status.success());
     let after = run(&["denoise", "noisy.exr", "-o", "a.exr", "--png", "after.png"]);
     assert_eq!(before.aov("denoised", "RGB"), after.aov("denoised", "RGB"));
-    let png = |name: &str| std::fs::read(folder.path().join(name)).expect("written");
-    assert_eq!(png("before.png"), png("after.png"));
+    // The bytes differ by the label of a render's PNG, which says by what settings it was made.
+    let png = |name: &str| dapple::film::png::read(&folder.path().join(name)).expect("written");
+    assert_eq!(png("before.png").aov("", "RGB"), png("after.png").aov("", "RGB"));
 
     // Layers that only the denoiser reads are not in the picture.
     let few = run(&[&words[..], &["a.exr", "--denoise", "--aov", "depth"]].concat());
