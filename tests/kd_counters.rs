@@ -8,7 +8,7 @@ use dapple::Isa;
 use dapple::accel::kd::OVER;
 use dapple::accel::kd::build::OPTIONS;
 use dapple::accel::kd::tree::KdTree;
-use dapple::accel::{AccelSpec, Batch, ClosestHit, Counts, Event, Options};
+use dapple::accel::{AccelSpec, Batch, ClosestHit, Counts, Event, Options, Steps};
 use dapple::geom::{TriangleList, TriangleSource};
 use dapple::math::{Ray, Vec3};
 
@@ -33,7 +33,7 @@ const SAME: [&str; 13] = [
 
 fn tree(source: &Arc<dyn TriangleSource>, options: &str) -> KdTree {
     let options = Options::parse("kd", &OPTIONS, options).expect("the test's options are known");
-    KdTree::build(source, &options).expect("small scenes build")
+    KdTree::build(source, &options, &Steps::untold()).expect("small scenes build")
 }
 
 /// What each ray counts by itself.

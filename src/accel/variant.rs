@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use fearless_simd::Level;
 
-use super::{Accel, BuildError, OptionSpec, Options};
+use super::{Accel, BuildError, OptionSpec, Options, Steps};
 use crate::geom::TriangleSource;
 
 /// A row of the table: all that the rest of the program knows about a structure.
@@ -30,6 +30,8 @@ pub struct BuildInput<'a> {
     pub options: &'a Options,
     /// The instruction set to walk with.
     pub level: Level,
+    /// Who is told how far the build is.
+    pub steps: &'a Steps<'a>,
 }
 
 impl fmt::Debug for Variant {

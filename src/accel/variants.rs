@@ -7,8 +7,9 @@ use std::sync::Arc;
 use super::located::Located;
 use super::two_level::{Placed, TwoLevel};
 use super::{
-    Accel, BuildError, BuildInput, Instances, Options, SpecError, Variant, brute, bvh, kd,
+    Accel, BuildError, BuildInput, Instances, Options, SpecError, Steps, Variant, brute, bvh, kd,
 };
+use crate::files::Meter;
 use crate::geom::TriangleSource;
 use crate::names::near;
 use crate::simd::Isa;
@@ -172,6 +173,19 @@ pub fn build(
     source: Arc<dyn TriangleSource>,
     isa: Isa,
 ) -> Result<Box<dyn Accel>, BuildError> {
+    build_metered(spec, source, isa, &Meter::default())
+}
+
+/// [`build`], while a meter tells how much of it is done.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_metered(
+    spec: &AccelSpec,
+    source: Arc<dyn TriangleSource>,
+    isa: Isa,
+    meter: &Meter,
+) -> Result<Box<dyn Accel>, BuildError> {
     let level = isa.level().ok_or(BuildError::NoSuchIsa { isa: isa.name() })?;
     let placed = Placed::new(Arc::clone(&source));
     // With one placement numbers are what hits name already.
@@ -188,11 +202,13 @@ pub fn build(
                     (row, &defaults)
                 }
             };
-            return TwoLevel::build((placed, copies), (below, above), level);
+            return TwoLevel::build((placed, copies), (below, above), (level, meter));
         }
     }
     BuildError::check_count(source.len())?;
-    let input = BuildInput { source: Arc::clone(&source), options: &spec.options, level };
+    Steps::expect(meter, source.len());
+    let (options, steps) = (&spec.options, &Steps::new(meter, source.len()));
+    let input = BuildInput { source: Arc::clone(&source), options, level, steps };
     let accel = (spec.variant.build)(&input)?;
     Ok(if are_placed { Box::new(Located { accel, source }) } else { accel })
 }

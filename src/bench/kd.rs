@@ -14,7 +14,7 @@ use super::table::Table;
 use crate::accel::kd::build::OPTIONS;
 use crate::accel::kd::tree::KdTree;
 use crate::accel::kd::{LAYOUT, OVER, OverTree, SHORT_STACK, STACK_DIRECTION};
-use crate::accel::{BuildError, Event, Options, VARIANTS, Values};
+use crate::accel::{BuildError, Event, Options, Steps, VARIANTS, Values};
 use crate::geom::TriangleSource;
 use crate::math::Ray;
 use crate::simd::Isa;
@@ -173,7 +173,7 @@ pub(super) fn build_tree(
     if needed > settings.memory {
         return Err(BuildError::TooLarge { needed, limit: settings.memory }.into());
     }
-    Ok(KdTree::build(source, options)?)
+    Ok(KdTree::build(source, options, &Steps::untold())?)
 }
 
 fn find_level(settings: &KdBenchSettings) -> Result<fearless_simd::Level, BuildError> {

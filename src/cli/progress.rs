@@ -3,7 +3,7 @@
 use std::io::{IsTerminal, stderr};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 
@@ -11,6 +11,7 @@ pub use crate::cli::console::say;
 use crate::cli::console::{hide_bar, print, show_bar};
 use crate::cli::settings::parse::ProgressStyle;
 use crate::cli::status::{Phase, Status};
+use crate::files::Meter;
 use crate::render::Progress;
 use crate::scene::Notice;
 
@@ -28,11 +29,15 @@ pub struct Reporter {
 struct Shared {
     state: Mutex<State>,
     wake: Condvar,
+    /// Of reading and building.
+    meter: Arc<Meter>,
 }
 
 #[derive(Default)]
 struct State {
     status: Status,
+    /// When its phase began.
+    since: Option<Instant>,
     /// What is to be reported at once.
     pending: Vec<Status>,
     /// The phase that was entered last; `None` at the start.
@@ -40,6 +45,11 @@ struct State {
     /// There is no more to report.
     over: bool,
 }
+
+/// Steps of a bar.
+const BAR_STEPS: u64 = 10_000;
+/// What takes no longer is not worth a bar.
+const MOMENT: Duration = Duration::from_millis(500);
 
 /// How progress is reported.
 struct Form {
@@ -66,12 +76,20 @@ impl Reporter {
     /// Takes note of what the run does from now on.
     pub fn enter(&self, phase: Phase) {
         let mut state = lock(&self.shared.state);
-        state.status.phase = phase;
-        let status = state.status;
+        if state.since.is_none() || state.status.phase != phase {
+            (state.status.phase, state.since) = (phase, Some(Instant::now()));
+            self.shared.meter.restart();
+        }
+        let status = self.shared.look(&state);
         if self.each_phase && state.told.replace(phase) != Some(phase) {
             state.pending.push(status);
             self.shared.wake.notify_all();
         }
+    }
+
+    /// What is told how much of the reading or the building is done.
+    pub fn meter(&self) -> &Arc<Meter> {
+        &self.shared.meter
     }
 
     /// Takes note of how many pixels share the samples.
@@ -120,6 +138,12 @@ impl Shared {
         }
     }
 
+    /// How far the run is now.
+    fn look(&self, state: &State) -> Status {
+        let in_phase = state.since.map_or(Duration::ZERO, |since| since.elapsed());
+        Status { phase_share: self.meter.share(), in_phase, ..state.status }
+    }
+
     /// Waits for something to report, `every` at most; then that is what there is now. Says whether
     /// it is the last.
     fn wait(&self, every: Duration) -> (Vec<Status>, bool) {
@@ -127,7 +151,7 @@ impl Shared {
         let waited = self.wake.wait_timeout_while(lock(&self.state), every, idle);
         let (mut state, timeout) = waited.unwrap_or_else(PoisonError::into_inner);
         if timeout.timed_out() {
-            return (vec![state.status], false);
+            return (vec![self.look(&state)], false);
         }
         (std::mem::take(&mut state.pending), state.over)
     }
@@ -153,8 +177,8 @@ impl Form {
 
     fn lines() -> Self {
         let report = |status: Status| {
-            if let Some(progress) = status.progress {
-                print(&format_line(progress));
+            if let Some(line) = format_status(&status) {
+                print(&line);
             }
         };
         Self { every: Duration::from_secs(10), each_phase: false, report: Box::new(report) }
@@ -163,13 +187,14 @@ impl Form {
     fn bar() -> Self {
         let bar = make_bar();
         let report = move |status: Status| {
+            let share = status.share_of_phase();
             if matches!(status.phase, Phase::Write | Phase::End) {
                 hide_bar();
-            } else if let Some(progress) = status.progress {
+            } else if let Some(share) = share.filter(|_| is_worth_a_bar(&status)) {
                 show_bar(&bar);
-                bar.set_length(progress.total);
-                bar.set_position(progress.done);
-                bar.set_message(format_left(progress));
+                bar.set_length(BAR_STEPS);
+                bar.set_position((share * BAR_STEPS as f64) as u64);
+                bar.set_message(format_bar(&status));
             }
         };
         Self { every: Duration::from_millis(100), each_phase: true, report: Box::new(report) }
@@ -189,14 +214,38 @@ fn make_bar() -> ProgressBar {
     bar
 }
 
+/// What is behind the bar.
+fn format_bar(status: &Status) -> String {
+    match status.phase {
+        Phase::Render => format_left(status.left_of_phase()),
+        phase => format!("{}, {}", phase.describe(), format_left(status.left_of_phase())),
+    }
+}
+
+/// A scene that is read or built in a moment needs no bar for that.
+fn is_worth_a_bar(status: &Status) -> bool {
+    status.phase == Phase::Render || status.in_phase > MOMENT
+}
+
+/// How far the run is as a line for people, where there is something to say.
+fn format_status(status: &Status) -> Option<String> {
+    match status.phase {
+        Phase::Read | Phase::Build => {
+            let (share, left) = (status.share_of_phase()?, format_left(status.left_of_phase()));
+            Some(format!("{}: {:.1}%, {left}", status.phase.describe(), 100.0 * share))
+        }
+        _ => status.progress.map(format_line),
+    }
+}
+
 /// The progress as a line for people.
 pub fn format_line(progress: Progress) -> String {
     let percent = 100.0 * progress.done as f64 / progress.total.max(1) as f64;
-    format!("{percent:.1}%, {}", format_left(progress))
+    format!("{percent:.1}%, {}", format_left(progress.left()))
 }
 
-fn format_left(progress: Progress) -> String {
-    match progress.left() {
+fn format_left(left: Option<Duration>) -> String {
+    match left {
         Some(left) => format!("{} left", format_clock(left)),
         None => "starting".to_owned(),
     }
@@ -236,5 +285,31 @@ mod tests {
         let at = |done| Progress { before: 0, done, total: 8, elapsed: Duration::from_secs(60) };
         assert_eq!(format_line(at(0)), "0.0%, starting");
         assert_eq!(format_line(at(2)), "25.0%, 3m 00s left");
+    }
+
+    #[test]
+    fn reading_and_building_have_lines_too_once_something_is_known() {
+        let in_phase = Duration::from_secs(30);
+        let status = Status { phase: Phase::Build, in_phase, ..Status::default() };
+        assert_eq!(format_status(&status), None);
+        let status = Status { phase_share: Some(0.25), ..status };
+        let line = "building the structure: 25.0%, 1m 30s left";
+        assert_eq!(format_status(&status).as_deref(), Some(line));
+        assert_eq!(format_bar(&status), "building the structure, 1m 30s left");
+        assert!(is_worth_a_bar(&status));
+        assert!(!is_worth_a_bar(&Status { in_phase: MOMENT, ..status }));
+    }
+
+    #[test]
+    fn a_phase_begins_with_an_empty_meter_and_a_new_clock() {
+        let reporter = Reporter::new(ProgressStyle::None);
+        reporter.enter(Phase::Read);
+        reporter.meter().expect(4);
+        reporter.meter().finish(1);
+        let look = || reporter.shared.look(&lock(&reporter.shared.state)).phase_share;
+        reporter.enter(Phase::Read);
+        assert_eq!(look(), Some(0.25));
+        reporter.enter(Phase::Build);
+        assert_eq!(look(), None);
     }
 }

@@ -1,5 +1,7 @@
 //! How far a run is, as programs read it.
 
+use std::time::Duration;
+
 use serde_json::json;
 
 use crate::render::Progress;
@@ -33,7 +35,7 @@ impl Phase {
     }
 
     /// What it is, for people.
-    fn describe(self) -> &'static str {
+    pub fn describe(self) -> &'static str {
         match self {
             Self::Read => "reading the scene",
             Self::Build => "building the structure",
@@ -53,6 +55,10 @@ pub struct Status {
     pub progress: Option<Progress>,
     /// How many pixels share the samples; 0 while it is unknown.
     pub pixels: u64,
+    /// How much of what the phase does is done, where that is known of reading and building.
+    pub phase_share: Option<f64>,
+    /// Time since the phase began.
+    pub in_phase: Duration,
 }
 
 impl Status {
@@ -67,6 +73,24 @@ impl Status {
         self.progress.map_or(0.0, |it| it.done as f64 / it.total.max(1) as f64)
     }
 
+    /// How much of the phase is done, from 0 to 1, where that is known.
+    pub fn share_of_phase(&self) -> Option<f64> {
+        match self.phase {
+            Phase::Read | Phase::Build => self.phase_share,
+            Phase::Render => self.progress.map(|_| self.share()),
+            Phase::Write | Phase::End => None,
+        }
+    }
+
+    /// The time that the phase will still take at its pace so far, where that is known.
+    pub fn left_of_phase(&self) -> Option<Duration> {
+        if self.phase == Phase::Render {
+            return self.progress.and_then(|progress| progress.left());
+        }
+        let share = self.share_of_phase().filter(|&share| share > 0.0)?;
+        Some(self.in_phase.mul_f64((1.0 - share) / share))
+    }
+
     /// As an object in a line; the guide says what its keys are.
     pub fn to_json(self) -> String {
         let left = self.progress.and_then(|progress| progress.left());
@@ -78,6 +102,8 @@ impl Status {
             "spp": self.samples_per_pixel(),
             "elapsed_s": self.progress.map_or(0.0, |progress| progress.elapsed.as_secs_f64()),
             "left_s": left.map(|left| left.as_secs_f64()),
+            "phase_share": self.share_of_phase(),
+            "phase_left_s": self.left_of_phase().map(|left| left.as_secs_f64()),
         })
         .to_string()
     }
@@ -91,14 +117,12 @@ impl Status {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
 
     fn status() -> Status {
         let progress =
             Progress { before: 0, done: 30, total: 120, elapsed: Duration::from_secs(5) };
-        Status { phase: Phase::Render, progress: Some(progress), pixels: 4 }
+        Status { phase: Phase::Render, progress: Some(progress), pixels: 4, ..Status::default() }
     }
 
     #[test]
@@ -118,12 +142,23 @@ mod tests {
         let object: serde_json::Value = serde_json::from_str(&status().to_json()).expect("JSON");
         let expected = json!({
             "phase": "render", "done": 30, "total": 120, "share": 0.25, "spp": 7.5,
-            "elapsed_s": 5.0, "left_s": 15.0,
+            "elapsed_s": 5.0, "left_s": 15.0, "phase_share": 0.25, "phase_left_s": 15.0,
         });
         assert_eq!(object, expected);
         let start: serde_json::Value =
             serde_json::from_str(&Status::default().to_json()).expect("JSON");
         assert_eq!((&start["phase"], &start["left_s"]), (&json!("read"), &json!(null)));
         assert_eq!(status().to_openjd(), "openjd_progress: 25.0\nopenjd_status: rendering");
+    }
+
+    #[test]
+    fn reading_and_building_tell_their_share_and_the_time_left() {
+        let in_phase = Duration::from_secs(6);
+        let status = Status { phase: Phase::Build, in_phase, ..Status::default() };
+        assert_eq!((status.share_of_phase(), status.left_of_phase()), (None, None));
+        let status = Status { phase_share: Some(0.75), ..status };
+        assert_eq!(status.left_of_phase(), Some(Duration::from_secs(2)));
+        let object: serde_json::Value = serde_json::from_str(&status.to_json()).expect("JSON");
+        assert_eq!((&object["share"], &object["phase_share"]), (&json!(0.0), &json!(0.75)));
     }
 }

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `beside` | outputs are written beside their target and renamed |
 //! | `guard` | decoders of others that may panic |
+//! | `meter` | how much of reading or building is done |
 //! | `memory` | how much memory there is, and whether what a file claims is left |
 //! | `regular` | inputs are regular files, of a size that is known; which paths are one file |
 //! | `spool` | a temporary file for what memory has no room for |
@@ -12,9 +13,11 @@
 mod beside;
 pub mod guard;
 pub mod memory;
+mod meter;
 mod regular;
 mod spool;
 
 pub use beside::{Flush, probe, remove_pending, write};
+pub use meter::{Front, Meter};
 pub use regular::{open, read, same};
 pub use spool::Spool;

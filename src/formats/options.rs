@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::LoadError;
+use crate::files::Meter;
 use crate::texture::TextureStore;
 
 /// What to do about a texture that is missing or broken.
@@ -55,6 +56,8 @@ pub struct LoadOptions {
     pub textures: Arc<TextureStore>,
     /// Whether textures get smaller versions of their images, for what is seen from afar.
     pub texture_levels: bool,
+    /// Who is told how much of the reading is done, in bytes.
+    pub meter: Arc<Meter>,
 }
 
 impl LoadOptions {

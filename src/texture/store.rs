@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::cache::{CacheFigures, TileCache};
 use super::image::Image;
-use crate::files::memory;
+use crate::files::{Meter, memory};
 
 /// Memory that decoded images may always take, and beyond it for each byte of their files.
 const FREE_BYTES: u64 = 4 << 30;
@@ -92,6 +92,7 @@ pub struct TextureStore {
     tiled: AtomicU64,
     known: Mutex<Known>,
     cache: Arc<TileCache>,
+    meter: Arc<Meter>,
 }
 
 impl Default for TextureStore {
@@ -118,7 +119,13 @@ impl TextureStore {
             tiled: AtomicU64::new(0),
             known: Mutex::default(),
             cache: Arc::new(TileCache::new(limit)),
+            meter: Arc::default(),
         }
+    }
+
+    /// The same; a meter is told how many bytes of texels are decoded.
+    pub fn metered(self, meter: Arc<Meter>) -> Self {
+        Self { meter, ..self }
     }
 
     /// Bytes that textures may take.
@@ -198,6 +205,7 @@ impl TextureStore {
             (sum.0.saturating_add(file.length), sum.1.saturating_add(file.decoded))
         });
         let (encoded, total) = sizes;
+        self.meter.expect(total);
         let fits = self.reserve(total);
         let too_many = if total > FREE_BYTES.saturating_add(encoded.saturating_mul(EXPANSION)) {
             Some(format!("all images together take {total} bytes, far beyond their files"))
@@ -223,6 +231,12 @@ impl TextureStore {
                 self.known().insert(id.clone(), (Arc::downgrade(&image), notes.clone()));
             }
             Ok((image, notes))
+        };
+        let decode = |(source, file): (&&ImageSource, Result<SizedFile, String>)| {
+            let size = file.as_ref().map_or(0, |file| file.decoded);
+            let decoded = decode((source, file));
+            self.meter.finish(size);
+            decoded
         };
         sources.par_iter().zip(files).map(decode).collect()
     }

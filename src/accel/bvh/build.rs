@@ -2,7 +2,7 @@
 
 use super::parts::Cutter;
 use super::{BinaryTree, binned, early, objects, prims, refine, sah, sbvh, sweep};
-use crate::accel::{BuildInput, OptionSpec, Phases, Value, Values};
+use crate::accel::{BuildInput, OptionSpec, Phases, Steps, Value, Values};
 use crate::geom::TriangleSource;
 
 /// The option that names the builder, for `build_tree`.
@@ -23,11 +23,12 @@ pub const REFINE: OptionSpec = OptionSpec {
 
 /// Builds a binary tree by the options [`BUILD`] and [`REFINE`]; see `build_tree`.
 pub fn build_tree_by(input: &BuildInput<'_>, costs: sah::Costs, phases: &mut Phases) -> BinaryTree {
-    let tree = build_tree(&*input.source, input.options.choice("build"), costs, phases);
+    let builder = input.options.choice("build");
+    let tree = build_tree(&*input.source, builder, costs, (phases, input.steps));
     if input.options.choice("refine") == "off" {
         return tree;
     }
-    let refined = refine::refine(tree);
+    let refined = refine::refine(tree, input.steps);
     phases.end("refinement");
     refined
 }
@@ -39,7 +40,7 @@ pub fn build_tree(
     source: &dyn TriangleSource,
     builder: &str,
     costs: sah::Costs,
-    phases: &mut Phases,
+    (phases, steps): (&mut Phases, &Steps<'_>),
 ) -> BinaryTree {
     let mut prims = prims::make_prims(source);
     let cutter = match builder {
@@ -49,14 +50,14 @@ pub fn build_tree(
     };
     phases.end("boxes");
     let tree = match (builder, &cutter) {
-        ("sweep", _) => sweep::build(&prims, costs),
-        ("sbvh", Some(cutter)) => sbvh::build(std::mem::take(&mut prims), cutter, costs),
+        ("sweep", _) => sweep::build(&prims, costs, steps),
+        ("sbvh", Some(cutter)) => sbvh::build(std::mem::take(&mut prims), cutter, costs, steps),
         ("esc", Some(cutter)) => {
             prims = early::split(prims, cutter);
             phases.end("early splits");
-            BinaryTree { parts: Some(cutter.parts()), ..binned::build(&mut prims, costs) }
+            BinaryTree { parts: Some(cutter.parts()), ..binned::build(&mut prims, costs, steps) }
         }
-        _ => binned::build(&mut prims, costs),
+        _ => binned::build(&mut prims, costs, steps),
     };
     // The builder gives its memory back; that takes time too.
     drop((prims, cutter));

@@ -9,6 +9,7 @@
 use rayon::prelude::*;
 
 use super::{BinaryNode, BinaryTree, sah};
+use crate::accel::Steps;
 use crate::math::Aabb;
 
 /// Twice as many rounds give one percent more.
@@ -42,7 +43,7 @@ struct Move {
 }
 
 /// Moves subtrees about. A tree that would get too deep or not cheaper stays as it is.
-pub fn refine(tree: BinaryTree) -> BinaryTree {
+pub fn refine(tree: BinaryTree, steps: &Steps<'_>) -> BinaryTree {
     // Three nodes have nothing to move.
     if tree.nodes.len() <= 3 {
         return tree;
@@ -50,6 +51,7 @@ pub fn refine(tree: BinaryTree) -> BinaryTree {
     let mut pairs = Pairs::new(&tree);
     for _ in 0..ROUNDS {
         pairs.run_round();
+        steps.refine(tree.order.len(), ROUNDS);
     }
     let refined = pairs.into_tree(&tree);
     let (before, after) = (tree.report(), refined.report());

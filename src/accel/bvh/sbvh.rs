@@ -16,6 +16,7 @@ use super::prims::Prim;
 use super::sah::{Costs, DEPTH_OF_MIDDLE_SPLITS, Fill};
 use super::spatial::SpatialSplit;
 use super::{BinaryNode, BinaryTree};
+use crate::accel::Steps;
 use crate::math::{Aabb, PrimId};
 
 /// References may be so many times the triangles more.
@@ -28,12 +29,13 @@ const LEAVES_TO_CUT: usize = 16;
 const PARALLEL_SUBTREES: usize = 1 << 11;
 
 /// Builds a tree.
-pub fn build(prims: Vec<Prim>, cutter: &Cutter<'_>, costs: Costs) -> BinaryTree {
+pub fn build(prims: Vec<Prim>, cutter: &Cutter<'_>, costs: Costs, steps: &Steps<'_>) -> BinaryTree {
     if prims.is_empty() {
         return BinaryTree::default();
     }
     let budget = (prims.len() as f64 * MORE) as usize;
-    let builder = Builder { cutter, costs, overlap: cutter.bounds().half_area() * OVERLAP };
+    let overlap = cutter.bounds().half_area() * OVERLAP;
+    let builder = Builder { cutter, costs, overlap, steps };
     let mut subtree = Subtree::default();
     builder.build(prims, budget, 0, &mut subtree);
     BinaryTree { nodes: subtree.nodes, order: subtree.order, parts: Some(cutter.parts()) }
@@ -61,9 +63,20 @@ struct Builder<'a> {
     cutter: &'a Cutter<'a>,
     costs: Costs,
     overlap: f64,
+    steps: &'a Steps<'a>,
 }
 
 impl Builder<'_> {
+    /// A subtree of its own; one that is a task is told of.
+    fn build_part(&self, prims: Vec<Prim>, budget: usize, depth: usize) -> Subtree {
+        let (mut subtree, count) = (Subtree::default(), prims.len());
+        self.build(prims, budget, depth, &mut subtree);
+        if count <= PARALLEL_SUBTREES {
+            self.steps.place(count);
+        }
+        subtree
+    }
+
     /// Appends the subtree of `prims`, with at most `budget` references more than they are.
     fn build(&self, mut prims: Vec<Prim>, budget: usize, depth: usize, out: &mut Subtree) {
         let (bounds, keys) = find_bounds(&prims);
@@ -82,10 +95,9 @@ impl Builder<'_> {
         let parent = out.nodes.len();
         out.nodes.push(BinaryNode { bounds, first: 0, count: 0 });
         if count > PARALLEL_SUBTREES {
-            let (mut below, mut above) = (Subtree::default(), Subtree::default());
-            rayon::join(
-                || self.build(left, of_left, depth + 1, &mut below),
-                || self.build(right, of_right, depth + 1, &mut above),
+            let (below, above) = rayon::join(
+                || self.build_part(left, of_left, depth + 1),
+                || self.build_part(right, of_right, depth + 1),
             );
             out.append(below);
             out.nodes[parent].first = out.nodes.len() as u32;

@@ -8,13 +8,14 @@ use rayon::prelude::*;
 use super::prims::Prim;
 use super::sah::{Costs, DEPTH_OF_MIDDLE_SPLITS, Split};
 use super::{BinaryNode, BinaryTree};
+use crate::accel::Steps;
 use crate::math::Aabb;
 
 /// Subtrees with fewer are built by one thread.
 const PARALLEL_SUBTREES: usize = 1 << 13;
 
 /// Builds a tree.
-pub fn build(prims: &[Prim], costs: Costs) -> BinaryTree {
+pub fn build(prims: &[Prim], costs: Costs, steps: &Steps<'_>) -> BinaryTree {
     if prims.is_empty() {
         return BinaryTree::default();
     }
@@ -28,7 +29,7 @@ pub fn build(prims: &[Prim], costs: Costs) -> BinaryTree {
     });
     let mut scratch = vec![0_u32; prims.len()];
     let task = (prims.len() / 64).max(PARALLEL_SUBTREES);
-    let builder = Builder { prims, costs, task };
+    let builder = Builder { prims, costs, task, steps };
     let mut nodes = Vec::new();
     let [x, y, z] = &mut lists;
     builder.build(Lists { axes: [x, y, z], scratch: &mut scratch }, 0, 0, &mut nodes);
@@ -40,6 +41,7 @@ struct Builder<'a> {
     prims: &'a [Prim],
     costs: Costs,
     task: usize,
+    steps: &'a Steps<'a>,
 }
 
 /// The primitives of a node in the order of each axis, and room as large.
@@ -63,6 +65,16 @@ impl Lists<'_> {
 }
 
 impl Builder<'_> {
+    /// The nodes of a subtree; one that is a task is told of.
+    fn build_part(&self, lists: Lists<'_>, first: usize, depth: usize) -> Vec<BinaryNode> {
+        let (mut nodes, count) = (Vec::new(), lists.len());
+        self.build(lists, first, depth, &mut nodes);
+        if count <= self.task {
+            self.steps.place(count);
+        }
+        nodes
+    }
+
     fn build(&self, mut lists: Lists<'_>, first: usize, depth: usize, nodes: &mut Vec<BinaryNode>) {
         let bounds_of = |i: &u32| self.prims[*i as usize].bounds;
         let bounds = lists.axes[0].iter().map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
@@ -85,10 +97,9 @@ impl Builder<'_> {
         nodes.push(BinaryNode { bounds, first: 0, count: 0 });
         let (left, right) = lists.split_at(split.at);
         if count > self.task {
-            let (mut below, mut above) = (Vec::new(), Vec::new());
-            rayon::join(
-                || self.build(left, first, depth + 1, &mut below),
-                || self.build(right, first + split.at, depth + 1, &mut above),
+            let (below, above) = rayon::join(
+                || self.build_part(left, first, depth + 1),
+                || self.build_part(right, first + split.at, depth + 1),
             );
             BinaryTree::append_nodes(nodes, &below);
             nodes[parent].first = nodes.len() as u32;

@@ -4,7 +4,7 @@ use super::BinaryTree;
 use super::build::build_tree;
 use super::refine::refine;
 use super::sah::{Costs, Fill};
-use crate::accel::Phases;
+use crate::accel::{Phases, Steps};
 use crate::geom::{Triangle, TriangleList, TriangleSource, own_box};
 use crate::math::{PrimId, Vec3};
 
@@ -31,7 +31,8 @@ fn copies(count: usize) -> TriangleList {
 }
 
 fn tree_of(source: &TriangleList, builder: &str, width: usize, fill: Fill) -> BinaryTree {
-    build_tree(source, builder, Costs { traversal_cost: 0.4, width, fill }, &mut Phases::start())
+    let costs = Costs { traversal_cost: 0.4, width, fill };
+    build_tree(source, builder, costs, (&mut Phases::start(), &Steps::untold()))
 }
 
 fn check(source: &TriangleList, tree: &BinaryTree, what: &str) {
@@ -52,7 +53,7 @@ fn trees_hold_all_triangles_in_leaves_of_at_most_a_block() {
                     let tree = tree_of(&source, builder, 4, fill);
                     check(&source, &tree, &format!("{builder}, {count}, {fill:?}"));
                     assert!(tree.nodes.iter().all(|node| node.count <= 4));
-                    let tree = refine(tree);
+                    let tree = refine(tree, &Steps::untold());
                     check(&source, &tree, &format!("{builder}, {count}, {fill:?}, refined"));
                 }
             }
@@ -87,7 +88,7 @@ fn the_number_of_threads_does_not_show() {
     let source = cloud(30_000);
     let on = |threads: usize, builder: &str, fill: Fill| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let build = || refine(tree_of(&source, builder, 8, fill));
+        let build = || refine(tree_of(&source, builder, 8, fill), &Steps::untold());
         pool.expect("threads start").install(build)
     };
     for builder in BUILDERS {
@@ -117,7 +118,7 @@ fn refinement_makes_trees_cheaper_and_leaves_the_leaves_alone() {
     let source = cloud(3000);
     for builder in BUILDERS {
         let tree = tree_of(&source, builder, 8, Fill::Full);
-        let refined = refine(tree.clone());
+        let refined = refine(tree.clone(), &Steps::untold());
         let leaves = |tree: &BinaryTree| {
             let leaves = tree.nodes.iter().filter(|node| node.is_leaf());
             let mut lists: Vec<_> = leaves.map(|leaf| tree.triangles(leaf).to_vec()).collect();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, HitFilter, Options, build};
+use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, HitFilter, Options, Steps, build};
 use crate::geom::TriangleList;
 use crate::math::Vec3;
 use crate::simd::Isa;
@@ -76,7 +76,8 @@ fn slices_of_any_length_are_answered_as_by_brute_force() {
     for isa in Isa::available() {
         let options = &Options::defaults(&[]);
         let level = isa.level().expect("available");
-        let flat = Flat::build(&BuildInput { source: source.clone(), options, level });
+        let steps = &Steps::untold();
+        let flat = Flat::build(&BuildInput { source: source.clone(), options, level, steps });
         // Where vectors are short, a tree is faster.
         let Some(flat) = flat else { continue };
         let (mut from, mut slice, mut hit) = (0, 1, 0);

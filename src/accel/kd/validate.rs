@@ -110,8 +110,8 @@ fn touches(triangle: &Triangle, bounds: &Aabb) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::Options;
     use crate::accel::kd::build::OPTIONS;
+    use crate::accel::{Options, Steps};
     use crate::geom::{TriangleList, TriangleSource};
     use crate::math::Vec3;
     use std::sync::Arc;
@@ -126,7 +126,8 @@ mod tests {
         let source: Arc<dyn TriangleSource> = Arc::new(TriangleList(list.collect()));
         for build in ["sah", "minmax", "binned"] {
             let options = Options::parse("kd", &OPTIONS, &format!("build={build}"));
-            let tree = KdTree::build(&source, &options.expect("it is known")).expect("it is small");
+            let tree = KdTree::build(&source, &options.expect("it is known"), &Steps::untold())
+                .expect("it is small");
             assert_eq!(tree.validate(), Ok(()), "{build}");
             // Far enough that a triangle lies between the old plane and the new one.
             for by in [2.0, 1e9] {

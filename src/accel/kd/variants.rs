@@ -74,7 +74,7 @@ const FOR_WIDE: [OptionSpec; 5] = [
 ];
 
 fn build(input: &BuildInput<'_>, over: OverTree) -> Built {
-    over(&KdTree::build(&input.source, input.options)?, input.options, input.level)
+    over(&KdTree::build(&input.source, input.options, input.steps)?, input.options, input.level)
 }
 
 fn box_walk<W: Walk + 'static>(tree: &KdTree, level: Level, walk: W) -> Box<dyn Accel> {

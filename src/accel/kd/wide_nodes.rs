@@ -208,8 +208,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::accel::Options;
     use crate::accel::kd::build::OPTIONS;
+    use crate::accel::{Options, Steps};
     use crate::geom::{TriangleList, TriangleSource};
     use crate::math::PrimId;
 
@@ -222,7 +222,7 @@ mod tests {
         let list = TriangleList((0..count).map(triangle).collect());
         let source: Arc<dyn TriangleSource> = Arc::new(list);
         let options = Options::parse("kd", &OPTIONS, options).expect("they are known");
-        let tree = KdTree::build(&source, &options).expect("it is small");
+        let tree = KdTree::build(&source, &options, &Steps::untold()).expect("it is small");
         let nodes = WideNodes::new(&tree).expect("it is small");
         (tree, nodes)
     }

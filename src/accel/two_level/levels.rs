@@ -10,7 +10,7 @@ use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use super::spans::Spans;
 use crate::accel::Phases;
 use crate::accel::small_meshes::{MOVES, MeshUse, find_small};
-use crate::geom::{Motions, Placements};
+use crate::geom::{Motions, Placements, TriangleSource};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
 use crate::motion::Piece;
 use crate::simd::prefetch;
@@ -137,6 +137,12 @@ impl Levels {
     pub fn bytes(&self) -> usize {
         let lists = size_of_val(&*self.placements) + size_of_val(&*self.boxes);
         lists + size_of_val(&*self.ways)
+    }
+
+    /// How many triangles and placements the structures are built over.
+    pub fn count_primitives(&self) -> usize {
+        let meshes = (0..self.spans.len()).filter_map(|structure| self.mesh(structure));
+        self.placements.len() + self.flat.len() + meshes.map(|mesh| mesh.len()).sum::<usize>()
     }
 
     /// Whether anything moves.

@@ -15,8 +15,9 @@ use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::accel::located::Located;
 use crate::accel::{
     Accel, AnyHit, Batch, BuildError, BuildInput, BuildReport, ClosestHit, Counts, MemoryReport,
-    Options, Phases, Tracer, Variant,
+    Options, Phases, Steps, Tracer, Variant,
 };
+use crate::files::Meter;
 use crate::geom::TriangleSource;
 use crate::math::Ray;
 
@@ -41,21 +42,25 @@ impl TwoLevel {
     pub fn build(
         (placed, copies): (Placed, bool),
         (below, above): (Row<'_>, Row<'_>),
-        level: Level,
+        (level, meter): (Level, &Meter),
     ) -> Result<Box<dyn Accel>, BuildError> {
         let mut phases = Phases::start();
         let levels = Arc::new(Levels::new(placed, copies, &mut phases));
+        Steps::expect(meter, levels.count_primitives());
         let is_split = !levels.placements.is_empty();
         let is_same = below.0.id == above.0.id && !levels.are_moving();
         let eight = if is_same { eight_children(below.0.id) } else { None };
         if let Some(eight) = eight.filter(|_| is_split) {
-            let tree = |source| eight(&BuildInput { source, options: below.1, level });
+            let tree = |source: Arc<dyn TriangleSource>| {
+                let steps = &Steps::new(meter, source.len());
+                eight(&BuildInput { source, options: below.1, level, steps })
+            };
             let below = build_meshes(&levels, tree)?;
             if let Some(wide) = WideLevels::build(&levels, below, tree, phases.clone())? {
                 return Ok(Box::new(wide));
             }
         }
-        let row = |row| move |source| build_row(row, source, level);
+        let row = |row| move |source| build_row(row, source, (level, meter));
         let flat = (!levels.flat.is_empty()).then(|| {
             let source: Arc<dyn TriangleSource> = Arc::new(levels.flat.clone());
             BuildError::check_count(source.len())?;
@@ -109,9 +114,10 @@ impl TwoLevel {
 fn build_row(
     (variant, options): Row<'_>,
     source: Arc<dyn TriangleSource>,
-    level: Level,
+    (level, meter): (Level, &Meter),
 ) -> Result<Box<dyn Accel>, BuildError> {
-    (variant.build)(&BuildInput { source, options, level })
+    let steps = &Steps::new(meter, source.len());
+    (variant.build)(&BuildInput { source, options, level, steps })
 }
 
 /// The structures of all meshes that are kept apart, as [`Levels::spans`] numbers them, built side

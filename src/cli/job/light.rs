@@ -18,6 +18,8 @@ use crate::cli::error::CliError;
 use crate::cli::input;
 use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::LightArg;
+use crate::cli::status::Phase;
+use crate::cli::watch::Watch;
 use crate::light::{Environment, Punctual, PunctualKind};
 use crate::math::Vec3;
 use crate::render::{Sight, look_ahead};
@@ -131,9 +133,11 @@ pub type Structure = (Box<dyn Accel>, Duration);
 ///
 /// # Errors
 /// As [`accel::build`].
-pub fn build(args: &RenderArgs, world: &World) -> Result<Structure, BuildError> {
+pub fn build(args: &RenderArgs, world: &World, watch: &Watch) -> Result<Structure, BuildError> {
+    watch.enter(Phase::Build);
     let start = Instant::now();
-    let accel = accel::build(&args.accel, world.triangles.clone(), args.isa)?;
+    let triangles = world.triangles.clone();
+    let accel = accel::build_metered(&args.accel, triangles, args.isa, watch.meter())?;
     Ok((accel, start.elapsed()))
 }
 
@@ -146,13 +150,13 @@ pub fn look(
     args: &RenderArgs,
     scene: Scene,
     camera: &MovingCamera,
-    before: Option<Decided>,
+    (before, watch): (Option<Decided>, &Watch),
 ) -> Result<(World, Decided, Structure), CliError> {
     let resolution = view::resolution(args, 1.0); // it has been worked out
     let lighting = before.as_ref().map(|before| before.lighting);
     let mut viewed = Viewed::new(args, scene, camera, (resolution, lighting))?;
     input::run_on_threads(args.threads, move || {
-        let structure = build(args, &viewed.world)?;
+        let structure = build(args, &viewed.world, watch)?;
         let accel = &*structure.0;
         let decided = match before {
             Some(before) => Decided { sight: Some(viewed.look(accel)), ..before },
@@ -171,20 +175,21 @@ pub fn look(
 pub fn decide_at_zero(
     args: &RenderArgs,
     textures: &Arc<TextureStore>,
+    watch: &Watch,
 ) -> Result<Option<Decided>, CliError> {
     let needs_look = matches!(args.light, LightArg::Auto | LightArg::Camera);
     if !needs_look || args.time.is_none_or(|time| time == 0.0) {
         return Ok(None);
     }
     let args = &RenderArgs { time: Some(0.0), ..args.clone() };
-    let Ok((scene, _)) = scene::load(args, textures) else { return Ok(None) };
+    let Ok((scene, _)) = scene::load(args, textures, watch) else { return Ok(None) };
     let Ok((camera, aspect)) = view::choose(&scene, args, &mut Vec::new()) else {
         return Ok(None);
     };
     let resolution = view::resolution(args, aspect);
     let mut viewed = Viewed::new(args, scene, &camera, (resolution, None))?;
     input::run_on_threads(args.threads, move || {
-        let (accel, _) = build(args, &viewed.world)?;
+        let (accel, _) = build(args, &viewed.world, watch)?;
         Ok(Some(viewed.decide(&*accel)))
     })?
 }

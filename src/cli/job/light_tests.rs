@@ -8,6 +8,7 @@ use super::Job;
 use crate::cli::error::CliError;
 use crate::cli::settings::parse::LightArg;
 use crate::cli::settings::resolve_words;
+use crate::cli::watch::Watch;
 use crate::math::Vec3;
 
 /// A file of that text, in a folder that ends with it.
@@ -46,7 +47,7 @@ fn floor_with_lamp(size: f32) -> String {
 fn try_look(path: &Path, words: &str) -> Result<Job, CliError> {
     let words: Vec<String> =
         format!("--resolution 64x48 {words}").split_whitespace().map(str::to_owned).collect();
-    Job::prepare_looking(resolve_words(path, &words)?.args)
+    Job::prepare_looking(resolve_words(path, &words)?.args, &Watch::silent())
 }
 
 /// Looks ahead; returns the job, what lights the scene, and all that is said.

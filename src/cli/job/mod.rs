@@ -24,6 +24,7 @@ use crate::cli::input;
 use crate::cli::memory;
 use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::LightArg;
+use crate::cli::watch::Watch;
 use crate::film::Window;
 use crate::integrator::Transport;
 use crate::render::{Aov, NoiseTarget, Settings, Sight, film_bytes};
@@ -74,25 +75,26 @@ impl Job {
     /// What is wrong with the scene, or with the settings for this scene.
     pub fn prepare(args: RenderArgs) -> Result<Self, CliError> {
         let needs_look = args.light == LightArg::Camera;
-        Self::load(args, needs_look)
+        Self::load(args, needs_look, &Watch::silent())
     }
 
-    /// The same after a look ahead, which decides what lights the scene if no one says.
+    /// The same after a look ahead, which decides what lights the scene if no one says; while
+    /// someone watches.
     ///
     /// # Errors
     /// As [`Job::prepare`], and if the structure cannot be built.
-    pub fn prepare_looking(args: RenderArgs) -> Result<Self, CliError> {
-        Self::load(args, true)
+    pub fn prepare_looking(args: RenderArgs, watch: &Watch) -> Result<Self, CliError> {
+        Self::load(args, true, watch)
     }
 
-    fn load(mut args: RenderArgs, looks: bool) -> Result<Self, CliError> {
+    fn load(mut args: RenderArgs, looks: bool, watch: &Watch) -> Result<Self, CliError> {
         let start = Instant::now();
         args.spp = count_samples(&args);
         let settled = light::settle(&mut args);
         let memory = args.texture_memory.unwrap_or_else(|| crate::files::memory::limit() / 2);
-        let textures = Arc::new(TextureStore::new(memory));
-        let at_zero = if looks { light::decide_at_zero(&args, &textures)? } else { None };
-        let (mut scene, mut notices) = scene::load(&args, &textures)?;
+        let textures = Arc::new(TextureStore::new(memory).metered(Arc::clone(watch.meter())));
+        let at_zero = if looks { light::decide_at_zero(&args, &textures, watch)? } else { None };
+        let (mut scene, mut notices) = scene::load(&args, &textures, watch)?;
         let file = args.scene_file.display().to_string();
         let place_of_light = notices.len();
         notices.extend(settled);
@@ -104,7 +106,7 @@ impl Job {
         memory::require_parts(&file, &memory, args.memory)?;
 
         let (world, decided, structure) = if looks {
-            let (world, decided, structure) = light::look(&args, scene, &camera, at_zero)?;
+            let (world, decided, structure) = light::look(&args, scene, &camera, (at_zero, watch))?;
             (world, decided, Some(structure))
         } else {
             let decided = Decided::as_asked(&args, &scene);
@@ -128,9 +130,9 @@ impl Job {
     ///
     /// # Errors
     /// If it has limits that the scene exceeds, or the machine lacks the instruction set.
-    pub fn take_structure(&self) -> Result<Structure, BuildError> {
+    pub fn take_structure(&self, watch: &Watch) -> Result<Structure, BuildError> {
         let there = self.structure.lock().unwrap_or_else(PoisonError::into_inner).take();
-        there.map_or_else(|| light::build(&self.args, &self.staged.world), Ok)
+        there.map_or_else(|| light::build(&self.args, &self.staged.world, watch), Ok)
     }
 
     /// Runs `work` on as many threads as were asked for.

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use crate::cli::error::CliError;
 use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg, TextureLod};
+use crate::cli::status::Phase;
+use crate::cli::watch::Watch;
 use crate::formats::{self, LoadError, LoadOptions, MissingTexture, MtlTransparency, NotFinite};
 use crate::scene::{Notice, Scene};
 use crate::texture::TextureStore;
@@ -18,7 +20,9 @@ use crate::world::World;
 pub fn load(
     args: &RenderArgs,
     textures: &Arc<TextureStore>,
+    watch: &Watch,
 ) -> Result<(Scene, Vec<Notice>), CliError> {
+    watch.enter(Phase::Read);
     let options = LoadOptions {
         // It is seen to below, for the scene and its environment light together.
         strict: false,
@@ -38,6 +42,7 @@ pub fn load(
         shutter: args.shutter,
         textures: Arc::clone(textures),
         texture_levels: args.texture_lod == TextureLod::On,
+        meter: Arc::clone(watch.meter()),
     };
     let mut scene = formats::load(&args.scene_file, &options)?;
     let mut notices = std::mem::take(&mut scene.notices);

@@ -9,6 +9,7 @@ use crate::cli::error::CliError;
 use crate::cli::job::Job;
 use crate::cli::memory;
 use crate::cli::text::{self, format_bytes};
+use crate::cli::watch::Watch;
 use crate::files::memory::limit;
 use crate::film::Window;
 use crate::render::{Control, Settings, film_bytes, render};
@@ -21,7 +22,7 @@ const PATHS: u64 = 1 << 15;
 pub fn run(job: &Job) -> Result<ExitCode, CliError> {
     job.on_threads(|| {
         let scene = SceneMemory::of(&job.staged.world.scene);
-        let (accel, built) = job.take_structure()?;
+        let (accel, built) = job.take_structure(&Watch::silent())?;
         let build_s = built.as_secs_f64();
         let settings = thin_out(&job.settings);
         let cancel = AtomicBool::new(false);

@@ -104,8 +104,7 @@ impl Exposure<'_> {
         if self.film.next_sample() >= end {
             return Ok(took);
         }
-        watch.enter(Phase::Build);
-        let (accel, built) = job.take_structure()?;
+        let (accel, built) = job.take_structure(watch)?;
         took.built = built;
         if job.args.verbose > 0 {
             say(&format!("built {} in {:.2} s", job.args.accel, took.built.as_secs_f64()));

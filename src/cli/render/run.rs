@@ -89,7 +89,7 @@ fn run_watched(
         job.args.light = light;
         job
     } else {
-        Job::prepare_looking(args)?
+        Job::prepare_looking(args, watch)?
     };
     job.staged.notices.retain(|notice| !before.said.contains(notice));
     before.said.extend(job.staged.notices.iter().cloned());
@@ -172,7 +172,7 @@ fn print_path(job: &Job, sample: (u32, u32, u64)) -> Result<u8, CliError> {
         return Err(CliError::Usage(message));
     }
     let path = job.on_threads(|| {
-        let (accel, _) = job.take_structure()?;
+        let (accel, _) = job.take_structure(&Watch::silent())?;
         let (world, camera) = (&job.staged.world, &job.staged.camera);
         Ok::<_, CliError>(replay(world, camera, &*accel, &job.settings, sample))
     })??;

@@ -137,7 +137,12 @@ mod tests {
         let progress =
             Progress { before: 0, done: 30, total: 120, elapsed: Duration::from_millis(5500) };
         Figures {
-            status: Status { phase: Phase::Render, progress: Some(progress), pixels: 4 },
+            status: Status {
+                phase: Phase::Render,
+                progress: Some(progress),
+                pixels: 4,
+                ..Status::default()
+            },
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1000),
             rays: Some(7),
             checkpoints: 2,

@@ -22,6 +22,7 @@ use crate::cli::settings::parse_long::Every;
 use crate::cli::settings::parse_watch::{Show, TevAddress};
 use crate::cli::status::{Phase, Status};
 use crate::cli::{log, shell};
+use crate::files::Meter;
 use crate::film::Picture;
 use crate::render::Progress;
 
@@ -148,6 +149,11 @@ impl Watch {
     pub fn enter(&self, phase: Phase) {
         self.status().phase = phase;
         self.reporter.enter(phase);
+    }
+
+    /// What is told how much of the reading or the building is done.
+    pub fn meter(&self) -> &Arc<Meter> {
+        self.reporter.meter()
     }
 
     /// Takes note of how many rays were shot since the run began.

@@ -17,6 +17,7 @@ use super::notices::Notices;
 use super::read::Storage;
 use super::resources;
 use super::select::{Selection, select};
+use crate::files::Front;
 use crate::formats::{LoadError, LoadOptions};
 use crate::light::Environment;
 use crate::motion::Motion;
@@ -123,7 +124,12 @@ fn build(
         worlds[at.node] = Some(at.to_world);
     }
     let mut builder = Builder::new(storage, &palette, &document.skins, worlds, motions.as_ref());
-    for at in placed.iter().filter(|at| at.visible) {
+    let with_mesh = |at: &&Placed| at.visible && nodes[at.node].mesh.is_some();
+    let shown: Vec<&Placed> = placed.iter().filter(with_mesh).collect();
+    let bytes = storage.buffer_bytes();
+    let mut front = Front::new(&options.meter, bytes);
+    for (before, at) in shown.iter().enumerate() {
+        front.move_to(bytes - bytes * before as u64 / shown.len() as u64);
         let node = &nodes[at.node];
         let Some(mesh) = node.mesh else { continue };
         builder.place_node(&document.meshes[mesh], node, at, notices)?;

@@ -45,6 +45,11 @@ pub struct Storage<'a> {
 }
 
 impl<'a> Storage<'a> {
+    /// Bytes of all buffers that are there.
+    pub fn buffer_bytes(&self) -> u64 {
+        self.buffers.iter().flatten().map(|bytes| bytes.len() as u64).sum()
+    }
+
     /// Buffers that are not needed may be absent; the others are as long as the document says.
     pub fn new(
         buffers: Vec<Option<Cow<'a, [u8]>>>,

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::files::{Front, Meter};
 use crate::formats::LoadError;
 use crate::math::Vec3;
 
@@ -23,7 +24,7 @@ pub(super) struct Statement<'a> {
 pub(super) fn for_each(
     bytes: &[u8],
     file: &Path,
-    joins: bool,
+    (joins, meter): (bool, &Meter),
     mut each: impl FnMut(Statement) -> Result<(), String>,
 ) -> Result<(), LoadError> {
     let mut bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -32,7 +33,9 @@ pub(super) fn for_each(
     }
     let mut number = 0;
     let mut joined = Vec::new();
+    let mut front = Front::new(meter, bytes.len() as u64);
     while !bytes.is_empty() {
+        front.move_to(bytes.len() as u64);
         let mut line = next_line(&mut bytes);
         let first = number + 1;
         number = first;
@@ -164,7 +167,7 @@ mod tests {
 
     fn statements(text: &[u8]) -> Result<Vec<(usize, String, String)>, LoadError> {
         let mut all = Vec::new();
-        for_each(text, Path::new("a.obj"), true, |statement| {
+        for_each(text, Path::new("a.obj"), (true, &Meter::default()), |statement| {
             let rest = String::from_utf8_lossy(statement.rest).into_owned();
             all.push((statement.line, statement.keyword.to_owned(), rest));
             Ok(())

@@ -104,10 +104,12 @@ mod tests {
     use super::super::parse::parse;
     use super::super::remarks::Remarks;
     use super::*;
+    use crate::files::Meter;
 
     fn meshes(text: &str) -> Vec<Mesh> {
         let file = Path::new("a.obj");
-        let geometry = parse(text.as_bytes(), file, &mut Remarks::new(file)).unwrap();
+        let geometry =
+            parse(text.as_bytes(), file, &mut Remarks::new(file), &Meter::default()).unwrap();
         build(&geometry).unwrap().into_iter().map(|(_, mesh)| mesh).collect()
     }
 

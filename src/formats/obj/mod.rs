@@ -43,6 +43,7 @@ use remarks::Remarks;
 use transparency::Reading;
 
 use super::{LoadError, LoadOptions, MtlTransparency, read_file};
+use crate::files::Meter;
 use crate::math::{Affine3A, MaterialId, MeshId, Vec4};
 use crate::scene::{Instance, Material, Scene, Transform};
 use crate::texture::TextureStore;
@@ -54,7 +55,7 @@ use crate::texture::TextureStore;
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     options.refuse_choices(path)?;
     let mut remarks = Remarks::new(path);
-    let geometry = parse::parse(&read_file(path)?, path, &mut remarks)?;
+    let geometry = parse::parse(&read_file(path)?, path, &mut remarks, &options.meter)?;
     let folder = path.parent().unwrap_or(Path::new(""));
 
     let mut libraries = Libraries::new(path, folder);
@@ -163,7 +164,7 @@ fn grey_id(scene: &mut Scene) -> MaterialId {
 /// As [`load`].
 pub fn check_obj(bytes: &[u8]) -> Result<(), LoadError> {
     let path = Path::new("fuzz.obj");
-    let geometry = parse::parse(bytes, path, &mut Remarks::new(path))?;
+    let geometry = parse::parse(bytes, path, &mut Remarks::new(path), &Meter::default())?;
     let built = mesh::build(&geometry);
     built.map(drop).map_err(|intricate| LoadError::invalid(path, "", intricate.to_string()))
 }

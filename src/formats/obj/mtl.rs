@@ -5,6 +5,7 @@ use std::path::Path;
 use super::lines::{self, Statement};
 use super::remarks::Remarks;
 use super::texture_statement::{self, Map};
+use crate::files::Meter;
 use crate::formats::LoadError;
 use crate::math::Vec3;
 
@@ -83,7 +84,7 @@ pub(super) fn parse(
     remarks: &mut Remarks,
 ) -> Result<Vec<MtlMaterial>, LoadError> {
     let mut materials: Vec<MtlMaterial> = Vec::new();
-    lines::for_each(bytes, file, false, |s| {
+    lines::for_each(bytes, file, (false, &Meter::default()), |s| {
         if s.keyword == "newmtl" {
             let (name, line) = (lines::name(s.rest), s.line);
             materials.push(MtlMaterial { name, line, ..MtlMaterial::default() });

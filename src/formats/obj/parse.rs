@@ -7,6 +7,7 @@ use super::geometry::{Corner, Geometry, NONE, Part};
 use super::lines::{self, Statement};
 use super::remarks::Remarks;
 use super::smoothing::{self, Smoothed};
+use crate::files::Meter;
 use crate::formats::LoadError;
 use crate::math::{Vec2, Vec3};
 
@@ -18,9 +19,11 @@ pub(super) fn parse(
     bytes: &[u8],
     file: &Path,
     remarks: &mut Remarks,
+    meter: &Meter,
 ) -> Result<Geometry, LoadError> {
     let mut reader = Reader::default();
-    lines::for_each(bytes, file, true, |statement| reader.statement(&statement, remarks))?;
+    let joins = true;
+    lines::for_each(bytes, file, (joins, meter), |s| reader.statement(&s, remarks))?;
     let Geometry { positions, uvs, normals, .. } = &reader.geometry;
     // The earliest of the faces that refer to what the file never defined.
     let ends = [
@@ -265,7 +268,7 @@ mod tests {
     fn parsed(text: &str) -> Result<(Geometry, Vec<String>), LoadError> {
         let file = Path::new("a.obj");
         let mut remarks = Remarks::new(file);
-        let geometry = parse(text.as_bytes(), file, &mut remarks)?;
+        let geometry = parse(text.as_bytes(), file, &mut remarks, &Meter::default())?;
         Ok((geometry, remarks.finish().into_iter().map(|notice| notice.message).collect()))
     }
 

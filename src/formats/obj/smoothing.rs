@@ -84,11 +84,13 @@ mod tests {
     use super::super::parse::parse;
     use super::super::remarks::Remarks;
     use super::*;
+    use crate::files::Meter;
 
     /// All corners' normals, zero where there are none.
     fn normals(text: &str) -> Vec<Vec3> {
         let file = Path::new("a.obj");
-        let geometry = parse(text.as_bytes(), file, &mut Remarks::new(file)).expect("valid");
+        let geometry = parse(text.as_bytes(), file, &mut Remarks::new(file), &Meter::default())
+            .expect("valid");
         let corners = geometry.parts.iter().flat_map(|part| &part.corners);
         corners
             .map(|corner| geometry.normals.get(corner.normal as usize).copied())

@@ -50,15 +50,24 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
 pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, LoadError> {
     options.refuse_choices(path)?;
     let header = header::read(bytes, path)?;
-    let body = &bytes[header.length..];
+    let (body, meter) = (&bytes[header.length..], &*options.meter);
     let mut notices = Notices { file: path.display().to_string(), all: Vec::new() };
     let mesh = match header.encoding {
         Encoding::Ascii => {
             let rows = header.elements.iter().fold(0, |sum: u64, it| sum.saturating_add(it.count));
-            self::mesh(&header, Ascii::new(body, header.lines, rows), path, &mut notices)
+            self::mesh(
+                &header,
+                Ascii::new(body, header.lines, rows).metered(meter),
+                path,
+                &mut notices,
+            )
         }
-        Encoding::Little => self::mesh(&header, Binary::new(body, false), path, &mut notices),
-        Encoding::Big => self::mesh(&header, Binary::new(body, true), path, &mut notices),
+        Encoding::Little => {
+            self::mesh(&header, Binary::new(body, false).metered(meter), path, &mut notices)
+        }
+        Encoding::Big => {
+            self::mesh(&header, Binary::new(body, true).metered(meter), path, &mut notices)
+        }
     }?;
     let mut scene = Scene::default();
     let material = material(&header, &mesh, path, options, &mut scene, &mut notices)?;

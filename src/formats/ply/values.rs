@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::header::{Element, Kind, Scalar};
+use crate::files::{Front, Meter};
 use crate::formats::LoadError;
 
 /// A number that is not there, or is none: what to say of it.
@@ -97,6 +98,7 @@ pub(super) struct Ascii<'a> {
     in_row: bool,
     /// Rows with more numbers than properties, and the line of the first.
     excess: Option<(u64, usize)>,
+    front: Option<Front<'a>>,
 }
 
 impl<'a> Ascii<'a> {
@@ -105,7 +107,13 @@ impl<'a> Ascii<'a> {
         let filled =
             bytes.split(|&byte| byte == b'\n').filter(|line| !line.trim_ascii().is_empty());
         let by_lines = filled.count() as u64 == rows;
-        Self { bytes, line: lines + 1, by_lines, in_row: false, excess: None }
+        let line = lines + 1;
+        Self { bytes, line, by_lines, in_row: false, excess: None, front: None }
+    }
+
+    /// The same; a meter is told how far it is.
+    pub fn metered(self, meter: &'a Meter) -> Self {
+        Self { front: Some(Front::new(meter, self.bytes.len() as u64)), ..self }
     }
 
     fn word(&mut self) -> Result<&'a [u8], Problem> {
@@ -147,6 +155,9 @@ impl Values for Ascii<'_> {
 
     fn end_row(&mut self) {
         self.in_row = false;
+        if let Some(front) = &mut self.front {
+            front.move_to(self.bytes.len() as u64);
+        }
         if !self.by_lines {
             return;
         }
@@ -183,12 +194,18 @@ impl Values for Ascii<'_> {
 pub(super) struct Binary<'a> {
     bytes: &'a [u8],
     big_endian: bool,
+    front: Option<Front<'a>>,
 }
 
 impl<'a> Binary<'a> {
     /// What follows the header.
     pub fn new(bytes: &'a [u8], big_endian: bool) -> Self {
-        Self { bytes, big_endian }
+        Self { bytes, big_endian, front: None }
+    }
+
+    /// The same; a meter is told how far it is.
+    pub fn metered(self, meter: &'a Meter) -> Self {
+        Self { front: Some(Front::new(meter, self.bytes.len() as u64)), ..self }
     }
 
     /// The next bytes, the lowest first.
@@ -227,7 +244,11 @@ impl Values for Binary<'_> {
     }
 
     #[inline]
-    fn end_row(&mut self) {}
+    fn end_row(&mut self) {
+        if let Some(front) = &mut self.front {
+            front.move_to(self.bytes.len() as u64);
+        }
+    }
 
     fn excess(&self) -> Option<(u64, usize)> {
         None

@@ -6,7 +6,7 @@ use super::PATH_COMPRESSION;
 use super::packet_bvh::{PacketBvh, With};
 use super::place::{Place, Places};
 use crate::accel::narrowing::{Branches, Compression, Hierarchy, Start, Step, find_entry_point};
-use crate::accel::{BuildInput, Counts, Event, Options};
+use crate::accel::{BuildInput, Counts, Event, Options, Steps};
 use crate::geom::{Shaft, Triangle, TriangleList};
 use crate::math::{Aabb, Vec3};
 use crate::simd::{Isa, baseline};
@@ -29,7 +29,8 @@ fn structure(side: u32) -> PacketBvh {
     let source = Arc::new(TriangleList(lattice(side)));
     let level = Isa::Portable.level().expect("always there");
     let start = Start::Compressed { recursive: false, per_packet: false };
-    PacketBvh::build(&BuildInput { source, options: &options, level }, start, With::Packet)
+    let (options, steps) = (&options, &Steps::untold());
+    PacketBvh::build(&BuildInput { source, options, level, steps }, start, With::Packet)
         .expect("a small scene")
 }
 

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::collapse::find_largest;
 use super::shape::{Below, Child, Shape, Source};
+use crate::accel::Steps;
 use crate::accel::bvh::objects::{ObjectSplit, find_bounds};
 use crate::accel::bvh::prims::Prim;
 use crate::accel::bvh::sah::Costs;
@@ -20,11 +21,15 @@ use crate::math::Aabb;
 const PARALLEL_SUBTREES: usize = 1 << 13;
 
 /// Builds a tree of nodes with up to `W` children.
-pub fn build<const W: usize>(mut prims: Vec<Prim>, costs: Costs) -> Shape<W, impl Source<W>> {
+pub fn build<const W: usize>(
+    mut prims: Vec<Prim>,
+    costs: Costs,
+    steps: &Steps<'_>,
+) -> Shape<W, impl Source<W> + use<W>> {
     let triangles = prims.len();
     let mut nodes = vec![[None; W]];
     if !prims.is_empty() {
-        let builder = Builder { costs, task: (triangles / 64).max(PARALLEL_SUBTREES) };
+        let builder = Builder { costs, task: (triangles / 64).max(PARALLEL_SUBTREES), steps };
         let all = builder.make_part(&mut prims, 0, 0);
         nodes[ABOVE_ROOT][0] = Some(builder.append_subtree(all, &mut nodes));
     }
@@ -76,12 +81,13 @@ struct Part<'a> {
     split: Option<ObjectSplit>,
 }
 
-struct Builder {
+struct Builder<'a> {
     costs: Costs,
     task: usize,
+    steps: &'a Steps<'a>,
 }
 
-impl Builder {
+impl Builder<'_> {
     /// A part, and whether and how it is best split.
     fn make_part<'a>(&self, prims: &'a mut [Prim], first: usize, depth: usize) -> Part<'a> {
         let (bounds, keys) = find_bounds(prims);
@@ -151,8 +157,12 @@ impl Builder {
             let subtrees: Vec<(Child, Vec<Children<W>>)> = parts
                 .into_par_iter()
                 .map(|part| {
-                    let mut below = Vec::new();
-                    (self.append_subtree(part, &mut below), below)
+                    let (mut below, count) = (Vec::new(), part.prims.len());
+                    let child = self.append_subtree(part, &mut below);
+                    if count <= self.task {
+                        self.steps.place(count);
+                    }
+                    (child, below)
                 })
                 .collect();
             for (lane, (child, below)) in subtrees.into_iter().enumerate() {

@@ -207,6 +207,7 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::Steps;
     use crate::accel::bvh::wide::{collapse::collapse, direct};
     use crate::accel::bvh::{binned, prims};
     use crate::geom::{Triangle, TriangleList};
@@ -254,8 +255,9 @@ mod tests {
     fn check_builds<const W: usize>(count: usize, fill: sah::Fill) {
         let source = triangles(count);
         let costs = sah::Costs { traversal_cost: sah::TRAVERSAL_COST, width: W, fill };
-        let collapsed = collapse::<W>(binned::build(&mut prims::make_prims(&source), costs));
-        let direct = direct::build::<W>(prims::make_prims(&source), costs);
+        let collapsed =
+            collapse::<W>(binned::build(&mut prims::make_prims(&source), costs, &Steps::untold()));
+        let direct = direct::build::<W>(prims::make_prims(&source), costs, &Steps::untold());
         for inline in [false, true] {
             check(&collapsed, &source, inline);
             check(&direct, &source, inline);

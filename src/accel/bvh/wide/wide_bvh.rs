@@ -68,7 +68,7 @@ where
         if input.options.choice("build") == "direct" {
             let prims = make_prims(&*input.source);
             phases.end("boxes");
-            let shape = direct::build::<W>(prims, costs);
+            let shape = direct::build::<W>(prims, costs, input.steps);
             phases.end("tree");
             return Self::lay_out(input, &shape, phases);
         }

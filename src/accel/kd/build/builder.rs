@@ -9,7 +9,7 @@ use super::prune::Pruned;
 use super::sah::Costs;
 use super::{binned, lists, minmax, sweep};
 use crate::accel::kd::tree::{Base, KdTree, Leaves, Node};
-use crate::accel::{BuildError, BuildReport, Options};
+use crate::accel::{BuildError, BuildReport, Options, Steps};
 use crate::geom::TriangleSource;
 use crate::math::Aabb;
 
@@ -18,9 +18,13 @@ impl KdTree {
     ///
     /// # Errors
     /// If there are more nodes or blocks of triangles than can be numbered.
-    pub fn build(source: &Arc<dyn TriangleSource>, options: &Options) -> Result<Self, BuildError> {
+    pub fn build(
+        source: &Arc<dyn TriangleSource>,
+        options: &Options,
+        steps: &Steps<'_>,
+    ) -> Result<Self, BuildError> {
         let start = Instant::now();
-        let input = TreeInput::new(&**source, options);
+        let input = TreeInput::new(&**source, options, steps);
         let arena = match options.choice("build") {
             "binned" => build_binned(&input),
             "minmax" => build_minmax(&input),

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::limits::Limits;
-use crate::accel::Options;
 use crate::accel::kd::slack::{Slack, find_bounds};
+use crate::accel::{Options, Steps};
 use crate::geom::TriangleSource;
 use crate::math::{Aabb, PrimId};
 
@@ -18,18 +18,20 @@ pub struct TreeInput<'a> {
     pub slack: Slack,
     /// When to stop.
     pub limits: Limits,
+    /// What is told of the build's progress.
+    pub steps: &'a Steps<'a>,
 }
 
 impl<'a> TreeInput<'a> {
     /// Reads the options.
-    pub fn new(source: &'a dyn TriangleSource, options: &Options) -> Self {
+    pub fn new(source: &'a dyn TriangleSource, options: &Options, steps: &'a Steps<'a>) -> Self {
         let own = find_bounds(source);
         let mut limits = Limits::new(options, source.len());
         let slack = Slack::new(&own, source.slack()).unwrap_or_else(|| {
             limits.depth = 0;
             Slack::NONE
         });
-        Self { source, bounds: slack.grow(&own), slack, limits }
+        Self { source, bounds: slack.grow(&own), slack, limits, steps }
     }
 
     /// Makes a reference to each triangle, in order.

@@ -39,9 +39,14 @@ pub const OPTIONS: [OptionSpec; 5] = [
 ];
 
 /// Children are built at once down to this level, if there are enough triangles.
-pub const FORK_LEVELS: usize = 8;
+const FORK_LEVELS: usize = 8;
 /// So many triangles are enough for that.
-pub const FORK_COUNT: usize = 1024;
+const FORK_COUNT: usize = 1024;
+
+/// Whether the children of a node of so many triangles are built at once.
+pub fn forks(depth: usize, count: usize) -> bool {
+    depth < FORK_LEVELS && count >= FORK_COUNT
+}
 
 /// What a builder reckons with, and when it stops.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@
 
 use super::arena::Arena;
 use super::input::{Reference, TreeInput};
-use super::limits::{FORK_COUNT, FORK_LEVELS};
+use super::limits::forks;
 use super::sah::{Costs, Plane};
 use crate::accel::kd::tree::split_cell;
 use crate::math::Aabb;
@@ -55,14 +55,29 @@ impl Builder<'_> {
             return;
         };
         drop(references);
-        let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
+        let fork = forks(depth, count);
         arena.add_inner(
             plane.axis,
             plane.split,
             fork,
-            |arena| self.divide(below, &cells[0], depth + 1, failed, arena),
-            |arena| self.divide(above, &cells[1], depth + 1, failed, arena),
+            |arena| self.divide_part(below, &cells[0], (depth, failed, fork), arena),
+            |arena| self.divide_part(above, &cells[1], (depth, failed, fork), arena),
         );
+    }
+
+    /// A child of a node at `depth`, which is told of if it is the root of what one thread builds.
+    fn divide_part(
+        &self,
+        references: Vec<Reference>,
+        cell: &Aabb,
+        (depth, failed, is_forked): (usize, u32, bool),
+        arena: &mut Arena,
+    ) {
+        let count = references.len();
+        self.divide(references, cell, depth + 1, failed, arena);
+        if is_forked && !forks(depth + 1, count) {
+            self.input.steps.place(count);
+        }
     }
 
     /// Those that reach below the plane (0) or above it (1), where they cross it clipped to that

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::arena::Arena;
 use super::input::{Reference, TreeInput};
-use super::limits::{FORK_COUNT, FORK_LEVELS, Limits};
+use super::limits::{Limits, forks};
 use super::sah::Plane;
 use crate::accel::kd::tree::split_cell;
 use crate::math::Aabb;
@@ -122,14 +122,29 @@ impl Builder<'_> {
         let cells = split_cell(cell, plane.axis, plane.split);
         let [below, above] = self.split(&part, &plane, &cells);
         drop(part);
-        let fork = depth < FORK_LEVELS && count >= FORK_COUNT;
+        let fork = forks(depth, count);
         arena.add_inner(
             plane.axis,
             plane.split,
             fork,
-            |arena| self.divide(below, &cells[0], depth + 1, failed, arena),
-            |arena| self.divide(above, &cells[1], depth + 1, failed, arena),
+            |arena| self.divide_part(below, &cells[0], (depth, failed, fork), arena),
+            |arena| self.divide_part(above, &cells[1], (depth, failed, fork), arena),
         );
+    }
+
+    /// A child of a node at `depth`, which is told of if it is the root of what one thread builds.
+    fn divide_part(
+        &self,
+        part: Part,
+        cell: &Aabb,
+        (depth, failed, is_forked): (usize, u32, bool),
+        arena: &mut Arena,
+    ) {
+        let count = part.references.len();
+        self.divide(part, cell, depth + 1, failed, arena);
+        if is_forked && !forks(depth + 1, count) {
+            self.0.steps.place(count);
+        }
     }
 
     /// What is on either side of a plane.

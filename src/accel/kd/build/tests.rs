@@ -8,8 +8,8 @@ use super::builder::{build_binned, build_minmax, build_sweep};
 use super::input::TreeInput;
 use super::prune::Pruned;
 use super::sah::Costs;
-use crate::accel::Options;
 use crate::accel::kd::tree::{KdTree, Node};
+use crate::accel::{Options, Steps};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::{Aabb, PrimId, Vec3};
 
@@ -32,7 +32,8 @@ fn clutter(seed: u32, count: usize) -> Arc<dyn TriangleSource> {
 
 fn cost(source: &Arc<dyn TriangleSource>, build: &str, more: &str) -> f64 {
     let options = Options::parse("kd", &OPTIONS, &format!("build={build}{more}"));
-    let tree = KdTree::build(source, &options.expect("they are options")).expect("it is small");
+    let tree = KdTree::build(source, &options.expect("they are options"), &Steps::untold())
+        .expect("it is small");
     tree.report.sah_cost
 }
 
@@ -60,7 +61,8 @@ fn the_sweep_by_itself_is_cheapest_on_the_whole() {
         let source = clutter(seed, count);
         for options in ["", "cost=0.1", "cost=1"] {
             let options = Options::parse("kd", &OPTIONS, options).expect("they are options");
-            let input = TreeInput::new(&*source, &options);
+            let steps = &Steps::untold();
+            let input = TreeInput::new(&*source, &options, steps);
             let trees = [build_sweep(&input), build_binned(&input), build_minmax(&input)];
             let [sweep, binned, minmax] = trees.map(|tree| tree.cost);
             assert!(sweep <= 1.08 * binned.min(minmax), "{seed}: {sweep} {binned} {minmax}");

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::{Basic, Clustered, Compact, Layout, Nodes, Treelet, TreeletFilled, View};
-use crate::accel::Options;
 use crate::accel::kd::build::OPTIONS;
 use crate::accel::kd::tree::{KdTree, Node};
+use crate::accel::{Options, Steps};
 use crate::geom::{Triangle, TriangleList, TriangleSource};
 use crate::math::{NodeId, Vec3};
 
@@ -19,7 +19,7 @@ fn tree(count: usize) -> KdTree {
     let source: Arc<dyn TriangleSource> = Arc::new(list);
     // Dear triangles, for a tree of many levels.
     let options = Options::parse("kd", &OPTIONS, "cost=0.4").expect("it is known");
-    KdTree::build(&source, &options).expect("it is small")
+    KdTree::build(&source, &options, &Steps::untold()).expect("it is small")
 }
 
 /// Walks both side by side.
