@@ -23,12 +23,11 @@ impl Footprint {
     /// The estimate for meshes that are placed, as `instances=auto` has them.
     pub fn estimate(meshes: &[MeshUse]) -> Self {
         let placed = meshes.iter().fold(0_u64, |sum, mesh| sum.saturating_add(mesh.placed()));
-        if !pays(count_unique(meshes), placed) {
-            return Self { triangles: placed.saturating_mul(BYTES_A_TRIANGLE), placements: 0 };
-        }
+        let copies = pays(count_unique(meshes), placed);
         let (mut triangles, mut placements) = (0_u64, 0_u64);
         for (mesh, is_small) in meshes.iter().zip(find_small(meshes)) {
-            if is_small || mesh.uses < 2 {
+            let is_apart = mesh.moves || (copies && !is_small && mesh.uses > 1);
+            if !is_apart {
                 triangles = triangles.saturating_add(mesh.placed());
             } else {
                 triangles = triangles.saturating_add(mesh.triangles);

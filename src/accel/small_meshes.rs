@@ -1,8 +1,5 @@
 //! Which meshes are flattened however often they are placed.
 
-/// As many uses of a mesh as say that it moves.
-pub const MOVES: u32 = u32::MAX;
-
 /// So many triangles are flattened of meshes that are placed more than once: 150 MB.
 const MOST_FLATTENED: u64 = 1 << 21;
 
@@ -11,8 +8,10 @@ const MOST_FLATTENED: u64 = 1 << 21;
 pub struct MeshUse {
     /// Its triangles.
     pub triangles: u64,
-    /// How often it is placed; `u32::MAX` if any of that moves.
+    /// How often it is placed.
     pub uses: u32,
+    /// Whether any of that moves.
+    pub moves: bool,
 }
 
 impl MeshUse {
@@ -33,7 +32,7 @@ pub fn count_unique(meshes: &[MeshUse]) -> u64 {
 /// a hall of robots rays entered half as many placements, and took four fifths of the time. What
 /// moves is none of them.
 pub fn find_small(meshes: &[MeshUse]) -> Vec<bool> {
-    let is_copied = |&mesh: &usize| meshes[mesh].uses > 1 && meshes[mesh].uses != MOVES;
+    let is_copied = |&mesh: &usize| meshes[mesh].uses > 1 && !meshes[mesh].moves;
     let mut copied: Vec<usize> = (0..meshes.len()).filter(is_copied).collect();
     copied.sort_by_key(|&mesh| meshes[mesh].triangles);
     let mut room = MOST_FLATTENED.min(2 * count_unique(meshes));
@@ -51,9 +50,10 @@ mod tests {
 
     #[test]
     fn the_smallest_are_flattened_while_there_is_room() {
-        let mesh = |triangles, uses| MeshUse { triangles, uses };
+        let mesh = |triangles, uses| MeshUse { triangles, uses, moves: false };
+        let moving = MeshUse { moves: true, ..mesh(10, 3) };
         // 100 + 1,000 + 50 + 10 unique triangles leave room for 2,320.
-        let meshes = [mesh(100, 20), mesh(1_000, 3), mesh(50, 1), mesh(10, MOVES), mesh(7, 0)];
+        let meshes = [mesh(100, 20), mesh(1_000, 3), mesh(50, 1), moving, mesh(7, 0)];
         assert_eq!(find_small(&meshes), [true, false, false, false, false]);
         assert_eq!(find_small(&[mesh(100, 3)]), [false]);
     }

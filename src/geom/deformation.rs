@@ -41,6 +41,15 @@ impl Deformation {
         (keys.len() > 1).then_some(Self { keys })
     }
 
+    /// Bytes of its keys.
+    pub fn heap_bytes(&self) -> usize {
+        let of_key = |key: &VertexKey| {
+            let vertices = size_of_val(&*key.positions) + size_of_val(&*key.normals);
+            size_of::<VertexKey>() + vertices + size_of_val(&*key.tangents)
+        };
+        self.keys.iter().map(of_key).sum()
+    }
+
     /// The keys.
     pub fn keys(&self) -> &[VertexKey] {
         &self.keys

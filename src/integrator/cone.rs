@@ -16,6 +16,9 @@ pub(super) struct Cone {
     pub width: f32,
     /// By how much it widens on a metre.
     pub spread: f32,
+    /// Whether its next ray goes on in the direction of the one before: the density with which that
+    /// was sampled has been taken, and now has the chance to come so far in it, too.
+    pub goes_straight: bool,
 }
 
 impl Cone {
@@ -24,8 +27,10 @@ impl Cone {
     /// as it was.
     pub fn widen(&mut self, pdf: f32, t: f32) {
         // A cap of such a solid angle is so wide at distance one, if it is small.
-        let of_lobe = (4.0 * SHARE * std::f32::consts::FRAC_1_PI / pdf).sqrt();
-        self.spread = self.spread.max(of_lobe);
+        if !std::mem::take(&mut self.goes_straight) {
+            let of_lobe = (4.0 * SHARE * std::f32::consts::FRAC_1_PI / pdf).sqrt();
+            self.spread = self.spread.max(of_lobe);
+        }
         if t < f32::INFINITY {
             self.width += self.spread * t;
         }
@@ -44,7 +49,7 @@ mod tests {
 
     #[test]
     fn mirrors_keep_the_spread_and_rough_surfaces_widen_it() {
-        let mut cone = Cone { width: 0.0, spread: 0.001 };
+        let mut cone = Cone { spread: 0.001, ..Cone::default() };
         cone.widen(f32::INFINITY, 2.0);
         cone.widen(f32::INFINITY, 3.0);
         assert!((cone.width - 0.005).abs() < 1e-8 && cone.spread == 0.001);
@@ -58,10 +63,19 @@ mod tests {
     #[test]
     fn it_is_as_wide_as_where_its_ray_ends() {
         for t in [8.0, f32::INFINITY] {
-            let mut cone = Cone { width: 0.5, spread: 0.25 };
+            let mut cone = Cone { width: 0.5, spread: 0.25, ..Cone::default() };
             cone.widen(f32::INFINITY, t);
             cone.end_at(2.0, t);
             assert_eq!(cone.width, 1.0, "{t}");
         }
+    }
+
+    #[test]
+    fn a_direction_that_goes_on_is_taken_once() {
+        let mut cone = Cone { spread: 0.25, goes_straight: true, ..Cone::default() };
+        cone.widen(1e-6, 1.0);
+        assert_eq!((cone.spread, cone.width), (0.25, 0.25));
+        cone.widen(1e-6, 1.0);
+        assert!(cone.spread > 100.0);
     }
 }

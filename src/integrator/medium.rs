@@ -41,7 +41,7 @@ pub fn fly(
     }
     let id = path.interior.medium();
     let Some(medium) = world.medium(id).filter(|medium| medium.scatters()) else {
-        path.throughput *= world.extinction(id, distance);
+        path.throughput *= world.transmittance_in(id, distance);
         return Flight::Arrives;
     };
     path.sampler.seek(flight_dimension(depth));

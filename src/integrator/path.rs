@@ -199,7 +199,7 @@ impl<'w> PathTracer<'w> {
                 path.end_at(at, to);
                 let first = sample.first.is_none();
                 let seen = if first { self.seen_behind(path, surface, hit) } else { None };
-                let here = (position, at, -ray.direction());
+                let here = (position, path.distance_to(position, at), -ray.direction());
                 end_first_hit_in_medium(path, &medium, here, seen, sample);
                 if !self.goes_beyond(path.vertices(depth)) || path.throughput == Vec3::ZERO {
                     return Step::END;
@@ -219,13 +219,12 @@ impl<'w> PathTracer<'w> {
         arrive(world, path, Some(surface));
 
         // Borders that were passed are no vertices: lights beyond were asked for from before.
-        let since = (surface.position - path.context.position).length();
-        let distance = if path.passed > 0 { since } else { hit.t };
+        let distance = path.distance_to(surface.position, hit.t);
         add_emission(world, path, surface, (ray, distance), sample);
         if let Some(tint) = passable_tint(world, path.interior, surface) {
             path.throughput *= tint;
             path.interior = beyond_passable(world, path.interior, surface);
-            path.passed += 1;
+            path.pass_border();
             let goes_on = path.throughput != Vec3::ZERO;
             let on = surface.ray_towards(ray.direction());
             let next = goes_on.then(|| usable(on, sample)).flatten();

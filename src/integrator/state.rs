@@ -143,12 +143,23 @@ impl Path {
     /// Lets it begin as wide as a pixel; see
     /// [`Camera::pixel_cone`](crate::camera::Camera::pixel_cone).
     pub fn set_cone(&mut self, [width, spread]: [f32; 2]) {
-        self.cone = Cone { width, spread };
+        self.cone = Cone { width, spread, ..Cone::default() };
     }
 
     /// Lets it widen along a segment of length `t`.
     pub fn widen(&mut self, t: f32) {
         self.cone.widen(self.pdf, t);
+    }
+
+    /// Takes it across a border that it passes straight.
+    pub(super) fn pass_border(&mut self) {
+        self.passed += 1;
+        self.cone.goes_straight = true;
+    }
+
+    /// How far a point of its current ray at `t` is from its last vertex, or from the camera.
+    pub(super) fn distance_to(&self, point: Vec3, t: f32) -> f32 {
+        if self.passed > 0 { (point - self.context.position).length() } else { t }
     }
 
     /// Ends its current ray, which is `t` metres long, at the point `at` along it.

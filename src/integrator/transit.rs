@@ -108,7 +108,7 @@ impl Transit {
     /// Takes away what the medium around does over `distance` metres.
     fn dim(&mut self, world: &World, distance: f32) {
         let id = self.interior.medium();
-        let left = world.extinction(id, distance);
+        let left = world.transmittance_in(id, distance);
         self.radiance *= left;
         if world.medium(id).is_some_and(crate::medium::Medium::scatters) {
             self.densities *= left;

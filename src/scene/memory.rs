@@ -17,7 +17,7 @@ pub struct SceneMemory {
     pub placed_triangles: u64,
     /// Placed meshes.
     pub placements: u64,
-    /// Bytes of meshes, each once.
+    /// Bytes of meshes, each once, and of their shapes while the shutter is open.
     pub mesh_bytes: u64,
     /// Bytes of their places.
     pub placement_bytes: u64,
@@ -31,12 +31,20 @@ impl SceneMemory {
     /// Adds up.
     pub fn of(scene: &Scene) -> Self {
         let meshes = || scene.meshes.iter();
-        let unused = |mesh: &Arc<Mesh>| MeshUse { triangles: mesh.indices.len() as u64, uses: 0 };
-        let mut used: Vec<MeshUse> = meshes().map(unused).collect();
-        for instance in &scene.instances {
-            let uses = &mut used[instance.mesh.index()].uses;
-            *uses = uses.saturating_add(1);
+        let motion = scene.motion.as_deref();
+        let deformation = |mesh| motion.and_then(|motion| motion.deformation(mesh));
+        let unused = |(number, mesh): (usize, &Arc<Mesh>)| {
+            let (triangles, moves) = (mesh.indices.len() as u64, deformation(number).is_some());
+            MeshUse { triangles, uses: 0, moves }
+        };
+        let mut used: Vec<MeshUse> = meshes().enumerate().map(unused).collect();
+        for (number, instance) in scene.instances.iter().enumerate() {
+            let mesh = &mut used[instance.mesh.index()];
+            mesh.uses = mesh.uses.saturating_add(1);
+            mesh.moves |= motion.is_some_and(|motion| motion.placement(number).is_some());
         }
+        let deformed = (0..used.len()).filter_map(deformation);
+        let key_bytes: u64 = deformed.map(|it| it.heap_bytes() as u64).sum();
         let sum = |of: fn(&MeshUse) -> u64| used.iter().map(of).fold(0, u64::saturating_add);
         let mut seen = HashSet::new();
         let images = scene.textures.iter().map(Texture::image);
@@ -45,11 +53,17 @@ impl SceneMemory {
             unique_triangles: sum(|mesh| mesh.triangles),
             placed_triangles: sum(MeshUse::placed),
             placements: scene.instances.len() as u64,
-            mesh_bytes: meshes().map(|mesh| mesh.heap_bytes() as u64).sum(),
+            mesh_bytes: meshes().map(|mesh| mesh.heap_bytes() as u64).sum::<u64>() + key_bytes,
             placement_bytes: size_of_val(&*scene.instances) as u64,
             texture_bytes: images.map(|image| image.texel_bytes()).sum(),
             structure: Footprint::estimate(&used),
         }
+    }
+
+    /// The same where textures take no more than so many bytes: others are kept in a file.
+    #[must_use]
+    pub fn with_texture_limit(self, bytes: u64) -> Self {
+        Self { texture_bytes: self.texture_bytes.min(bytes), ..self }
     }
 
     /// The parts by their names, level by level.
@@ -121,5 +135,39 @@ mod tests {
         let triangles = 10_000 + 50 * 100 + 3_000;
         let expected = Footprint { triangles: 100 * triangles, placements: 100 * 75 };
         assert_eq!(SceneMemory::of(&scene).structure, expected);
+    }
+
+    #[test]
+    fn what_moves_has_a_structure_of_its_own_and_shapes_that_count() {
+        use crate::geom::{Deformation, VertexKey};
+        use crate::scene::SceneMotion;
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let mesh =
+            Mesh { positions: positions.clone(), indices: vec![[0, 1, 2]], ..Mesh::default() };
+        let instance = Instance {
+            mesh: MeshId::from_index(0),
+            material: MaterialId::from_index(0),
+            transform: Transform::new(Affine3A::IDENTITY),
+        };
+        let key = |time| VertexKey { time, positions: positions.clone(), ..VertexKey::default() };
+        let deformation = Deformation::new(vec![key(0.0), key(1.0)]).expect("two keys");
+        let mut motion = SceneMotion::default();
+        motion.deform(0, Arc::new(deformation));
+        let still =
+            Scene { meshes: vec![Arc::new(mesh)], instances: vec![instance], ..Scene::default() };
+        let before = SceneMemory::of(&still);
+        let scene = Scene { motion: Some(Box::new(motion)), ..still };
+        let memory = SceneMemory::of(&scene);
+        let keys = 2 * (size_of::<VertexKey>() + 3 * 12) as u64;
+        assert_eq!(memory.mesh_bytes, before.mesh_bytes + keys);
+        assert_eq!(before.structure.placements, 0);
+        assert!(memory.structure.placements > 0);
+    }
+
+    #[test]
+    fn textures_count_up_to_their_limit() {
+        let memory = SceneMemory { texture_bytes: 900, ..SceneMemory::default() };
+        assert_eq!(memory.with_texture_limit(1000), memory);
+        assert_eq!(memory.with_texture_limit(100).total(), 100);
     }
 }

@@ -236,6 +236,9 @@ impl TextureStore {
             let size = file.as_ref().map_or(0, |file| file.decoded);
             let decoded = decode((source, file));
             self.meter.finish(size);
+            if fits && decoded.is_err() {
+                self.resident.fetch_sub(size, Relaxed);
+            }
             decoded
         };
         sources.par_iter().zip(files).map(decode).collect()

@@ -38,7 +38,7 @@ impl World {
 
     /// What is left of white light after `distance` metres inside of a material, of what it
     /// scatters too; in space for [`MaterialId::NONE`].
-    pub fn extinction(&self, id: MaterialId, distance: f32) -> Vec3 {
+    pub fn transmittance_in(&self, id: MaterialId, distance: f32) -> Vec3 {
         match self.medium(id) {
             Some(medium) => medium.transmittance(distance),
             None => self.transmittance(id, distance),

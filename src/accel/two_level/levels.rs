@@ -9,7 +9,7 @@ use super::placement::{Shape, ToMesh, error_inside, world_box};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use super::spans::Spans;
 use crate::accel::Phases;
-use crate::accel::small_meshes::{MOVES, MeshUse, find_small};
+use crate::accel::small_meshes::{MeshUse, find_small};
 use crate::geom::{Motions, Placements, TriangleSource};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
 use crate::motion::Piece;
@@ -80,13 +80,13 @@ impl Levels {
         let moves = |placement: &InstanceId| motions.is_some_and(|it| it.is_moving(*placement));
         let mut used = find_uses(placements);
         for placement in (0..placements.len()).map(InstanceId::from_index).filter(moves) {
-            used[placements.mesh(placement).index()].uses = MOVES;
+            used[placements.mesh(placement).index()].moves = true;
         }
         let small = find_small(&used);
-        let shape = |(mesh, &MeshUse { uses, .. }): (usize, &MeshUse)| {
+        let shape = |(mesh, &MeshUse { uses, moves, .. }): (usize, &MeshUse)| {
             let mesh = MeshId::from_index(mesh);
             let worth_it = copies && uses > 1 && placements.mesh_len(mesh) >= FEW;
-            let worth_it = uses == MOVES || (worth_it && !small[mesh.index()]);
+            let worth_it = moves || (worth_it && !small[mesh.index()]);
             worth_it.then(|| Shape::new(placements, mesh)).flatten()
         };
         let shapes: Vec<Option<Shape>> = used.par_iter().enumerate().map(shape).collect();
@@ -229,7 +229,7 @@ fn error_over_time(shape: &Shape, motions: &dyn Motions, placement: InstanceId) 
 /// All meshes, and how often each is placed.
 pub fn find_uses(placements: &dyn Placements) -> Vec<MeshUse> {
     let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
-    let mesh = |mesh| MeshUse { triangles: len(mesh), uses: 0 };
+    let mesh = |mesh| MeshUse { triangles: len(mesh), uses: 0, moves: false };
     let mut used: Vec<MeshUse> = (0..placements.meshes()).map(mesh).collect();
     for placement in (0..placements.len()).map(InstanceId::from_index) {
         let uses = &mut used[placements.mesh(placement).index()].uses;

@@ -187,8 +187,8 @@ impl ToMesh {
         let origin = self.inverse * (ray.origin().as_dvec3() - self.translation);
         let direction = self.inverse * ray.direction().as_dvec3();
         let reciprocal = direction.recip();
-        // Where a ray runs within a plane of the box there is no number: minimum and maximum leave
-        // it out, and so the ray in.
+        // A ray that runs within a plane of the box may be left out: there is no number then. The
+        // box is grown, so that nothing lies in its planes.
         let (low, high) = ((bounds[0] - origin) * reciprocal, (bounds[1] - origin) * reciprocal);
         let near = |axis: usize| low[axis].min(high[axis]);
         let far = |axis: usize| low[axis].max(high[axis]);

@@ -25,7 +25,7 @@ use crate::math::Vec3;
 use crate::render::{Sight, look_ahead};
 use crate::scene::defaults::{neutral_sky, shines};
 use crate::scene::{Notice, Scene};
-use crate::texture::TextureStore;
+use crate::texture::{Texture, TextureStore};
 use crate::world::World;
 
 /// A lamp must light so much more than what it takes the place of.
@@ -168,15 +168,15 @@ pub fn look(
 
 /// What lights a scene in motion: decided at 0 seconds, so that no frame differs from the next.
 /// None where the scene at its `time` decides itself: it is still, posed at 0 seconds, or cannot
-/// be posed then.
+/// be posed then. With its textures, for whoever loads the scene again.
 ///
 /// # Errors
-/// If the structure cannot be built.
+/// If there is not enough memory, or the structure cannot be built.
 pub fn decide_at_zero(
     args: &RenderArgs,
     textures: &Arc<TextureStore>,
     watch: &Watch,
-) -> Result<Option<Decided>, CliError> {
+) -> Result<Option<(Decided, Vec<Texture>)>, CliError> {
     let needs_look = matches!(args.light, LightArg::Auto | LightArg::Camera);
     if !needs_look || args.time.is_none_or(|time| time == 0.0) {
         return Ok(None);
@@ -186,11 +186,13 @@ pub fn decide_at_zero(
     let Ok((camera, aspect)) = view::choose(&scene, args, &mut Vec::new()) else {
         return Ok(None);
     };
+    scene::require_memory(args, &scene, textures, 0)?;
+    let images = scene.textures.clone();
     let resolution = view::resolution(args, aspect);
     let mut viewed = Viewed::new(args, scene, &camera, (resolution, None))?;
     input::run_on_threads(args.threads, move || {
         let (accel, _) = build(args, &viewed.world, watch)?;
-        Ok(Some(viewed.decide(&*accel)))
+        Ok(Some((viewed.decide(&*accel), images)))
     })?
 }
 

@@ -21,15 +21,14 @@ use crate::accel::BuildError;
 use crate::camera::moving::MovingCamera;
 use crate::cli::error::CliError;
 use crate::cli::input;
-use crate::cli::memory;
 use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::LightArg;
 use crate::cli::watch::Watch;
 use crate::film::Window;
 use crate::integrator::Transport;
 use crate::render::{Aov, NoiseTarget, Settings, Sight, film_bytes};
+use crate::scene::Notice;
 use crate::scene::defaults::describe_empty_scene;
-use crate::scene::{Notice, SceneMemory};
 use crate::texture::TextureStore;
 use crate::world::World;
 pub use dark::percent;
@@ -94,6 +93,8 @@ impl Job {
         let memory = args.texture_memory.unwrap_or_else(|| crate::files::memory::limit() / 2);
         let textures = Arc::new(TextureStore::new(memory).metered(Arc::clone(watch.meter())));
         let at_zero = if looks { light::decide_at_zero(&args, &textures, watch)? } else { None };
+        // The images of the first are those of the second: they are decoded once.
+        let (at_zero, _images) = at_zero.unzip();
         let (mut scene, mut notices) = scene::load(&args, &textures, watch)?;
         let file = args.scene_file.display().to_string();
         let place_of_light = notices.len();
@@ -102,8 +103,7 @@ impl Job {
         let (camera, aspect) = view::choose(&scene, &args, &mut notices)?;
         let settings = choose_settings(&args, aspect)?;
         args.resolution = Some(settings.resolution);
-        let memory = memory::parts(&SceneMemory::of(&scene), film_bytes(&settings));
-        memory::require_parts(&file, &memory, args.memory)?;
+        scene::require_memory(&args, &scene, &textures, film_bytes(&settings))?;
 
         let (world, decided, structure) = if looks {
             let (world, decided, structure) = light::look(&args, scene, &camera, (at_zero, watch))?;

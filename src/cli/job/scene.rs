@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use crate::cli::error::CliError;
+use crate::cli::memory;
 use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg, TextureLod};
 use crate::cli::status::Phase;
 use crate::cli::watch::Watch;
 use crate::formats::{self, LoadError, LoadOptions, MissingTexture, MtlTransparency, NotFinite};
-use crate::scene::{Notice, Scene};
+use crate::scene::{Notice, Scene, SceneMemory};
 use crate::texture::TextureStore;
 use crate::world::World;
 
@@ -62,6 +63,22 @@ pub fn load(
         return Err(LoadError::Strict { notices }.into());
     }
     Ok((scene, notices))
+}
+
+/// Refuses a scene and a picture of so many bytes that take more memory than there is, or than
+/// `--memory` allows.
+///
+/// # Errors
+/// [`CliError::Limit`].
+pub fn require_memory(
+    args: &RenderArgs,
+    scene: &Scene,
+    textures: &TextureStore,
+    picture: u64,
+) -> Result<(), CliError> {
+    let memory = SceneMemory::of(scene).with_texture_limit(textures.limit());
+    let file = args.scene_file.display().to_string();
+    memory::require_parts(&file, &memory::parts(&memory, picture), args.memory)
 }
 
 /// Makes a scene ready to be shaded.

@@ -22,6 +22,7 @@ const PATHS: u64 = 1 << 15;
 pub fn run(job: &Job) -> Result<ExitCode, CliError> {
     job.on_threads(|| {
         let scene = SceneMemory::of(&job.staged.world.scene);
+        let scene = scene.with_texture_limit(job.textures.limit());
         let (accel, built) = job.take_structure(&Watch::silent())?;
         let build_s = built.as_secs_f64();
         let settings = thin_out(&job.settings);
