@@ -87,7 +87,7 @@ fn a_farm_reads_percentages_and_words() {
     let folder = tempfile::tempdir().expect("a folder");
     let said = said(&render(folder.path(), &["-o", "a.exr", "--progress", "openjd"]));
     assert!(said.starts_with("openjd_progress: 0.0\nopenjd_status: reading the scene\n"), "{said}");
-    assert!(said.ends_with("\nopenjd_progress: 100.0\nopenjd_status: done\n"), "{said}");
+    assert!(said.ends_with("\nopenjd_progress: 100.0\nopenjd_status: ended\n"), "{said}");
 }
 
 #[test]

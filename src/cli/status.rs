@@ -41,7 +41,7 @@ impl Phase {
             Self::Build => "building the structure",
             Self::Render => "rendering",
             Self::Write => "writing the outputs",
-            Self::End => "done",
+            Self::End => "ended",
         }
     }
 }

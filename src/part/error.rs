@@ -18,7 +18,8 @@ pub enum PartError {
         source: io::Error,
     },
     /// Another kind of file.
-    #[error("{}: is no part of a picture (`dapple render --partial` makes them)", .0.display())]
+    #[error("{}: is no part of a picture (`dapple render --partial` makes them), nor a \
+             checkpoint; remove it to start anew", .0.display())]
     NotAPart(PathBuf),
     /// A kind of part that this version does not know.
     #[error("{}: is a part of format {found}; this version of dapple reads format {known}",

@@ -21,8 +21,8 @@ use crate::cli::error::CliError;
 /// Write what a farm needs to render a picture, or frames, by many machines.
 ///
 /// The picture is cut into parts of its samples, each the task of one machine, and the parts are
-/// merged: the bytes are those of one render. All flags of `dapple render` are taken. Nothing is
-/// rendered here.
+/// merged: the bytes are those of one render. The flags of `dapple render` are taken, but for those
+/// that cut, save and stop, which the farm sees to. Nothing is rendered here.
 #[derive(clap::Args, Debug)]
 pub struct FarmArgs {
     #[command(subcommand)]

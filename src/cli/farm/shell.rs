@@ -123,6 +123,10 @@ fn script(plan: &Plan) -> String {
          {render}{merge}\
          running=() failed='' stopped='' told=''\n\
          {}\
+         if (($# > 1)); then\n  \
+         echo \"$0: one word, not $#: a task, or none for all\" >&2\n  \
+         exit 2\n\
+         fi\n\
          case ${{1:-all}} in\n  \
          all)\n    {}\n    run render {last}\n{}    ;;\n\
          {}  \

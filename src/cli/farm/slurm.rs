@@ -15,8 +15,8 @@ use crate::files::{self, Flush};
 /// between two notices.
 const TURNS: u32 = 100;
 
-/// The same for one that was killed, as by a machine without memory.
-const TURNS_IF_KILLED: u32 = 3;
+/// How often one gets another that was killed, as by a machine without memory.
+const TIMES_IF_KILLED: u32 = 3;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -55,14 +55,37 @@ struct Options {
     #[arg(long, value_name = "NAME")]
     account: Option<String>,
     /// The time that a task may take in one turn: minutes, or as in 1:30:00
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", value_parser = walltime)]
     walltime: Option<String>,
     /// A further option for sbatch, as in --sbatch=--mem=8G; may be given again
-    #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
+    #[arg(long, value_name = "OPTION", allow_hyphen_values = true, value_parser = sbatch_option)]
     sbatch: Vec<String>,
     /// Submits the jobs; the script is written to farm.sh in the folder of --work
     #[arg(long)]
     submit: bool,
+}
+
+/// A time as Slurm takes it: minutes, or with colons and days as in 1-12:00.
+fn walltime(word: &str) -> Result<String, String> {
+    let (days, clock) = match word.split_once('-') {
+        Some((days, clock)) => (Some(days), clock),
+        None => (None, word),
+    };
+    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    let parts: Vec<&str> = clock.split(':').collect();
+    let is_time =
+        days.is_none_or(is_number) && parts.len() <= 3 && parts.into_iter().all(is_number);
+    if is_time {
+        return Ok(word.to_owned());
+    }
+    Err("expected minutes, as in 90, or H:M:S, as in 1:30:00".to_owned())
+}
+
+fn sbatch_option(word: &str) -> Result<String, String> {
+    if word.starts_with('-') {
+        return Ok(word.to_owned());
+    }
+    Err(format!("options begin with a dash, as in --sbatch=--{word}"))
 }
 
 /// Prints the script, or runs it.
@@ -112,7 +135,8 @@ fn script(plan: &Plan, options: &Options) -> Result<String, CliError> {
          # Run it where the scene's path leads to the scene: bash FILE\n\
          # Tasks that are done end at once; those that were stopped go on.\n\
          set -euo pipefail\n\
-         mkdir -p {work}\n\n\
+         mkdir -p {work}\n\
+         rm -f {work}/*.killed\n\n\
          cat >{render_file} <<'EOF'\n{render}EOF\n\n\
          render=$(sbatch --parsable {render_file})\n\
          render=${{render%%;*}}\n\n\
@@ -156,7 +180,7 @@ impl Plan {
 
 /// The job of the tasks.
 fn render_job(plan: &Plan, options: &Options) -> Result<String, CliError> {
-    let last = plan.tasks() - 1;
+    let (last, work) = (plan.tasks() - 1, quote(&plan.work));
     Ok(format!(
         "{}\
          #SBATCH --array=0-{last}\n\
@@ -176,7 +200,11 @@ fn render_job(plan: &Plan, options: &Options) -> Result<String, CliError> {
          done\n\
          case $code in\n  \
          75) turns={TURNS} ;; # Saved, to be started again.\n  \
-         137) turns={TURNS_IF_KILLED} ;; # Killed.\n  \
+         137) # Killed: a line each.\n    \
+         echo >>{work}/\"$task\".killed\n    \
+         turns={TURNS}\n    \
+         [ \"$(wc -l <{work}/\"$task\".killed)\" -le {TIMES_IF_KILLED} ] || turns=0\n    \
+         ;;\n  \
          *) turns=0 ;;\n\
          esac\n\
          if [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt \"$turns\" ]; then\n  \

@@ -47,6 +47,11 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, CliError> {
             if args.makes_picture() { picture::write(args, &merge) } else { Ok(()) },
         ])
     })??;
+    if !args.quiet {
+        let made: Vec<String> = outputs.iter().map(|it| it.path.display().to_string()).collect();
+        let (count, spp) = (merge.parts().len(), merge.head().spp);
+        say(&format!("{}: {count} parts of a picture of {spp} spp", made.join(", ")));
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -65,9 +65,11 @@ pub fn expose(job: &Job, control: &Control<'_>) -> Result<Exposed, CliError> {
     let checkpoint = Checkpoint::open(job)?.map(|(checkpoint, restored)| {
         if let Some(restored) = restored {
             film.restore(restored.tiles, restored.elapsed);
-            let samples = film.next_sample();
+            let (next, range) = (film.next_sample(), film.range());
             if !job.args.quiet {
-                say(&format!("goes on from {}, at sample {samples}", checkpoint.path().display()));
+                let (path, has) = (checkpoint.path().display(), next - range.start);
+                let all = range.end - range.start;
+                say(&format!("goes on from {path}: has {has} of {all} samples a pixel"));
             }
         }
         checkpoint

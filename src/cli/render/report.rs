@@ -61,7 +61,8 @@ pub fn print_unfinished(job: &Job, outcome: &Outcome) {
         Took { out_of_time: true, .. } => "the time is over",
         _ => "interrupted",
     };
-    say(&format!("{why}: saved with {fewest} to {most} of {} samples", count(job)));
+    let counted = format!("{fewest} to {most} of {} samples a pixel", count(job));
+    say(&format!("{why}: saved with {counted}"));
     if rendered.without_samples > 0 {
         let (without, all) = (rendered.without_samples, job.settings.crop.area());
         say(&format!("{without} of {all} pixels have no sample: they are black"));

@@ -26,7 +26,7 @@ pub static LONG: &[Setting] = &[
         name: "part",
         value: "I/N",
         example: "3/64",
-        help: "Takes only the samples of part I, from 0, of N equal ones",
+        help: "Takes only the samples of part I, from 0, of N nearly equal ones",
         read: Reader::Text(|word| assign(share(word), |args| &mut args.part)),
         ..RUN
     },
