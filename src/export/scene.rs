@@ -120,8 +120,8 @@ fn leave_out_meshes(scene: &Scene, left_out: &mut Vec<String>) {
     }
 }
 
-/// Whether a map of normals is turned by tangents of triangles where glTF wants those of MikkTSpace,
-/// as it does wherever there are normals and texture coordinates.
+/// Whether a map of normals is turned by tangents of triangles where glTF wants those of
+/// MikkTSpace, as it does wherever there are normals and texture coordinates.
 fn has_tangents_by_triangle(mesh: &Mesh, map: TextureRef) -> bool {
     let uvs = &mesh.uvs[usize::from(map.uv_set.min(1))];
     mesh.tangents.is_empty() && !mesh.normals.is_empty() && !uvs.is_empty()

@@ -39,8 +39,8 @@ enum Ear {
 impl Triangulator {
     /// For a file whose polygons have `corners` in all.
     pub(super) fn new(corners: usize) -> Self {
-        // 300 million tests, which take longer than looks, take some three seconds (on an AMD EPYC, both cores busy); real
-        // files need a few per corner.
+        // 300 million tests, which take longer than looks, take some three seconds (on an AMD EPYC,
+        // both cores busy); real files need a few per corner.
         let budget = 300_000_000 + 200 * corners as u64;
         Self { budget, flat: Vec::new(), next: Vec::new(), previous: Vec::new() }
     }
