@@ -149,3 +149,24 @@ fn what_has_no_place_is_named_and_refused_under_strict() {
     assert!(told.contains("--strict") && told.contains("a map of heights"), "{told}");
     assert!(!made.exists() && fs::read_dir(folder.path()).unwrap().count() == 0);
 }
+
+/// What render is told of a scene, convert is told as well.
+#[test]
+fn an_obj_file_is_converted_as_it_is_rendered() {
+    let folder = folder();
+    let [obj, made] = ["a.obj", "a.glb"].map(|name| folder.path().join(name));
+    fs::write(&obj, "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n").unwrap();
+    fs::write(folder.path().join("a.mtl"), "newmtl m\nTr 0.25\nmap_Kd no.png\n").unwrap();
+    let alpha = |how: &str| {
+        let flags = ["--mtl-transparency", how, "--missing-texture", "magenta"];
+        let words = [&["convert", path(&obj), "-o", path(&made)], &flags[..]].concat();
+        let (code, told) = dapple(&words);
+        assert_eq!(code, Some(0), "{told}");
+        let scene = read(&made);
+        assert_eq!(scene.textures.len(), 1);
+        scene.materials[scene.instances[0].material.index()].base_color.w
+    };
+    assert_eq!((alpha("d"), alpha("tr")), (0.25, 0.75));
+    let (code, told) = dapple(&["convert", path(&obj), "-o", path(&made)]);
+    assert!(code == Some(3) && told.contains("--missing-texture magenta goes on"), "{told}");
+}

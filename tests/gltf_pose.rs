@@ -160,6 +160,44 @@ fn an_animation_is_posed_at_a_time_and_keeps_what_it_does_not_move() {
     assert!(still.notices[0].message.contains("there is no animation"));
 }
 
+/// Pointers to properties of nodes are as channels of them; all else that they move stands still,
+/// which is said.
+#[test]
+fn what_pointers_move_bends_while_the_shutter_is_open() {
+    let mut file = skinned([json!({}), json!({})], SIDES);
+    let lift = file.floats(&[[0.0, 0.0, 2.0]; 4], "VEC3");
+    file.document["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": lift}]);
+    let times = file.floats(&[[0.0], [2.0]], "SCALAR");
+    let rises = file.floats(&[[0.0], [1.0]], "SCALAR");
+    let places = file.floats(&[[0.0; 3], [4.0, 0.0, 0.0]], "VEC3");
+    let sampler = |output: usize| json!({"input": times, "output": output});
+    let channel = |sampler: usize, pointer: &str| {
+        let extension = json!({"KHR_animation_pointer": {"pointer": pointer}});
+        json!({"sampler": sampler, "target": {"path": "pointer", "extensions": extension}})
+    };
+    let channels = [channel(0, "/nodes/0/weights"), channel(1, "/nodes/2/translation")];
+    let samplers = [sampler(rises), sampler(places)];
+    file.push("animations", json!({"samplers": samplers, "channels": channels}));
+    file.document["extensionsUsed"] = json!(["KHR_animation_pointer"]);
+    let load = |file: &File| {
+        let (time, shutter) = (Some(1.0), Some(1.0));
+        let options = dapple::formats::LoadOptions { time, shutter, ..Default::default() };
+        file.load_with(&options).expect("loads")
+    };
+    let scene = load(&file);
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    let mesh = scene.instances[0].mesh;
+    let seen = |time: f32| [0, 1].map(|corner| scene.mesh_at(mesh, time).position(corner));
+    assert_eq!(seen(0.0), [Vec3::new(0.0, 0.0, 1.0), Vec3::new(3.0, 0.0, 1.0)]);
+    assert_eq!(seen(0.5), [Vec3::new(0.0, 0.0, 1.5), Vec3::new(4.0, 0.0, 1.5)]);
+
+    let cutoff = channel(0, "/materials/0/alphaCutoff");
+    file.document["animations"][0]["channels"].as_array_mut().expect("a list").push(cutoff);
+    let scene = load(&file);
+    let said: Vec<&str> = scene.notices.iter().map(|it| it.message.as_str()).collect();
+    assert_eq!(said, ["\"/materials/0/alphaCutoff\" stands still while the shutter is open"]);
+}
+
 #[test]
 fn broken_animations_are_refused() {
     for (pointer, value, said) in [

@@ -8,6 +8,7 @@ use serde_json::json;
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
 use crate::cli::outputs::{self, Output};
+use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg};
 use crate::cli::{progress, text};
 use crate::export;
 use crate::files::{self, Flush};
@@ -49,6 +50,12 @@ pub struct ConvertArgs {
     /// The time at which animations are posed, seconds; without, all is in its rest pose
     #[arg(long, value_name = "SECONDS")]
     time: Option<f32>,
+    /// Goes on without textures that cannot be read
+    #[arg(long, value_name = "COLOUR")]
+    missing_texture: Option<MissingTextureArg>,
+    /// What transparency means in an OBJ file's materials, as for render
+    #[arg(long, value_name = "HOW")]
+    mtl_transparency: Option<MtlTransparencyArg>,
     /// Refuses what is not honoured, and what would be left out
     #[arg(long)]
     strict: bool,
@@ -65,6 +72,8 @@ pub fn run(args: &ConvertArgs) -> Result<ExitCode, CliError> {
     outputs::check(&[output], &[&args.scene_file])?;
     let options = LoadOptions {
         strict: args.strict,
+        missing_texture: MissingTextureArg::option(args.missing_texture),
+        mtl_transparency: args.mtl_transparency.map(MtlTransparencyArg::option),
         scene: args.scene.clone(),
         variant: args.variant.clone(),
         animation: args.animation.clone(),

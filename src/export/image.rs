@@ -65,7 +65,9 @@ impl<'a> Images<'a> {
         let mut images: Vec<(&Texture, ColorSpace)> = Vec::new();
         let mut numbers = HashMap::new();
         for (texture, space) in &self.textures {
-            let key = (Arc::as_ptr(texture.image()), *space == ColorSpace::Srgb);
+            // Texels depend on the space that they are in, and on that of the place.
+            let spaces = [texture.color_space(), *space].map(|space| space == ColorSpace::Srgb);
+            let key = (Arc::as_ptr(texture.image()), spaces);
             let image = *numbers.entry(key).or_insert_with(|| {
                 images.push((texture, *space));
                 images.len() - 1
@@ -85,7 +87,8 @@ impl<'a> Images<'a> {
             let (file, is_exact) = file?;
             let name = texture.name();
             if !is_exact {
-                left_out.push(format!("image {name:?}: more than 16 bits from 0 to 1"));
+                left_out
+                    .push(format!("image {name:?}: its values are rounded to 16 bits from 0 to 1"));
             }
             let view = binary.view(Chunk::File(file));
             let image = json!({ "bufferView": view, "mimeType": "image/png" });
@@ -119,13 +122,14 @@ fn encode(texture: &Texture, space: ColorSpace) -> io::Result<(Vec<u8>, bool)> {
         Texels::U16(values) if as_is => {
             Ok((png(image, bytemuck::cast_slice(values), SIXTEEN)?, true))
         }
-        Texels::F32(values) => {
-            let exact = values.iter().all(|value| (0.0..=1.0).contains(value));
-            Ok((png(image, bytemuck::cast_slice(&sixteen(image, values, space)), SIXTEEN)?, exact))
-        }
         _ => {
-            let values: Vec<f32> = linear(texture);
-            Ok((png(image, bytemuck::cast_slice(&sixteen(image, &values, space)), SIXTEEN)?, true))
+            let values = linear(image, texture.color_space());
+            let stored = sixteen(image, &values, space);
+            let file = png(image, bytemuck::cast_slice(&stored), SIXTEEN)?;
+            let [width, height] = texture.size();
+            let read = Image::new(width, height, image.channels(), Texels::U16(stored));
+            let is_exact = linear(&Arc::new(read), space) == values;
+            Ok((file, is_exact))
         }
     }
 }
@@ -152,16 +156,13 @@ fn png(image: &Image, bytes: &[u8], kinds: Kinds) -> io::Result<Vec<u8>> {
     Ok(file)
 }
 
-/// Linear values of all channels of a texture, texel by texel.
-fn linear(texture: &Texture) -> Vec<f32> {
-    let image = texture.image();
+/// Linear values of all channels of an image in a colour space, texel by texel.
+fn linear(image: &Arc<Image>, space: ColorSpace) -> Vec<f32> {
     let (width, height) = (image.width(), image.height());
-    let centre = |at: u32, side: u32| (at as f32 + 0.5) / side as f32;
-    let nearest =
-        Texture::new(Arc::clone(image), texture.color_space(), [Wrap::Clamp; 2], Filter::Nearest);
+    let texture = Texture::new(Arc::clone(image), space, [Wrap::Clamp; 2], Filter::Nearest);
     let mut values = Vec::new();
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let color = nearest.sample((centre(x, width), centre(y, height)).into()).to_array();
+        let color = texture.texel(x, y).to_array();
         match image.channels() {
             1 => values.push(color[0]),
             2 => values.extend([color[0], color[3]]),
@@ -205,6 +206,42 @@ mod tests {
         assert_eq!(images.write(&mut binary, &mut left_out).expect("fits"), 1);
         assert_eq!(binary.document.list("samplers").len(), 2);
         assert!(left_out.is_empty());
+    }
+
+    /// As `map_Kd` and `map_Ps` of an OBJ file make them of a picture of one channel.
+    #[test]
+    fn an_image_in_two_spaces_is_written_twice() {
+        let image = Arc::new(Image::of(2, 1, vec![[0_u8], [128]]));
+        let texture =
+            |space| Texture::new(Arc::clone(&image), space, [Wrap::Repeat; 2], Filter::Bilinear);
+        let textures = vec![texture(ColorSpace::Srgb), texture(ColorSpace::Linear)];
+        let scene = Scene { textures, ..Scene::default() };
+        let mut images = Images::new(&scene);
+        for number in 0..2 {
+            images.texture(TextureId::from_index(number), ColorSpace::Srgb);
+        }
+        let (mut binary, mut left_out) = (Binary::default(), Vec::new());
+        assert_eq!(images.write(&mut binary, &mut left_out).expect("fits"), 2);
+        let sources: Vec<_> =
+            binary.document.list("textures").iter().map(|it| it["source"].clone()).collect();
+        assert_eq!(sources, [json!(0), json!(1)]);
+    }
+
+    #[test]
+    fn values_are_exact_if_they_are_read_as_they_were() {
+        let is_exact = |image: Image, spaces: [ColorSpace; 2]| {
+            let [from, to] = spaces;
+            let texture = Texture::new(Arc::new(image), from, [Wrap::Clamp; 2], Filter::Nearest);
+            encode(&texture, to).expect("fits").1
+        };
+        const LINEAR: [ColorSpace; 2] = [ColorSpace::Linear; 2];
+        const TO_LINEAR: [ColorSpace; 2] = [ColorSpace::Srgb, ColorSpace::Linear];
+        let stored = 16384.0 / 65535.0;
+        assert!(is_exact(Image::of(3, 1, vec![[stored], [0.0_f32], [1.0]]), LINEAR));
+        assert!(!is_exact(Image::of(1, 1, vec![[0.25_f32]]), LINEAR));
+        assert!(!is_exact(Image::of(1, 1, vec![[f32::from_bits(1)]]), LINEAR));
+        assert!(is_exact(Image::of(2, 1, vec![[0_u8], [255]]), TO_LINEAR));
+        assert!(!is_exact(Image::of(2, 1, vec![[0_u8], [128]]), TO_LINEAR));
     }
 
     #[test]

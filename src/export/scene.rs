@@ -1,6 +1,6 @@
 //! Meshes and where they are placed, cameras and lights.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ use crate::camera::{Camera, Projection};
 use crate::geom::Mesh;
 use crate::light::{Punctual, PunctualKind};
 use crate::math::{Aabb, Affine3A, Frame, Mat3, MeshId, Vec2};
-use crate::scene::{NamedCamera, Scene};
+use crate::scene::{NamedCamera, Scene, TextureRef};
 
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,7 +46,13 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
     let empty_uvs = first_sets(scene);
     let mut meshes = Meshes { scene, empty_uvs: &empty_uvs, shared: HashMap::new() };
     let mut numbers = HashMap::new();
+    let mut placements = 0;
     for instance in &scene.instances {
+        // Without indices it would be read as triangles of whatever points it has.
+        if triangles(scene, instance.mesh) == 0 {
+            continue;
+        }
+        placements += 1;
         let key = (instance.mesh, instance.material);
         let mesh = *numbers.entry(key).or_insert_with(|| {
             let primitive = meshes.primitive(&mut binary, instance.mesh, instance.material.index());
@@ -56,6 +62,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
         let matrix = instance.transform.to_world();
         binary.document.root(at(matrix, json!({ "mesh": mesh })));
     }
+    leave_out_meshes(scene, &mut left_out);
     for camera in &scene.cameras {
         match lens(camera) {
             Some(lens) => {
@@ -86,11 +93,38 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
     let count = images.write(&mut binary, &mut left_out)?;
     Ok(Exported {
         triangles: meshes.shared.keys().map(|mesh| triangles(scene, *mesh)).sum(),
-        placements: scene.instances.len() as u64,
+        placements,
         images: count,
         bytes: binary.write(out)?,
         left_out,
     })
+}
+
+/// Names what is not as it was in meshes.
+fn leave_out_meshes(scene: &Scene, left_out: &mut Vec<String>) {
+    let mut told = HashSet::new();
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh.index()];
+        let material = &scene.materials[instance.material.index()];
+        let what = if mesh.indices.is_empty() {
+            "it has no triangles"
+        } else if material.tangent_texture().is_some_and(|map| has_tangents_by_triangle(mesh, map))
+        {
+            "tangents by triangle: whoever reads it makes others, at vertices"
+        } else {
+            continue;
+        };
+        if told.insert((instance.mesh, what)) {
+            left_out.push(format!("mesh {:?}: {what}", mesh.name));
+        }
+    }
+}
+
+/// Whether a map of normals is turned by tangents of triangles where glTF wants those of
+/// MikkTSpace, as it does wherever there are normals and texture coordinates.
+fn has_tangents_by_triangle(mesh: &Mesh, map: TextureRef) -> bool {
+    let uvs = &mesh.uvs[usize::from(map.uv_set.min(1))];
+    mesh.tangents.is_empty() && !mesh.normals.is_empty() && !uvs.is_empty()
 }
 
 fn triangles(scene: &Scene, mesh: MeshId) -> u64 {
@@ -211,7 +245,66 @@ fn towards(light: &Punctual) -> Affine3A {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
+    use std::sync::Arc;
+
+    use crate::math::{MaterialId, TextureId, Vec3};
+    use crate::scene::{Instance, Material, Transform};
+
+    /// A triangle and points alone, placed twice each.
+    fn triangle_and_points() -> Scene {
+        let triangle = Mesh {
+            name: "triangle".to_owned(),
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            uvs: [vec![Vec2::ZERO, Vec2::X, Vec2::Y], Vec::new()],
+            indices: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let points =
+            Mesh { name: "points".to_owned(), positions: vec![Vec3::X; 6], ..Mesh::default() };
+        let instance = |mesh| Instance {
+            mesh: MeshId(mesh),
+            material: MaterialId(0),
+            transform: Transform::new(Affine3A::IDENTITY),
+        };
+        Scene {
+            meshes: vec![Arc::new(triangle), Arc::new(points)],
+            materials: vec![Material::default()],
+            instances: [0, 1, 0, 1].map(instance).to_vec(),
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn points_alone_are_left_out_and_named() {
+        let mut file = Vec::new();
+        let exported = write(&triangle_and_points(), &mut file).expect("is written");
+        assert_eq!((exported.triangles, exported.placements), (1, 2));
+        assert_eq!(exported.left_out, ["mesh \"points\": it has no triangles"]);
+        let read = crate::formats::gltf::parse("a.glb".as_ref(), &file, &Default::default());
+        let meshes = read.expect("is read").meshes;
+        assert_eq!(meshes.iter().map(|mesh| mesh.indices.len()).collect::<Vec<_>>(), [1]);
+    }
+
+    /// Readers of glTF make tangents where a map of normals needs them and there are none.
+    #[test]
+    fn tangents_that_become_others_are_named() {
+        let map = Material {
+            normal_texture: Some(TextureRef::new(TextureId::from_index(0))),
+            ..Material::default()
+        };
+        let mut left_out = Vec::new();
+        let mut scene = Scene { materials: vec![map], ..triangle_and_points() };
+        scene.instances.truncate(1);
+        leave_out_meshes(&scene, &mut left_out);
+        let said = "mesh \"triangle\": tangents by triangle: whoever reads it makes others, at \
+                    vertices";
+        assert_eq!(left_out, [said]);
+        left_out.clear();
+        Arc::make_mut(&mut scene.meshes[0]).tangents = vec![Vec3::X.extend(1.0); 3];
+        leave_out_meshes(&scene, &mut left_out);
+        assert!(left_out.is_empty(), "{left_out:?}");
+    }
 
     #[test]
     fn lights_keep_their_direction() {

@@ -65,9 +65,14 @@ pub fn light_at_node(light: &Punctual, to_world: &DAffine3) -> Option<Punctual> 
     Some(Punctual { position, direction, ..*light })
 }
 
-/// A light moved as all that is placed with it; none if that leaves it no directions.
+/// A light moved as all that is placed with it; none if it has a direction and that leaves it none.
 pub fn light_moved(light: &Punctual, to_world: &DAffine3) -> Option<Punctual> {
-    let turned = rigid(to_world)?;
+    let turned = match light.kind {
+        PunctualKind::Point if to_world.is_finite() => {
+            rigid(to_world).unwrap_or(DAffine3::IDENTITY)
+        }
+        _ => rigid(to_world)?,
+    };
     let position = to_world.transform_point3(light.position.as_dvec3()).as_vec3();
     let direction = turned.transform_vector3(light.direction.as_dvec3()).as_vec3();
     Some(Punctual { position, direction, ..*light })
@@ -96,6 +101,25 @@ mod tests {
         let mirrored = DAffine3::from_scale(DVec3::new(-2.0, 3.0, 4.0));
         assert_eq!(rigid(&mirrored), Some(DAffine3::IDENTITY));
         assert_eq!(rigid(&DAffine3::from_scale(DVec3::ZERO)), None);
+    }
+
+    /// Moved with a scale of 0, which leaves no directions, it stands where all is drawn to.
+    #[test]
+    fn a_point_light_needs_no_directions() {
+        let mut light = Punctual {
+            kind: PunctualKind::Point,
+            position: Vec3::new(1.0, 2.0, 3.0),
+            direction: Vec3::NEG_Y,
+            intensity: Vec3::ONE,
+            range: None,
+        };
+        let to_world = DAffine3 { translation: DVec3::X, ..DAffine3::from_scale(DVec3::ZERO) };
+        let moved = light_moved(&light, &to_world).expect("shines");
+        assert_eq!((moved.position, moved.direction), (Vec3::X, Vec3::NEG_Y));
+        light.kind = PunctualKind::Directional;
+        assert_eq!(light_moved(&light, &to_world), None);
+        light.kind = PunctualKind::Point;
+        assert_eq!(light_moved(&light, &DAffine3::from_scale(DVec3::INFINITY)), None);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg, TextureLod};
 use crate::cli::status::Phase;
 use crate::cli::watch::Watch;
-use crate::formats::{self, LoadError, LoadOptions, MissingTexture, MtlTransparency, NotFinite};
+use crate::formats::{self, LoadError, LoadOptions, NotFinite};
 use crate::scene::{Notice, Scene, SceneMemory};
 use crate::texture::TextureStore;
 use crate::world::World;
@@ -27,15 +27,8 @@ pub fn load(
     let options = LoadOptions {
         // It is seen to below, for the scene and its environment light together.
         strict: false,
-        missing_texture: match args.missing_texture {
-            Some(MissingTextureArg::Magenta) => MissingTexture::Magenta,
-            None => MissingTexture::Error,
-        },
-        mtl_transparency: args.mtl_transparency.map(|told| match told {
-            MtlTransparencyArg::D => MtlTransparency::D,
-            MtlTransparencyArg::Tr => MtlTransparency::Tr,
-            MtlTransparencyArg::File => MtlTransparency::File,
-        }),
+        missing_texture: MissingTextureArg::option(args.missing_texture),
+        mtl_transparency: args.mtl_transparency.map(MtlTransparencyArg::option),
         scene: args.scene.clone(),
         variant: args.variant.clone(),
         animation: args.animation.clone(),

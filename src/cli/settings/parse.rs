@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
 use crate::film::Window;
+use crate::formats::{MissingTexture, MtlTransparency};
 use crate::light::Preetham;
 use crate::math::Vec3;
 
@@ -51,6 +52,16 @@ pub enum MissingTextureArg {
     Magenta,
 }
 
+impl MissingTextureArg {
+    /// What readers of scenes are told.
+    pub fn option(chosen: Option<Self>) -> MissingTexture {
+        match chosen {
+            Some(Self::Magenta) => MissingTexture::Magenta,
+            None => MissingTexture::Error,
+        }
+    }
+}
+
 /// Whether textures are looked up in levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum TextureLod {
@@ -70,6 +81,17 @@ pub enum MtlTransparencyArg {
     Tr,
     /// Tr is a transparency; d counts first.
     File,
+}
+
+impl MtlTransparencyArg {
+    /// What readers of scenes are told.
+    pub fn option(self) -> MtlTransparency {
+        match self {
+            Self::D => MtlTransparency::D,
+            Self::Tr => MtlTransparency::Tr,
+            Self::File => MtlTransparency::File,
+        }
+    }
 }
 
 /// How to report the progress of a render.

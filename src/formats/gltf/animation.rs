@@ -148,15 +148,38 @@ impl Animation {
     /// # Errors
     /// As [`Animation::pose`].
     pub fn keyed(&self, shutter: [f64; 2], storage: &Storage) -> Result<Vec<Keyed>, Fault> {
-        let of_nodes = self.channels.iter().filter_map(|channel| match &channel.target {
-            Target::Node(node, property) => Some((channel, (*node, *property))),
-            Target::Pointer(pointer) => Some((channel, Property::of_pointer(pointer)?)),
-        });
+        let of_nodes =
+            self.channels.iter().filter_map(|channel| Some((channel, channel.target.of_node()?)));
         let keyed = |(channel, (node, property)): (&Channel, _)| {
             let keys = channel.curve(storage)?.straight_pieces(shutter);
             Ok(Keyed { node, property, keys })
         };
         of_nodes.map(keyed).collect()
+    }
+
+    /// Notes what pointers lead to that is no property of a node: it stands still while the
+    /// shutter is open, though it changes.
+    ///
+    /// # Errors
+    /// As [`Animation::pose`].
+    pub fn note_frozen(
+        &self,
+        shutter: [f64; 2],
+        storage: &Storage,
+        notices: &mut Notices,
+    ) -> Result<(), Fault> {
+        for channel in &self.channels {
+            let Target::Pointer(pointer) = &channel.target else { continue };
+            if channel.target.of_node().is_some() {
+                continue;
+            }
+            let keys = channel.curve(storage)?.straight_pieces(shutter);
+            if keys.iter().any(|key| key.1 != keys[0].1) {
+                let message = format!("{pointer:?} stands still while the shutter is open");
+                notices.add(channel.place.clone(), message);
+            }
+        }
+        Ok(())
     }
 
     /// What its pointers lead to, at a `time`, seconds.
@@ -184,9 +207,10 @@ impl Animation {
     pub fn pose(&self, nodes: &mut [Node], time: f64, storage: &Storage) -> Result<(), Fault> {
         let mut moved: BTreeMap<usize, Parts> = BTreeMap::new();
         for channel in &self.channels {
-            let Target::Node(number, property) = channel.target else { continue };
+            let Some((number, property)) = channel.target.of_node() else { continue };
+            // What is wrong with a pointer has been said.
+            let Some(node) = nodes.get_mut(number) else { continue };
             let value = channel.at(time, storage)?;
-            let node = &mut nodes[number];
             let parts = moved.entry(number).or_insert(node.parts);
             match (property, &value[..]) {
                 (Property::Translation, &[x, y, z]) => parts.translation = DVec3::new(x, y, z),
@@ -198,15 +222,26 @@ impl Animation {
                     }
                     parts.rotation = rotation.normalize();
                 }
-                (_, weights) => {
+                (Property::Weights, weights) => {
                     node.weights = Some(weights.iter().map(|&weight| weight as f32).collect());
                 }
+                _ => {}
             }
         }
         for (node, parts) in moved {
             nodes[node].local = parts.local();
         }
         Ok(())
+    }
+}
+
+impl Target {
+    /// The node and its property, if it is one's.
+    fn of_node(&self) -> Option<(usize, Property)> {
+        match self {
+            Self::Node(node, property) => Some((*node, *property)),
+            Self::Pointer(pointer) => Property::of_pointer(pointer),
+        }
     }
 }
 
@@ -281,6 +316,7 @@ impl Property {
             "translation" => Self::Translation,
             "rotation" => Self::Rotation,
             "scale" => Self::Scale,
+            "weights" => Self::Weights,
             _ => return None,
         };
         Some((node.parse().ok()?, property))

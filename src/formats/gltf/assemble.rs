@@ -114,6 +114,7 @@ fn build(
         placed = nodes::place(&nodes, &roots);
         if let (Some(rest), Some(open)) = (&rest, options.shutter) {
             let shutter = [time, time + f64::from(open)];
+            animation.note_frozen(shutter, storage, notices)?;
             motions = Some(NodeMotions::read(animation, (&nodes, &placed), shutter, storage)?);
             let (roots, skins) = (&roots[..], &document.skins[..]);
             poser = Some(Poser { nodes: rest, roots, skins, animation, shutter, storage });

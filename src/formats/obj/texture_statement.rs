@@ -83,7 +83,10 @@ pub(super) fn parse(
             }
             "-bm" => map.bump = rest.number()?,
             "-clamp" => map.clamp = rest.word()? == "on",
-            "-imfchan" => map.channel = Some(channel(rest.word()?)?),
+            "-imfchan" => match rest.word()? {
+                "z" => remark("texture option -imfchan z (depth) is not honoured".to_owned()),
+                word => map.channel = Some(channel(word)?),
+            },
             other => {
                 let (_, count, matters) =
                     OTHERS.iter().find(|o| o.0 == other).unwrap_or(&OTHERS[0]);
@@ -112,7 +115,7 @@ fn channel(word: &str) -> Result<Channel, String> {
         "b" => Ok(Channel::Component(2)),
         "m" => Ok(Channel::Component(3)),
         "l" => Ok(Channel::Luminance),
-        _ => Err(format!("-imfchan {word} is none of r, g, b, m and l")),
+        _ => Err(format!("-imfchan {word} is none of r, g, b, m, l and z")),
     }
 }
 
@@ -222,6 +225,9 @@ mod tests {
         let remarks = |text| map(text).expect("it is well-formed").1;
         assert_eq!(remarks("-type sphere a.png"), ["texture option -type is not honoured"]);
         assert_eq!(remarks("-mm 0.1 0.3 a.png"), ["texture option -mm is not honoured"]);
+        let (depth, said) = map("-imfchan z a.png").expect("it is well-formed");
+        assert_eq!((&*depth.name, depth.channel), ("a.png", None));
+        assert_eq!(said, ["texture option -imfchan z (depth) is not honoured"]);
         assert!(remarks("-mm 0 1 -blendv off a.png").is_empty());
     }
 
@@ -231,7 +237,10 @@ mod tests {
         assert_eq!(map("-bm x a.png"), Err("'x' is not a number".to_owned()));
         assert_eq!(map("-clamp on"), Err("it names no file".to_owned()));
         assert_eq!(map("\"a\" b"), Err("'b' after the texture's name".to_owned()));
-        assert_eq!(map("-imfchan q a"), Err("-imfchan q is none of r, g, b, m and l".to_owned()));
+        assert_eq!(
+            map("-imfchan q a"),
+            Err("-imfchan q is none of r, g, b, m, l and z".to_owned())
+        );
     }
 
     proptest! {

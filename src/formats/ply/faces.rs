@@ -20,9 +20,9 @@ pub(super) struct Faces {
     polygons: Vec<(usize, u32)>,
     /// The vertices of the polygons, one after the other.
     corners: Vec<u32>,
-    /// Where corners have texture coordinates of their own (as MeshLab writes them), those, as many
-    /// as `corners`; there all faces are polygons.
-    wedges: Vec<Vec2>,
+    /// Where corners have texture coordinates of their own (as MeshLab writes them), those, by the
+    /// numbers of `corners`; there all faces are polygons.
+    wedges: Vec<Option<Vec2>>,
     /// Faces of fewer than three corners.
     pub small: u64,
 }
@@ -83,11 +83,11 @@ impl Faces {
             [a, b, c] if !has_wedges => self.triangles.push([a, b, c]),
             _ => {
                 self.polygons.push((self.triangles.len(), face.len() as u32));
-                self.corners.extend_from_slice(face);
                 if has_wedges {
-                    self.wedges.extend_from_slice(uvs);
-                    self.wedges.resize(self.corners.len(), Vec2::ZERO);
+                    self.wedges.resize(self.corners.len(), None);
+                    self.wedges.extend(uvs.iter().copied().map(Some));
                 }
+                self.corners.extend_from_slice(face);
             }
         }
     }
@@ -182,13 +182,24 @@ impl Faces {
         Ok(())
     }
 
-    /// Makes a vertex of each pair of vertex and texture coordinates that occurs; strips, which
-    /// have none, keep their vertices.
+    /// Whether there are corners without texture coordinates beside others that have some.
+    pub fn lack_coordinates(&self, mesh: &Mesh) -> bool {
+        let each_has = self.triangles.is_empty()
+            && self.wedges.len() == self.corners.len()
+            && self.wedges.iter().all(Option::is_some);
+        self.wedges.iter().any(Option::is_some) && !each_has && mesh.uvs[0].is_empty()
+    }
+
+    /// Makes a vertex of each pair of vertex and texture coordinates that occurs; corners that have
+    /// none of their own, as those of strips, have those of their vertices.
     fn part_vertices(&mut self, mesh: &mut Mesh) {
+        self.wedges.resize(self.corners.len(), None);
+        let of_vertices = std::mem::take(&mut mesh.uvs[0]);
         let mut known = HashMap::new();
         let mut sources: Vec<u32> = Vec::new();
         let mut uvs = Vec::new();
-        let mut part = |corner: &mut u32, uv: Vec2| {
+        let mut part = |corner: &mut u32, uv: Option<Vec2>| {
+            let uv = uv.or_else(|| of_vertices.get(*corner as usize).copied()).unwrap_or_default();
             let key = (*corner, uv.x.to_bits(), uv.y.to_bits());
             *corner = *known.entry(key).or_insert_with(|| {
                 sources.push(*corner);
@@ -197,7 +208,7 @@ impl Faces {
             });
         };
         self.corners.iter_mut().zip(&self.wedges).for_each(|(corner, &uv)| part(corner, uv));
-        self.triangles.iter_mut().flatten().for_each(|corner| part(corner, Vec2::ZERO));
+        self.triangles.iter_mut().flatten().for_each(|corner| part(corner, None));
         mesh.positions = duplicate_shared(&mesh.positions, &sources);
         mesh.normals = duplicate_shared(&mesh.normals, &sources);
         mesh.colors = duplicate_shared(&mesh.colors, &sources);

@@ -132,6 +132,9 @@ fn mesh(
     if faces.small > 0 {
         notices.add(format!("{} faces of fewer than three corners are skipped", faces.small));
     }
+    if faces.lack_coordinates(&mesh) {
+        notices.add("some corners have no texture coordinates; 0 takes their place");
+    }
     faces
         .finish(&mut mesh)
         .map_err(|intricate| LoadError::invalid(file, "", intricate.to_string()))?;

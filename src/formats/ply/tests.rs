@@ -182,6 +182,25 @@ fn corners_may_have_coordinates_of_their_own() {
 }
 
 #[test]
+fn strips_beside_corners_with_coordinates_have_those_of_their_vertices() {
+    let list = "property list uchar int vertex_indices\n";
+    let texcoord = format!("{list}property list uchar float texcoord\n");
+    let text = SQUARE.replace(list, &format!("{texcoord}element tristrips 1\n{list}"))
+        + "3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3\n";
+    let bare = scene(text.as_bytes()).expect("well-formed");
+    assert_eq!(notices(&bare), ["some corners have no texture coordinates; 0 takes their place"]);
+    let text = text.replace("float z\n", "float z\nproperty float u\nproperty float v\n").replace(
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n",
+        "0 0 0 0 0\n1 0 0 0 0\n1 1 0 0.5 0.25\n0 1 0 0 0.5\n",
+    );
+    let scene = scene(text.as_bytes()).expect("well-formed");
+    let mesh = &scene.meshes[0];
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    assert_eq!(mesh.indices, [[0, 1, 2], [0, 3, 4]]);
+    assert_eq!(mesh.uvs[0][2..], [Vec2::X, Vec2::new(0.5, 0.75), Vec2::new(0.0, 0.5)]);
+}
+
+#[test]
 fn strips_turn_as_their_first_triangle_does() {
     let text = SQUARE.replace("face 1", "tristrips 1") + "9 0 1 2 3 -1 3 2 2 1\n";
     let mesh = scene(text.as_bytes()).expect("well-formed").meshes[0].clone();

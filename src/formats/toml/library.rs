@@ -19,6 +19,8 @@ pub struct Library {
     pub parts: HashMap<Part, Rc<Loaded>>,
     /// Placed scenes whose surroundings are left out.
     pub without_surroundings: Vec<PathBuf>,
+    /// Placed scenes whose medium is left out.
+    pub without_medium: Vec<PathBuf>,
     /// The outermost scene first, each with its path as the system has it.
     open: Vec<(PathBuf, PathBuf)>,
 }

@@ -193,11 +193,8 @@ impl<'d> Declarations<'d> {
             let behind = behind.unwrap_or_else(|| Environment::constant(Vec3::ZERO));
             scene.environment = Some(behind.with_sun(sun));
         }
-        if scene.environment.is_none() && !library.is_within() {
-            scene.notices.extend(library.without_surroundings.iter().map(|placed| Notice {
-                place: path.display().to_string(),
-                message: format!("the surroundings of {} are left out", placed.display()),
-            }));
+        if !library.is_within() {
+            note_left_out(&mut scene, path, library);
         }
         Ok(scene)
     }
@@ -210,6 +207,20 @@ impl<'d> Declarations<'d> {
         let bounds = bounds(scene);
         let centre = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
         self.cameras.iter().map(|camera| camera.place(centre)).collect()
+    }
+}
+
+/// Notes what is left out of placed scenes where the scene at `path` has nothing in its place.
+fn note_left_out(scene: &mut Scene, path: &Path, library: &Library) {
+    let (surroundings, media) = (&library.without_surroundings, &library.without_medium);
+    let mut note = |message| {
+        scene.notices.push(Notice { place: path.display().to_string(), message });
+    };
+    for placed in surroundings.iter().filter(|_| scene.environment.is_none()) {
+        note(format!("the surroundings of {} are left out", placed.display()));
+    }
+    for placed in media.iter().filter(|_| scene.medium.is_none()) {
+        note(format!("the medium of {} is left out", placed.display()));
     }
 }
 

@@ -17,7 +17,7 @@ use crate::formats::{Broken, LoadError, LoadOptions, uri};
 use crate::geom::Mesh;
 use crate::light::Punctual;
 use crate::math::{MaterialId, MeshId, TextureId};
-use crate::scene::placement::{make_room, narrow, rigid, stays_finite};
+use crate::scene::placement::{light_moved, make_room, narrow, rigid, stays_finite};
 use crate::scene::{Instance, Material, MovingLight, Scene, Transform};
 
 /// A scene that parts are added to.
@@ -84,6 +84,9 @@ impl<'a> Stage<'a> {
                 self.scene.notices.append(&mut scene.notices);
                 if scene.environment.take().is_some() {
                     self.library.without_surroundings.push(part.0.clone());
+                }
+                if scene.medium.take().is_some() {
+                    self.library.without_medium.push(part.0.clone());
                 }
                 Loaded::new(scene)
             }
@@ -256,7 +259,6 @@ impl Copier<'_> {
         if source.lights.is_empty() {
             return Ok(());
         }
-        let turned = rigid(to_world).ok_or(NO_DIRECTIONS)?;
         for number in 0..source.lights.len() {
             if let Some(moving) = motion.and_then(|motion| motion.light(number)) {
                 let mut moving = MovingLight::clone(moving);
@@ -265,11 +267,9 @@ impl Copier<'_> {
                 scene.motion_mut().move_light(light, Arc::new(moving));
             }
         }
-        scene.lights.extend(source.lights.iter().map(|light| Punctual {
-            position: to_world.transform_point3(light.position.as_dvec3()).as_vec3(),
-            direction: turned.transform_vector3(light.direction.as_dvec3()).as_vec3(),
-            ..*light
-        }));
+        for light in &source.lights {
+            scene.lights.push(light_moved(light, to_world).ok_or(NO_DIRECTIONS)?);
+        }
         Ok(())
     }
 

@@ -116,6 +116,30 @@ fn surroundings_of_a_placed_scene_are_left_out_and_told_where_there_are_no_other
 }
 
 #[test]
+fn the_medium_of_a_placed_scene_is_left_out_and_told_where_there_is_no_other() {
+    let mist = "[medium]\nscattering = 0.1\n";
+    let inner = format!("{mist}[[place]]\nfile = 'a.obj'\n");
+    let outer = "[[place]]\nfile = 'in.toml'\n";
+    let error = loaded(&[("s.toml", outer), ("in.toml", &inner)]).expect_err("strict");
+    assert!(error.contains("s.toml: the medium of in.toml is left out"), "{error}");
+    let outer = format!("{mist}{outer}");
+    let scene = loaded(&[("s.toml", &outer), ("in.toml", &inner)]).expect("has its own");
+    assert!(scene.medium.is_some());
+}
+
+#[test]
+fn point_lights_shine_whatever_the_scale_they_are_placed_with() {
+    let lamp = |kind: &str| {
+        format!("[[light]]\ntype = '{kind}'\nposition = [1, 2, 3]\ndirection = [0, 0, 1]\n")
+    };
+    let outer = "[[place]]\nfile = 'in.toml'\nscale = 0\ntranslate = [0, 0, 5]\n";
+    let scene = loaded(&[("s.toml", outer), ("in.toml", &lamp("point"))]).expect("it shines");
+    assert_eq!(scene.lights[0].position, Vec3::new(0.0, 0.0, 5.0));
+    let error = loaded(&[("s.toml", outer), ("in.toml", &lamp("spot"))]).expect_err("nowhere");
+    assert!(error.contains("leaves no directions to its lights"), "{error}");
+}
+
+#[test]
 fn circles_depth_and_hostile_numbers_are_errors() {
     let place = |file: &str| format!("\n[[place]]\nfile = '{file}'\n");
     let error = |files: &[(&str, String)]| {
