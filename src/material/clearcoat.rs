@@ -1,10 +1,13 @@
 //! A coat of lacquer: a rough dielectric boundary of index 1.5 over anything
 //! (KHR_materials_clearcoat).
 
-use super::energy::{Albedos, Row};
+use std::sync::OnceLock;
+
+use super::energy::{each_reflection, locate_cell, node_alpha};
 use super::form::BsdfForm;
 use super::fresnel;
 use super::ggx::{self, MIN_ALPHA};
+use super::layer_columns::{Curve, column_direction, look_up};
 use super::sample::is_above;
 use crate::math::{Frame, Vec2, Vec3};
 
@@ -20,7 +23,9 @@ const F0: f32 = 0.04;
 pub struct Clearcoat {
     strength: f32,
     alpha: f32,
-    row: Row,
+    /// The place of its roughness among the rows of [`kept`].
+    place: f32,
+    rows: [&'static Curve; 2],
     /// About its own normal.
     frame: Frame,
     form: BsdfForm,
@@ -30,13 +35,27 @@ impl Clearcoat {
     /// A coat of that strength, roughness (both 0 to 1) and unit normal.
     pub fn new(strength: f32, roughness: f32, normal: Vec3, form: BsdfForm) -> Self {
         let alpha = (roughness * roughness).max(MIN_ALPHA);
-        Self { strength, alpha, row: Row::of(alpha), frame: Frame::from_normal(normal), form }
+        let place = alpha.sqrt() * (COAT_ROWS - 1) as f32;
+        let (row, _) = locate_cell::<COAT_ROWS>(place);
+        let rows = [kept(row), kept(row + 1)];
+        Self { strength, alpha, place, rows, frame: Frame::from_normal(normal), form }
+    }
+
+    /// Its strength.
+    pub(super) fn strength(&self) -> f32 {
+        self.strength
+    }
+
+    /// The place of its roughness among the rows of [`kept`].
+    pub(super) fn place(&self) -> f32 {
+        self.place
     }
 
     /// The share of light from a direction that it reflects.
     pub fn albedo(&self, w: Vec3) -> f32 {
         let cos = w.dot(self.frame.normal).abs();
-        self.strength * Albedos::get().at(self.row, cos).of(F0, 1.0)
+        let (_, t) = locate_cell::<COAT_ROWS>(self.place);
+        self.strength * look_up(self.rows, t, cos)
     }
 
     /// The share of light from a direction, on either side, that it lets through.
@@ -73,4 +92,23 @@ impl Clearcoat {
         let h = ggx::sample_visible_normal(wo, self.alpha, u);
         Some(self.frame.to_world(h * (2.0 * wo.dot(h)) - wo))
     }
+}
+
+/// Rows of tables by the roughness of a coat.
+pub(super) const COAT_ROWS: usize = 65;
+
+/// The share of light that a coat of strength one reflects and keeps from what lies below it. Each
+/// row is computed on first use.
+pub(super) fn kept(row: usize) -> &'static Curve {
+    static ROWS: [OnceLock<Box<Curve>>; COAT_ROWS] = [const { OnceLock::new() }; COAT_ROWS];
+    ROWS[row].get_or_init(|| {
+        let alpha = node_alpha(row, COAT_ROWS);
+        Box::new(std::array::from_fn(|column| {
+            let mut sum = 0.0_f64;
+            each_reflection(alpha, column_direction(column), |_, weight, albedo| {
+                sum += weight * f64::from(albedo.of(F0, 1.0));
+            });
+            sum as f32
+        }))
+    })
 }

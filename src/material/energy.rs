@@ -166,33 +166,36 @@ pub(super) fn cosine_average<const M: usize, const K: usize>(
     sums.map(|sum| sum as f32)
 }
 
-/// The mean of `value` over the normals that `wo` sees.
-fn mean_over_visible_normals(wo: Vec3, alpha: f32, value: impl Fn(Vec3) -> Albedo) -> Albedo {
+/// Calls `put` with the cosines of directions into which microfacets reflect light from `wo`, the
+/// weight of each, and the share of light that is reflected so and not masked. The weights add up
+/// to one.
+pub(super) fn each_reflection(alpha: f32, wo: Vec3, mut put: impl FnMut(f32, f64, Albedo)) {
     // Half a turn will do, by symmetry.
     const TURNS: usize = 12;
     const CAPS: usize = 40;
-    let (mut f0, mut f90) = (0.0_f64, 0.0_f64);
     for cap in 0..CAPS {
         // Dense in the distribution's tail, where lobes meet the horizon.
         let rest = (cap as f32 + 0.5) / CAPS as f32;
         let weight = f64::from(2.0 * rest) / (CAPS * TURNS) as f64;
         for turn in 0..TURNS {
             let x = 0.5 * (turn as f32 + 0.5) / TURNS as f32;
-            let u = Vec2::new(x, 1.0 - rest * rest);
-            let Albedo { f0: a, f90: b } = value(ggx::sample_visible_normal(wo, alpha, u));
-            f0 += weight * f64::from(a);
-            f90 += weight * f64::from(b);
+            let h = ggx::sample_visible_normal(wo, alpha, Vec2::new(x, 1.0 - rest * rest));
+            let along = wo.dot(h);
+            let cos = (2.0 * along * h.z - wo.z).max(0.0);
+            let visible = ggx::masking(cos, alpha * alpha);
+            let fresnel = fresnel::schlick_weight(along);
+            let albedo = Albedo { f0: visible * (1.0 - fresnel), f90: visible * fresnel };
+            put(cos, weight, albedo);
         }
     }
-    Albedo { f0: f0 as f32, f90: f90 as f32 }
 }
 
 fn reflection_albedo(alpha: f32, cos: f32) -> Albedo {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    mean_over_visible_normals(wo, alpha, |h| {
-        let along = wo.dot(h);
-        let visible = ggx::masking((2.0 * along * h.z - wo.z).max(0.0), alpha * alpha);
-        let weight = fresnel::schlick_weight(along);
-        Albedo { f0: visible * (1.0 - weight), f90: visible * weight }
-    })
+    let (mut f0, mut f90) = (0.0_f64, 0.0_f64);
+    each_reflection(alpha, wo, |_, weight, albedo| {
+        f0 += weight * f64::from(albedo.f0);
+        f90 += weight * f64::from(albedo.f90);
+    });
+    Albedo { f0: f0 as f32, f90: f90 as f32 }
 }

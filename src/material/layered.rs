@@ -162,20 +162,12 @@ impl Layered {
         let sheen = (self.sheen_color != Vec3::ZERO)
             .then(|| Sheen::new(self.sheen_color, self.sheen_roughness.get(), form));
         let both_sides = self.thin || !base.transmits();
-        let returned = (form == BsdfForm::Conserving && !base.transmits())
-            .then(|| self.returned(&params, base.albedo().min(Vec3::ONE)));
+        let returned = (form == BsdfForm::Conserving && !base.transmits()).then(|| {
+            // Of a coat with a normal of its own too little is known.
+            let straight = coat.as_ref().filter(|_| self.coat_slope.length_squared() < 1e-3);
+            Returned::new(&params, base.albedo().min(Vec3::ONE), straight, sheen.as_ref())
+        });
         Stack { base, coat, sheen, returned, both_sides, form }
-    }
-
-    /// What comes back of the light that is lost under layers over an opaque base of that colour.
-    /// Of a coat with a normal of its own too little is known.
-    fn returned(&self, params: &SurfaceParams, base_color: Vec3) -> Returned {
-        let straight = self.coat_slope.length_squared() < 1e-3;
-        let coat = (self.clearcoat != Share(0) && straight)
-            .then(|| (self.clearcoat.get(), self.clearcoat_roughness.get()));
-        let cloth = (self.sheen_color != Vec3::ZERO)
-            .then(|| (self.sheen_color, self.sheen_roughness.get()));
-        Returned::new(params, base_color, coat, cloth)
     }
 
     /// See [`super::Bsdf::eval`].
@@ -230,6 +222,8 @@ struct LobeProbabilities {
     coat: f32,
     sheen: f32,
     returned: f32,
+    /// What comes back of light from the viewer's direction.
+    view: Vec3,
 }
 
 impl LobeProbabilities {
@@ -266,7 +260,7 @@ impl Stack {
     /// Proportional to what each lobe reflects of light from the viewer's direction.
     fn lobe_probabilities(&self, wo: Vec3) -> LobeProbabilities {
         if wo.z < 0.0 {
-            return LobeProbabilities { coat: 0.0, sheen: 0.0, returned: 0.0 };
+            return LobeProbabilities { coat: 0.0, sheen: 0.0, returned: 0.0, view: Vec3::ZERO };
         }
         let (through_coat, through_sheen) = self.transmittance(wo, wo);
         let coat = self.coat.as_ref().map_or(0.0, |coat| coat.albedo(wo));
@@ -276,10 +270,10 @@ impl Stack {
         let coat = if self.coat.is_some() { coat.max(least) } else { 0.0 };
         let sheen = if self.sheen.is_some() { sheen.max(least) } else { 0.0 };
         let returned = self.returned.as_ref();
-        let returned = returned.map_or(0.0, |returned| mean(returned.albedo(wo.z)));
-        let total = coat + sheen + returned + base.max(least);
-        let [coat, sheen, returned] = [coat, sheen, returned].map(|share| share / total);
-        LobeProbabilities { coat, sheen, returned }
+        let view = returned.map_or(Vec3::ZERO, |returned| returned.albedo(wo.z));
+        let total = coat + sheen + mean(view) + base.max(least);
+        let [coat, sheen, returned] = [coat, sheen, mean(view)].map(|share| share / total);
+        LobeProbabilities { coat, sheen, returned, view }
     }
 
     fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
@@ -301,7 +295,7 @@ impl Stack {
         }
         value *= through_coat;
         if let Some(returned) = self.returned.as_ref().filter(|_| above && lobes.returned > 0.0) {
-            let (again, density) = returned.eval(wo, wi);
+            let (again, density) = returned.eval(lobes.view, wi);
             value += again;
             pdf += density * lobes.returned;
         }

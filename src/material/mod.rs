@@ -18,7 +18,7 @@
 //! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
 //! | `lanes` | bases in lanes, for many paths at once |
 //! | `layer_base` | what lies below layers |
-//! | `layer_energy` | what comes back of light that is lost under layers |
+//! | `layer_energy`, `layer_losses`, `layer_columns` | what is lost under layers and comes back |
 //! | `energy`, `glass_energy`, `anisotropic_energy` | albedos, by which energy is conserved |
 
 mod anisotropic;
@@ -40,7 +40,9 @@ mod glass_multiple;
 mod lambert;
 pub mod lanes;
 mod layer_base;
+mod layer_columns;
 mod layer_energy;
+mod layer_losses;
 mod layered;
 mod layers;
 mod metallic_roughness;

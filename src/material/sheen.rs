@@ -4,16 +4,17 @@
 //! shadowing that the specification gives.
 
 use std::f32::consts::TAU;
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use super::energy::locate_cell;
 use super::form::BsdfForm;
+use super::layer_columns::{Averaged, COLUMNS, Curve, Spread, column_direction, look_up};
 use super::sample::mean;
 use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
 /// Below this the distribution is too narrow to be seen.
-pub(super) const MIN_ROUGHNESS: f32 = 0.07;
+const MIN_ROUGHNESS: f32 = 0.07;
 
 /// The sheen at a point. Directions are above the surface.
 ///
@@ -24,8 +25,9 @@ pub struct Sheen {
     color: Vec3,
     alpha: f32,
     shadowing: Shadowing,
-    /// The roughness in steps of the table.
-    step: f32,
+    /// The roughness's place among the rows of tables.
+    place: f32,
+    rows: [&'static Fibres; 2],
     form: BsdfForm,
 }
 
@@ -37,27 +39,54 @@ impl Sheen {
     pub fn new(color: Vec3, roughness: f32, form: BsdfForm) -> Self {
         let roughness = roughness.max(MIN_ROUGHNESS);
         let alpha = roughness * roughness;
-        let step = (roughness - MIN_ROUGHNESS) / (1.0 - MIN_ROUGHNESS) * STEPS as f32;
-        Self { color, alpha, shadowing: Shadowing::new(alpha), step, form }
+        let place = Fibres::place(roughness);
+        let (row, _) = locate_cell::<{ Fibres::ROWS }>(place);
+        let rows = [Fibres::of(row), Fibres::of(row + 1)];
+        Self { color, alpha, shadowing: Shadowing::new(alpha), place, rows, form }
     }
 
-    /// The share of light from a direction that white fibres would scatter.
+    /// Its colour.
+    pub(super) fn color(&self) -> Vec3 {
+        self.color
+    }
+
+    /// What it keeps of what white cloth would keep.
+    pub(super) fn strength(&self) -> f32 {
+        self.color.max_element()
+    }
+
+    /// The place of its roughness among the rows of [`Fibres`].
+    pub(super) fn place(&self) -> f32 {
+        self.place
+    }
+
+    fn look_up(&self, w: Vec3, curve: fn(&Fibres) -> &Curve) -> f32 {
+        let (_, t) = locate_cell::<{ Fibres::ROWS }>(self.place);
+        look_up(self.rows.map(curve), t, w.z.abs())
+    }
+
+    /// The share of light from a direction that white fibres would scatter by the model.
     fn white(&self, w: Vec3) -> f32 {
-        albedo(self.step, w.z.abs())
+        self.look_up(w, |fibres| &fibres.albedos)
+    }
+
+    /// The share that they keep.
+    fn kept(&self, w: Vec3) -> f32 {
+        self.look_up(w, |fibres| &fibres.kept)
     }
 
     /// The share of light from a direction that it scatters, all colours together.
     pub fn albedo(&self, w: Vec3) -> f32 {
-        mean(self.color) * self.white(w).min(1.0)
+        mean(self.color) * self.kept(w)
     }
 
     /// The share of light from a direction, on either side, that it lets through.
     pub fn transmittance(&self, w: Vec3) -> f32 {
         let kept = match self.form {
             BsdfForm::AppendixB => self.white(w),
-            BsdfForm::Conserving => self.white(w).min(1.0),
+            BsdfForm::Conserving => self.kept(w),
         };
-        (1.0 - self.color.max_element() * kept).max(0.0)
+        (1.0 - self.strength() * kept).max(0.0)
     }
 
     /// What it scatters, times the cosine.
@@ -69,7 +98,10 @@ impl Sheen {
         let shadowed = 1.0 + self.shadowing.lambda(wo.z) + self.shadowing.lambda(wi.z);
         let limit = match self.form {
             BsdfForm::AppendixB => 1.0,
-            BsdfForm::Conserving => self.white(wo).max(self.white(wi)).max(1.0),
+            BsdfForm::Conserving => {
+                let [o, i] = [wo, wi].map(|w| excess(self.white(w), self.kept(w)));
+                o.max(i)
+            }
         };
         self.color * (distribution / (shadowed * 4.0 * wo.z * limit))
     }
@@ -116,71 +148,102 @@ impl Shadowing {
     }
 }
 
-/// Roughness is taken in so many steps, of which the first few, where much happens, are parted.
-const STEPS: usize = 15;
-const PARTED: usize = 2;
-const PARTS: usize = 4;
-/// Entries along roughness, then along the root of the cosine.
-const ROWS: usize = STEPS + 1 + PARTED * (PARTS - 1);
-const COLUMNS: usize = 32;
-
-/// Directional albedos of white sheen.
-static ALBEDOS: LazyLock<Box<[[f32; COLUMNS]; ROWS]>> = LazyLock::new(|| {
-    Box::new(std::array::from_fn(|row| {
-        let step = match row.checked_sub(PARTED * PARTS) {
-            Some(beyond) => (PARTED + beyond) as f32,
-            None => row as f32 / PARTS as f32,
-        };
-        let roughness = MIN_ROUGHNESS + (1.0 - MIN_ROUGHNESS) * (step / STEPS as f32);
-        integrate_row(roughness * roughness)
-    }))
-});
-
-fn albedo(step: f32, cos: f32) -> f32 {
-    let table = &**ALBEDOS;
-    let (i, row_t) = if step < PARTED as f32 {
-        locate_cell::<{ PARTED * PARTS + 1 }>(step * PARTS as f32)
-    } else {
-        let (i, t) = locate_cell::<{ STEPS + 1 }>(step);
-        (i + PARTED * (PARTS - 1), t)
-    };
-    let (j, t) = locate_cell::<COLUMNS>(cos.sqrt() * (COLUMNS - 1) as f32);
-    let at = |row: &[f32; COLUMNS]| row[j] + (row[j + 1] - row[j]) * t;
-    let (below, above) = (at(&table[i]), at(&table[i + 1]));
-    below + (above - below) * row_t
+/// White fibres of one roughness.
+#[derive(Debug)]
+pub(super) struct Fibres {
+    /// The model's albedos.
+    albedos: Curve,
+    /// The share of light that they keep from what lies below: the same, at most one.
+    pub kept: Curve,
+    /// How what they scatter in [`BsdfForm::Conserving`] spreads.
+    pub spread: Spread,
+    /// What they scatter less than they keep, and its average.
+    pub lost: Averaged,
 }
 
-/// The albedo at each column's cosine, by the midpoint rule over azimuth and the cosine's root.
-fn integrate_row(alpha: f32) -> [f32; COLUMNS] {
-    const CAPS: usize = 64;
-    const TURNS: usize = 24;
-    let shadowing = Shadowing::new(alpha);
-    let inverse = 1.0 / alpha;
-    let caps: [(f32, f32, f32); CAPS] = std::array::from_fn(|cap| {
-        let root = (cap as f32 + 0.5) / CAPS as f32;
-        (root * root, 2.0 * root / CAPS as f32, shadowing.lambda(root * root))
-    });
-    std::array::from_fn(|column| {
-        let root = column as f32 / (COLUMNS - 1) as f32;
-        // At the horizon itself the limit is taken from close by.
-        let cos = (root * root).max(1e-4);
-        let (sin, here) = ((1.0 - cos * cos).max(0.0).sqrt(), shadowing.lambda(cos));
-        let mut sum = 0.0_f64;
-        for (z, width, there) in caps {
-            let radius = (1.0 - z * z).sqrt();
-            let mut ring = 0.0;
-            for turn in 0..TURNS {
-                // Half a turn will do, by symmetry.
-                let way = warp::unit_circle((turn as f32 + 0.5) / (2 * TURNS) as f32) * radius;
-                let h = Vec3::new(sin + way.x, way.y, cos + z).normalize();
-                ring += libm::powf(h.x * h.x + h.y * h.y, 0.5 * inverse);
+impl Fibres {
+    /// Rows of the tables, of which most are for smooth fibres.
+    pub const ROWS: usize = 33;
+
+    /// Those of a row.
+    pub fn of(row: usize) -> &'static Self {
+        static ROWS: [OnceLock<Box<Fibres>>; Fibres::ROWS] =
+            [const { OnceLock::new() }; Fibres::ROWS];
+        ROWS[row].get_or_init(|| {
+            let place = row as f32 / (Self::ROWS - 1) as f32;
+            let roughness = MIN_ROUGHNESS + (1.0 - MIN_ROUGHNESS) * place * place;
+            Box::new(Self::new(roughness * roughness))
+        })
+    }
+
+    /// The place of a roughness among the rows.
+    fn place(roughness: f32) -> f32 {
+        let share = (roughness - MIN_ROUGHNESS) / (1.0 - MIN_ROUGHNESS);
+        share.max(0.0).sqrt() * (Self::ROWS - 1) as f32
+    }
+
+    /// By the midpoint rule over azimuth and the cosine's root.
+    fn new(alpha: f32) -> Self {
+        let shadowing = Shadowing::new(alpha);
+        let caps: [Cap; CAPS] = std::array::from_fn(|cap| {
+            let root = (cap as f32 + 0.5) / CAPS as f32;
+            let lambda = shadowing.lambda(root * root);
+            Cap { cos: root * root, width: 2.0 * root / CAPS as f32, lambda }
+        });
+        let rings: Vec<[f32; CAPS]> = (0..COLUMNS)
+            .map(|column| {
+                let wo = column_direction(column);
+                let here = shadowing.lambda(wo.z);
+                std::array::from_fn(|cap| ring(wo, here, &caps[cap], alpha))
+            })
+            .collect();
+        let albedos: Curve = std::array::from_fn(|column| rings[column].iter().sum());
+        let kept = albedos.map(|albedo| albedo.min(1.0));
+        let mut made =
+            Self { albedos, kept, spread: Spread::new(), lost: Averaged::from_fn(|_| 0.0) };
+        for (column, ring) in rings.iter().enumerate() {
+            for (cap, share) in caps.iter().zip(ring) {
+                let there = [&albedos, &kept].map(|curve| look_up([curve; 2], 0.0, cap.cos));
+                let limit = excess(albedos[column], kept[column]).max(excess(there[0], there[1]));
+                made.spread.add(column, cap.cos, share / limit);
             }
-            let shadowed = (1.0 + here + there) * 4.0 * cos;
-            sum += f64::from(ring * width / shadowed);
         }
-        // The distribution's norm over 2π, times the ring's 2π.
-        (sum * f64::from(2.0 + inverse) / TURNS as f64) as f32
-    })
+        let scattered = |column| made.spread.integrate(column, |_| 1.0);
+        made.lost = Averaged::from_fn(|column| (kept[column] - scattered(column)).max(0.0));
+        made
+    }
+}
+
+/// How many times as much fibres would scatter by the model as they keep, at least one.
+fn excess(scattered: f32, kept: f32) -> f32 {
+    if scattered > kept { scattered / kept } else { 1.0 }
+}
+
+/// Of the rule over the hemisphere.
+const CAPS: usize = 96;
+const TURNS: usize = 32;
+
+/// Directions of about one cosine.
+struct Cap {
+    cos: f32,
+    /// What the cosine varies.
+    width: f32,
+    lambda: f32,
+}
+
+/// What is scattered from `wo`, whose lambda is `here`, to all directions of a cap.
+fn ring(wo: Vec3, here: f32, cap: &Cap, alpha: f32) -> f32 {
+    let (inverse, radius) = (1.0 / alpha, (1.0 - cap.cos * cap.cos).sqrt());
+    let mut sum = 0.0;
+    for turn in 0..TURNS {
+        // Half a turn will do, by symmetry.
+        let way = warp::unit_circle((turn as f32 + 0.5) / (2 * TURNS) as f32) * radius;
+        let h = (wo + Vec3::new(way.x, way.y, cap.cos)).normalize();
+        sum += libm::powf(h.x * h.x + h.y * h.y, 0.5 * inverse);
+    }
+    // The distribution's norm over 2π, times the ring's 2π.
+    let distribution = (2.0 + inverse) * sum / TURNS as f32;
+    distribution * cap.width / ((1.0 + here + cap.lambda) * 4.0 * wo.z)
 }
 
 #[cfg(test)]

@@ -89,10 +89,12 @@ fn white_furnaces_close() {
     for (name, params) in kinds {
         for roughness in [0.0, 0.03, 0.1, 0.22, 0.35, 0.5, 0.71, 0.9, 1.0] {
             let bsdf = Bsdf::new(&SurfaceParams { roughness, ..params }, BsdfForm::Conserving);
-            for cos in [1.0, 0.8, 0.5, 0.25, 0.1, 0.03, -0.05, -0.3, -0.7, -1.0] {
+            for cos in [1.0, 0.8, 0.5, 0.25, 0.1, 0.05, 0.03, -0.05, -0.3, -0.7, -1.0] {
                 let (albedo, _) = scattered(&bsdf, direction(cos), 16_384);
                 let error = (albedo - Vec3::ONE).abs().max_element();
-                assert!(error < 0.006, "{name}, roughness {roughness}, cos {cos}: {albedo}");
+                // Closer to the horizon than the promise reaches a little more is lost.
+                let tolerance = if cos.abs() < 0.05 { 0.006 } else { 0.005 };
+                assert!(error < tolerance, "{name}, roughness {roughness}, cos {cos}: {albedo}");
             }
         }
     }
