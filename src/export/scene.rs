@@ -81,6 +81,19 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
         let node = json!({ "extensions": { "KHR_lights_punctual": { "light": number } } });
         binary.document.root(at(towards(light), node));
     }
+    leave_out_surroundings(scene, &mut left_out);
+    let count = images.write(&mut binary, &mut left_out)?;
+    Ok(Exported {
+        triangles: meshes.shared.keys().map(|mesh| triangles(scene, *mesh)).sum(),
+        placements,
+        images: count,
+        bytes: binary.write(out)?,
+        left_out,
+    })
+}
+
+/// Names what is around or between things, and how they move.
+fn leave_out_surroundings(scene: &Scene, left_out: &mut Vec<String>) {
     if scene.environment.is_some() {
         left_out.push("what shines from all around: render with --env or --sky".to_owned());
     }
@@ -90,14 +103,6 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
     if scene.motion.is_some() {
         left_out.push("what moves while the shutter is open".to_owned());
     }
-    let count = images.write(&mut binary, &mut left_out)?;
-    Ok(Exported {
-        triangles: meshes.shared.keys().map(|mesh| triangles(scene, *mesh)).sum(),
-        placements,
-        images: count,
-        bytes: binary.write(out)?,
-        left_out,
-    })
 }
 
 /// Names what is not as it was in meshes.
@@ -245,6 +250,7 @@ fn towards(light: &Punctual) -> Affine3A {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::LoadOptions;
     use std::sync::Arc;
 
     use crate::math::{MaterialId, TextureId, Vec3};
@@ -281,7 +287,7 @@ mod tests {
         let exported = write(&triangle_and_points(), &mut file).expect("is written");
         assert_eq!((exported.triangles, exported.placements), (1, 2));
         assert_eq!(exported.left_out, ["mesh \"points\": it has no triangles"]);
-        let read = crate::formats::gltf::parse("a.glb".as_ref(), &file, &Default::default());
+        let read = crate::formats::gltf::parse("a.glb".as_ref(), &file, &LoadOptions::default());
         let meshes = read.expect("is read").meshes;
         assert_eq!(meshes.iter().map(|mesh| mesh.indices.len()).collect::<Vec<_>>(), [1]);
     }
