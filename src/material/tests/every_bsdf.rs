@@ -92,8 +92,8 @@ fn white_furnaces_close() {
             for cos in [1.0, 0.8, 0.5, 0.25, 0.1, 0.05, 0.03, -0.05, -0.3, -0.7, -1.0] {
                 let (albedo, _) = scattered(&bsdf, direction(cos), 16_384);
                 let error = (albedo - Vec3::ONE).abs().max_element();
-                // A little more is lost closer to the horizon than the promise reaches, and gained by
-                // glass that reflects nothing or all: its albedo has an edge between table entries.
+                // A little more is lost closer to the horizon than the promise reaches, and gained
+                // by glass that reflects nothing or all: its albedo has an edge between entries.
                 let coarse = cos.abs() < 0.05 || name == "bare glass";
                 let tolerance = if coarse { 0.006 } else { 0.005 };
                 assert!(error < tolerance, "{name}, roughness {roughness}, cos {cos}: {albedo}");
