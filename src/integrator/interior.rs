@@ -44,7 +44,7 @@ impl Interior {
 
     /// The solid that is there; [`MaterialId::NONE`]: air.
     #[inline]
-    pub fn medium(&self) -> MaterialId {
+    pub fn solid(&self) -> MaterialId {
         let used = self.media.iter().rev().find(|&&id| id != MaterialId::NONE);
         used.copied().unwrap_or(MaterialId::NONE)
     }
@@ -88,16 +88,16 @@ impl Interior {
             return *self;
         }
         // The border of what it is in is made of several materials, or it has started inside.
-        self.without(self.medium()).with(id, |id| world.priority(id))
+        self.without(self.solid()).with(id, |id| world.priority(id))
     }
 
     /// Whether a solid's border does nothing there, for who meets its front, or its back.
     pub fn hides(&self, id: MaterialId, front: bool, world: &World) -> bool {
         if front {
-            let around = self.without(id).medium();
+            let around = self.without(id).solid();
             around != MaterialId::NONE && world.priority(around) > world.priority(id)
         } else {
-            self.medium() != id
+            self.solid() != id
         }
     }
 }
@@ -114,9 +114,9 @@ mod tests {
     fn the_last_entered_of_equals_is_there() {
         let equal = |_| 0;
         let both = Interior::AIR.with(A, equal).with(B, equal);
-        assert_eq!(both.medium(), B);
-        assert_eq!(both.without(B).medium(), A);
-        assert_eq!(both.without(A).medium(), B);
+        assert_eq!(both.solid(), B);
+        assert_eq!(both.without(B).solid(), A);
+        assert_eq!(both.without(A).solid(), B);
         assert!(both.without(A).without(B).is_air());
     }
 
@@ -124,15 +124,15 @@ mod tests {
     fn priorities_come_first() {
         let priority = |id: MaterialId| if id == A { 2 } else { 1 };
         let all = Interior::AIR.with(A, priority).with(B, priority).with(C, priority);
-        assert_eq!(all.medium(), A);
-        assert_eq!(all.without(A).medium(), C);
-        assert_eq!(all.without(A).without(C).medium(), B);
+        assert_eq!(all.solid(), A);
+        assert_eq!(all.without(A).solid(), C);
+        assert_eq!(all.without(A).without(C).solid(), B);
     }
 
     #[test]
     fn of_too_many_the_least_is_forgotten() {
         let all = (1..=5).fold(Interior::AIR, |all, i| all.with(MaterialId(i), |_| 0));
         assert!(!all.contains(MaterialId(1)));
-        assert_eq!(all.medium(), MaterialId(5));
+        assert_eq!(all.solid(), MaterialId(5));
     }
 }

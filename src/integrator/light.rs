@@ -23,7 +23,7 @@ pub fn add_environment(world: &World, path: &Path, ray: &Ray, sample: &mut PathS
         let reaching = if world.has_media() {
             Vec3::ONE
         } else {
-            world.transmittance(path.interior.medium(), f32::INFINITY)
+            world.transmittance(path.interior.solid(), f32::INFINITY)
         };
         sample.radiance += path.throughput * reaching * radiance * weight;
     }
@@ -56,7 +56,7 @@ pub enum Direct {
 
 /// Whether light gets through that interior as it is, meeting no border that might let it pass.
 fn passes_freely(world: &World, interior: Interior) -> bool {
-    interior.is_air() && world.medium(interior.medium()).is_none()
+    interior.is_air() && world.medium(interior.solid()).is_none()
 }
 
 /// Samples a light, chosen by `u_light`, and what of it would reach the camera by way of this
@@ -90,7 +90,7 @@ pub fn sample_direct(
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, pdf) };
     let mut radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
     if !interior.is_air() {
-        radiance *= world.transmittance(interior.medium(), length(&ray));
+        radiance *= world.transmittance(interior.solid(), length(&ray));
     }
     (radiance != Vec3::ZERO).then_some(Direct::Ray(ShadowRay { ray, radiance }))
 }

@@ -39,7 +39,7 @@ pub fn fly(
     if path.interior.is_air() {
         arrive(world, path, surface);
     }
-    let id = path.interior.medium();
+    let id = path.interior.solid();
     let Some(medium) = world.medium(id).filter(|medium| medium.scatters()) else {
         path.throughput *= world.transmittance_in(id, distance);
         return Flight::Arrives;

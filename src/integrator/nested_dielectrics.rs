@@ -20,7 +20,7 @@ pub fn absorb(world: &World, path: &mut Path, surface: &Surface, distance: f32) 
         }
         path.interior = path.interior.behind(surface.material, world);
     }
-    path.throughput *= world.transmittance(path.interior.medium(), distance);
+    path.throughput *= world.transmittance(path.interior.solid(), distance);
     if leaves {
         path.interior = path.interior.behind(surface.material, world);
     }
@@ -67,7 +67,7 @@ fn bsdf_of_border(
     hit: &ClosestHit,
 ) -> Bsdf {
     let inside = surface.material;
-    let outside = path.interior.without(inside).medium();
+    let outside = path.interior.without(inside).solid();
     let disperses = world.disperses(inside) || world.disperses(outside);
     if path.wavelength.is_none() && disperses {
         path.sampler.seek(choice_dimension(depth) + 3);

@@ -107,7 +107,7 @@ impl Transit {
 
     /// Takes away what the medium around does over `distance` metres.
     fn dim(&mut self, world: &World, distance: f32) {
-        let id = self.interior.medium();
+        let id = self.interior.solid();
         let left = world.transmittance_in(id, distance);
         self.radiance *= left;
         if world.medium(id).is_some_and(crate::medium::Medium::scatters) {
@@ -135,7 +135,7 @@ pub fn passable_tint(world: &World, interior: Interior, surface: &Surface) -> Op
     if is_hidden_in(world, interior, surface) {
         return Some(Vec3::ONE);
     }
-    let outside = interior.without(surface.material).medium();
+    let outside = interior.without(surface.material).solid();
     let matched = ior(world, surface.material) == ior(world, outside);
     let matched = matched && !world.disperses(outside);
     world.tint_of_clear_border(surface).filter(|_| matched)
