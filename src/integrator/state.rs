@@ -95,6 +95,7 @@ impl Step {
 
 impl Path {
     /// A path that starts at the camera, at time 0. `sampler` is that of its sample.
+    #[inline(always)]
     pub fn new(sampler: Sampler, key: u64, slot: u32) -> Self {
         Self {
             throughput: Vec3::ONE,

@@ -35,12 +35,21 @@ pub(super) struct Started<'a> {
     pub samples: &'a mut Vec<PathSample>,
 }
 
-/// The paths of a block, one a lane.
+/// What the paths of a block begin with, one a lane. The paths themselves are made where they stay:
+/// they are large.
 struct Block {
     len: usize,
     /// The bits of the sampler's parts, column and row.
     rows: Rows,
-    paths: [Path; MAX_LANES],
+    seeds: [Seed; MAX_LANES],
+}
+
+/// What a path begins with, besides its ray.
+#[derive(Clone, Copy)]
+struct Seed {
+    sampler: Sampler,
+    key: u64,
+    slot: u32,
 }
 
 impl Started<'_> {
@@ -51,13 +60,13 @@ impl Started<'_> {
     }
 
     #[inline(always)]
-    fn push(&mut self, ray: Ray, path: Path) {
+    fn push(&mut self, ray: Ray, path: impl FnOnce() -> Path) {
         let mut sample = PathSample::default();
         if ray == Ray::MISS {
             sample.radiance = Vec3::NAN; // a camera that cannot see: counted, not hidden
         } else {
             self.rays.push(ray);
-            self.paths.push(path);
+            self.paths.push(path());
         }
         self.samples.push(sample);
     }
@@ -71,8 +80,8 @@ impl Starts<'_> {
         if !self.camera.has_lanes() {
             return self.start_one_by_one(started);
         }
-        let unused = Path::new(Sampler::new(0, 0, 0), 0, 0);
-        let mut block = Block { len: 0, rows: Rows::default(), paths: [unused; MAX_LANES] };
+        let unused = Seed { sampler: Sampler::new(0, 0, 0), key: 0, slot: 0 };
+        let mut block = Block { len: 0, rows: Rows::default(), seeds: [unused; MAX_LANES] };
         for (pixel, (x, y)) in self.pixels().enumerate() {
             let place = u64::from(y) << 32 | u64::from(x);
             let mut sampler = self.settings.pattern.sampler(place, self.first, self.settings.seed);
@@ -83,9 +92,7 @@ impl Starts<'_> {
                 }
                 let key = self.key(place, sample);
                 let slot = pixel as u32 * self.count + i;
-                let path = Path::new(sampler, key, slot);
-                let path = if self.timed { path.at_its_time() } else { path };
-                block.push(sampler, (x, y), path);
+                block.push((x, y), Seed { sampler, key, slot });
                 if block.len == L::WIDTH {
                     self.start_block(lanes, &mut block, started);
                 }
@@ -106,7 +113,7 @@ impl Starts<'_> {
                 let sample = self.first + u64::from(i);
                 let (ray, path) =
                     self.settings.start(self.camera, (x, y), sample, slot, self.timed);
-                started.push(ray, path);
+                started.push(ray, || path);
             }
         }
     }
@@ -143,7 +150,15 @@ impl Starts<'_> {
             } else {
                 Ray::MISS
             };
-            started.push(ray, block.paths[lane]);
+            let Seed { sampler, key, slot } = block.seeds[lane];
+            started.push(
+                ray,
+                #[inline(always)]
+                || {
+                    let path = Path::new(sampler, key, slot);
+                    if self.timed { path.at_its_time() } else { path }
+                },
+            );
         }
         block.len = 0;
     }
@@ -151,10 +166,10 @@ impl Starts<'_> {
 
 impl Block {
     #[inline(always)]
-    fn push(&mut self, sampler: Sampler, (x, y): (u32, u32), path: Path) {
-        let [key, index] = sampler.parts();
+    fn push(&mut self, (x, y): (u32, u32), seed: Seed) {
+        let [key, index] = seed.sampler.parts();
         self.rows[self.len] = [f32::from_bits(key), f32::from_bits(index), x as f32, y as f32];
-        self.paths[self.len] = path;
+        self.seeds[self.len] = seed;
         self.len += 1;
     }
 }
