@@ -21,16 +21,28 @@ impl Slurm {
         let asked = std::env::var_os("DAPPLE_TEST_SLURM").is_some();
         assert!(asked, "this brings up Slurm, as root: set DAPPLE_TEST_SLURM=1 if that may be");
         let alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-        let slurm = Self { folder: tempfile::tempdir().expect("made"), _alone: alone };
+        let mut slurm = Self { folder: tempfile::tempdir().expect("made"), _alone: alone };
+        // The daemons of the test before may still hold their ports.
+        for _ in 0..2 {
+            if slurm.try_script(&["up"], &["2"]).status.success() {
+                return slurm;
+            }
+            slurm.try_script(&["down"], &[]);
+            slurm.folder = tempfile::tempdir().expect("made");
+        }
         slurm.script(&["up"], &["2"]);
         slurm
     }
 
-    fn script(&self, what: &[&str], more: &[&str]) {
+    fn try_script(&self, what: &[&str], more: &[&str]) -> Output {
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/farm/slurm.sh");
         let mut command = Command::new("bash");
         command.arg(script).args(what).arg(self.folder.path()).args(more);
-        let output = command.output().expect("bash runs");
+        command.output().expect("bash runs")
+    }
+
+    fn script(&self, what: &[&str], more: &[&str]) {
+        let output = self.try_script(what, more);
         assert!(output.status.success(), "{what:?}: {}", said(&output));
     }
 
