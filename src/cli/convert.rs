@@ -10,7 +10,7 @@ use crate::cli::flags::Quiet;
 use crate::cli::outputs::{self, Output};
 use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg};
 use crate::cli::{progress, text};
-use crate::export;
+use crate::export::{self, Exported};
 use crate::files::{self, Flush};
 use crate::formats::{self, LoadOptions};
 
@@ -84,7 +84,7 @@ pub fn run(args: &ConvertArgs) -> Result<ExitCode, CliError> {
     if !args.quiet.quiet {
         scene.notices.iter().for_each(progress::note);
     }
-    let mut written = None;
+    let mut written = Exported::default();
     let mut refused = None;
     files::write(&args.output, Flush::ToDisk, |file| {
         let exported = export::write(&scene, file)?;
@@ -92,7 +92,7 @@ pub fn run(args: &ConvertArgs) -> Result<ExitCode, CliError> {
             refused = Some(exported.left_out.join("; "));
             return Err(std::io::Error::other("refused"));
         }
-        written = Some(exported);
+        written = exported;
         Ok(())
     })
     .map_err(|error| match refused.take() {
@@ -102,7 +102,6 @@ pub fn run(args: &ConvertArgs) -> Result<ExitCode, CliError> {
         }
         None => CliError::not_written(&args.output, &error),
     })?;
-    let written = written.expect("was written without an error");
     let place = args.output.display();
     for what in &written.left_out {
         args.quiet.tell(&format!("note: {place}: left out: {what}"));

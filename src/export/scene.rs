@@ -16,7 +16,7 @@ use crate::math::{Aabb, Affine3A, Frame, Mat3, MeshId, Vec2};
 use crate::scene::{NamedCamera, Scene, TextureRef};
 
 /// What was written.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Exported {
     /// Triangles, each mesh once.
     pub triangles: u64,
@@ -249,10 +249,10 @@ fn towards(light: &Punctual) -> Affine3A {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::formats::LoadOptions;
     use std::sync::Arc;
 
+    use super::*;
+    use crate::formats::LoadOptions;
     use crate::math::{MaterialId, TextureId, Vec3};
     use crate::scene::{Instance, Material, Transform};
 

@@ -230,3 +230,21 @@ fn merge_job(plan: &Plan, options: &Options) -> Result<Option<String>, CliError>
         plan.merge_picture("exec ", plan.threads()),
     )))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_and_options_are_those_that_slurm_takes() {
+        for good in ["90", "0", "90:30", "1:30:00", "2-12", "1-12:30", "1-12:30:00"] {
+            assert_eq!(walltime(good).as_deref(), Ok(good));
+        }
+        for bad in ["", "abc", "2h", "1:", ":30", "-5", "1-", "1:2:3:4", "1-2-3"] {
+            assert!(walltime(bad).is_err(), "{bad}");
+        }
+        assert_eq!(sbatch_option("--mem=8G").as_deref(), Ok("--mem=8G"));
+        let refused = sbatch_option("mem=8G").expect_err("has no dash");
+        assert_eq!(refused, "options begin with a dash, as in --sbatch=--mem=8G");
+    }
+}
