@@ -6,6 +6,7 @@
 //! | `scenes` | their scenes: files, or scenes made on the spot |
 //! | `options` | values that several of them have |
 //! | `output` | where the tables, plots and figures go |
+//! | `provenance` | program, commit and processor that figures come from |
 
 mod accels;
 mod coherent;
@@ -13,6 +14,7 @@ mod kd;
 mod mbvh;
 mod options;
 mod output;
+mod provenance;
 mod render;
 mod scenes;
 

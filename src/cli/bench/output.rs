@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::provenance;
 use crate::bench::table::Table;
 use crate::cli::error::CliError;
 use crate::cli::text;
@@ -46,7 +47,7 @@ pub struct Results {
     pub name: &'static str,
     /// For people.
     pub tables: Vec<Table>,
-    /// For programs.
+    /// For programs: an object, to which [`provenance`] adds a member.
     pub json: Value,
     /// Stems of files after the name, and pictures as SVG.
     pub plots: Vec<(String, String)>,
@@ -58,7 +59,9 @@ impl Results {
     /// # Errors
     /// What could not be written.
     pub fn publish(&self, args: &OutputArgs) -> Result<(), CliError> {
-        let object = format!("{:#}\n", self.json);
+        let mut json = self.json.clone();
+        json["measured"] = provenance::to_json();
+        let object = format!("{json:#}\n");
         if let Some(folder) = &args.report {
             write(folder, &format!("{}.md", self.name), &self.to_markdown())?;
             write(folder, &format!("{}.json", self.name), &object)?;
@@ -72,7 +75,8 @@ impl Results {
     fn to_markdown(&self) -> String {
         let tables: Vec<_> = self.tables.iter().map(Table::markdown).collect();
         let picture = |(stem, _): &(String, String)| format!("\n![]({}-{stem}.svg)\n", self.name);
-        tables.join("\n") + &self.plots.iter().map(picture).collect::<String>()
+        let measured = format!("\n{}\n", provenance::to_text());
+        tables.join("\n") + &measured + &self.plots.iter().map(picture).collect::<String>()
     }
 
     fn to_text(&self) -> String {
