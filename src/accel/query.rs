@@ -35,6 +35,12 @@ impl<'a> PreparedRay<'a> {
         Self::new(&batch.rays()[index], index, batch.filter())
     }
 
+    /// What tests of boxes take of it, and where it begins.
+    #[inline(always)]
+    pub fn for_boxes(&self) -> (&SlabRay, f32) {
+        (&self.slab, self.ray.t_min())
+    }
+
     /// What its hits must meet.
     #[inline(always)]
     pub fn criteria(&self) -> HitCriteria<'a> {

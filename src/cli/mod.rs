@@ -95,6 +95,7 @@ fn all_commands() -> clap::Command {
 
 /// Runs the command that the process was started with.
 pub fn main() -> ExitCode {
+    crate::files::heap::give_back_large_pieces();
     exit_codes::own_up_to_panics();
     let parsed = Cli::from_arg_matches(&all_commands().get_matches());
     let parsed = parsed.unwrap_or_else(|error| error.exit());

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `beside` | outputs are written beside their target and renamed |
 //! | `guard` | decoders of others that may panic |
+//! | `heap` | large pieces of memory go back to the system early |
 //! | `meter` | how much of reading or building is done |
 //! | `memory` | how much memory there is, and whether what a file claims is left |
 //! | `regular` | inputs are regular files, of a size that is known; which paths are one file |
@@ -12,6 +13,7 @@
 
 mod beside;
 pub mod guard;
+pub mod heap;
 pub mod memory;
 mod meter;
 mod regular;

@@ -70,8 +70,7 @@ pub fn sample_direct(
     wo: Vec3,
     u_light: f32,
 ) -> Option<Direct> {
-    path.sampler.seek(light_dimension(depth));
-    let u = path.sampler.next_2d();
+    let u = path.stream.at(light_dimension(depth)).next_2d();
     let light = world.sample_light(surface, &path.context, u_light, u)?;
     let wi = surface.frame.to_local(light.direction);
     let robust = world.has_robust_normals();

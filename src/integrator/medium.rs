@@ -44,8 +44,7 @@ pub fn fly(
         path.throughput *= world.transmittance_in(id, distance);
         return Flight::Arrives;
     };
-    path.sampler.seek(flight_dimension(depth));
-    let u = path.sampler.next_2d();
+    let u = path.stream.at(flight_dimension(depth)).next_2d();
     let flight = FreeFlight { medium, densities: path.densities };
     let Some(leg) = flight.sample(distance, u) else { return Flight::Ends };
     path.throughput *= leg.weight;
@@ -79,12 +78,11 @@ pub fn scatter_in_medium(
     let (flight, phase) = (ray.direction(), medium.phase());
     let here = Surface::point_in_space(position, flight, path.time);
     path.context = LightSampleContext { position, normal: Vec3::ZERO };
-    path.sampler.seek(choice_dimension(depth));
-    let [_, u_roulette, u_light] = [(); 3].map(|()| path.sampler.next_1d());
+    let mut sampler = path.stream.at(choice_dimension(depth));
+    let [_, u_roulette, u_light] = [(); 3].map(|()| sampler.next_1d());
 
     // Sample direct light.
-    path.sampler.seek(light_dimension(depth));
-    let u = path.sampler.next_2d();
+    let u = path.stream.at(light_dimension(depth)).next_2d();
     let light = world.sample_light(&here, &path.context, u_light, u);
     let transit = light.and_then(|light| {
         let pdf = phase.eval(flight.dot(light.direction));
@@ -93,8 +91,8 @@ pub fn scatter_in_medium(
     });
 
     // Sample the phase function, and perhaps end the path there.
-    path.sampler.seek(direction_dimension(depth));
-    let (direction, pdf) = phase.sample(flight, path.sampler.next_2d());
+    let u = path.stream.at(direction_dimension(depth)).next_2d();
+    let (direction, pdf) = phase.sample(flight, u);
     path.pdf = pdf;
     let goes_on =
         !roulette || survives_scattering(&mut path.throughput, path.eta_squared, u_roulette);

@@ -70,8 +70,8 @@ fn bsdf_of_border(
     let outside = path.interior.without(inside).solid();
     let disperses = world.disperses(inside) || world.disperses(outside);
     if path.wavelength.is_none() && disperses {
-        path.sampler.seek(choice_dimension(depth) + 3);
-        let (wavelength, weights) = Wavelength::sample(path.sampler.next_1d());
+        let u = path.stream.at(choice_dimension(depth) + 3).next_1d();
+        let (wavelength, weights) = Wavelength::sample(u);
         path.wavelength = Some(wavelength);
         path.throughput *= weights;
     }

@@ -137,8 +137,8 @@ impl<'w> PathTracer<'w> {
             follow_first_hit(path, surface, &bsdf, sample);
         }
         let wo = surface.frame.to_local(-ray.direction());
-        path.sampler.seek(choice_dimension(depth));
-        let [u_lobe, u_roulette, u_light] = [(); 3].map(|()| path.sampler.next_1d());
+        let mut sampler = path.stream.at(choice_dimension(depth));
+        let [u_lobe, u_roulette, u_light] = [(); 3].map(|()| sampler.next_1d());
 
         // Sample direct light.
         path.context = light_sample_context(world, surface, &bsdf);
@@ -150,8 +150,7 @@ impl<'w> PathTracer<'w> {
         };
 
         // Sample the BSDF for the next direction, and perhaps end the path there.
-        path.sampler.seek(direction_dimension(depth));
-        let u_direction = path.sampler.next_2d();
+        let u_direction = path.stream.at(direction_dimension(depth)).next_2d();
         let next = bsdf.sample(wo, u_lobe, u_direction).and_then(|scattered| {
             let next = scatter(world, path, surface, wo, &scattered, sample)?;
             let goes_on = !self.plays_roulette(path.vertices(depth))

@@ -7,7 +7,7 @@ use super::transit::Transit;
 use crate::light::LightSampleContext;
 use crate::material::Wavelength;
 use crate::math::{MaterialId, Ray, Vec3};
-use crate::sampling::Sampler;
+use crate::sampling::StreamId;
 
 /// A path under way; its current ray is kept beside it, in a slice for the tracer.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ pub struct Path {
     /// The wavelength of the light that it follows, once it has met a surface that disperses.
     pub(super) wavelength: Option<Wavelength>,
     /// The random numbers of its sample.
-    pub(super) sampler: Sampler,
+    pub(super) stream: StreamId,
     /// Where its result goes.
     pub slot: u32,
     /// When all of it takes place, while the shutter is open: from 0 to 1.
@@ -94,9 +94,9 @@ impl Step {
 }
 
 impl Path {
-    /// A path that starts at the camera, at time 0. `sampler` is that of its sample.
+    /// A path that starts at the camera, at time 0. `stream` is that of its sample.
     #[inline(always)]
-    pub fn new(sampler: Sampler, key: u64, slot: u32) -> Self {
+    pub fn new(stream: StreamId, key: u64, slot: u32) -> Self {
         Self {
             throughput: Vec3::ONE,
             eta_squared: 1.0,
@@ -107,20 +107,18 @@ impl Path {
             densities: Vec3::ONE,
             passed: 0,
             wavelength: None,
-            sampler,
+            stream,
             slot,
             time: 0.0,
             key,
         }
     }
 
-    /// The same at the time that its sampler tells.
+    /// The same at the time that its stream tells.
     #[inline(always)]
     #[must_use]
     pub fn at_its_time(self) -> Self {
-        let mut sampler = self.sampler;
-        sampler.seek(TIME_DIMENSION);
-        Self { time: sampler.next_1d(), ..self }
+        Self { time: self.stream.at(TIME_DIMENSION).next_1d(), ..self }
     }
 
     /// The number of vertices up to the end of segment number `depth`, that one with them: segments
@@ -189,5 +187,16 @@ impl Path {
     /// probability of having come here.
     pub fn throughput(&self) -> Vec3 {
         self.throughput
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Streams hold thousands of paths, and move all of them at each bounce.
+    #[test]
+    fn a_path_is_two_lines_of_the_cache() {
+        assert!(size_of::<Path>() <= 128, "{}", size_of::<Path>());
     }
 }

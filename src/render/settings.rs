@@ -118,7 +118,7 @@ impl Settings {
         sampler.seek(LENS_DIMENSION);
         let lens = sampler.next_2d();
         let place = Vec2::new(x as f32, y as f32) + 0.5 + offset;
-        let path = Path::new(sampler, hash_path(pixel, sample, self.seed), slot);
+        let path = Path::new(sampler.stream(), hash_path(pixel, sample, self.seed), slot);
         let path = if timed { path.at_its_time() } else { path };
         (camera.ray_at(place / Vec2::new(width, height), lens, path.time), path)
     }

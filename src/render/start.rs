@@ -5,7 +5,7 @@ use crate::camera::CameraRays;
 use crate::geom::are_usable;
 use crate::integrator::{LENS_DIMENSION, PIXEL_DIMENSION, Path, PathSample};
 use crate::math::{Ray, Vec3};
-use crate::sampling::{Sampler, SamplerLanes};
+use crate::sampling::{SamplerLanes, StreamId};
 use crate::simd::lanes::{Float, Lanes, MAX_LANES, Mask, Rows};
 
 /// The samples of a rectangle of pixels: of each pixel some, one after the other. Slots count from
@@ -39,7 +39,7 @@ pub(super) struct Started<'a> {
 /// they are large.
 struct Block {
     len: usize,
-    /// The bits of the sampler's parts, column and row.
+    /// Key and index of the stream, as bits, column and row.
     rows: Rows,
     seeds: [Seed; MAX_LANES],
 }
@@ -47,7 +47,7 @@ struct Block {
 /// What a path begins with, besides its ray.
 #[derive(Clone, Copy)]
 struct Seed {
-    sampler: Sampler,
+    stream: StreamId,
     key: u64,
     slot: u32,
 }
@@ -80,7 +80,7 @@ impl Starts<'_> {
         if !self.camera.has_lanes() {
             return self.start_one_by_one(started);
         }
-        let unused = Seed { sampler: Sampler::new(0, 0, 0), key: 0, slot: 0 };
+        let unused = Seed { stream: StreamId { key: 0, index: 0 }, key: 0, slot: 0 };
         let mut block = Block { len: 0, rows: Rows::default(), seeds: [unused; MAX_LANES] };
         for (pixel, (x, y)) in self.pixels().enumerate() {
             let place = u64::from(y) << 32 | u64::from(x);
@@ -92,7 +92,7 @@ impl Starts<'_> {
                 }
                 let key = self.key(place, sample);
                 let slot = pixel as u32 * self.count + i;
-                block.push((x, y), Seed { sampler, key, slot });
+                block.push((x, y), Seed { stream: sampler.stream(), key, slot });
                 if block.len == L::WIDTH {
                     self.start_block(lanes, &mut block, started);
                 }
@@ -150,12 +150,12 @@ impl Starts<'_> {
             } else {
                 Ray::MISS
             };
-            let Seed { sampler, key, slot } = block.seeds[lane];
+            let Seed { stream, key, slot } = block.seeds[lane];
             started.push(
                 ray,
                 #[inline(always)]
                 || {
-                    let path = Path::new(sampler, key, slot);
+                    let path = Path::new(stream, key, slot);
                     if self.timed { path.at_its_time() } else { path }
                 },
             );
@@ -167,7 +167,7 @@ impl Starts<'_> {
 impl Block {
     #[inline(always)]
     fn push(&mut self, (x, y): (u32, u32), seed: Seed) {
-        let [key, index] = seed.sampler.parts();
+        let StreamId { key, index } = seed.stream;
         self.rows[self.len] = [f32::from_bits(key), f32::from_bits(index), x as f32, y as f32];
         self.seeds[self.len] = seed;
         self.len += 1;

@@ -18,7 +18,7 @@ pub mod warp;
 
 pub use alias::{AliasError, AliasTable};
 pub use distribution::{CellSample, Distribution2d, DistributionError};
-pub use sampler::{ONE_MINUS_EPSILON, SamplePattern, Sampler};
+pub use sampler::{ONE_MINUS_EPSILON, SamplePattern, Sampler, StreamId};
 pub use sampler_lanes::SamplerLanes;
 pub use scramble::mix_uniforms;
 pub use sums::{BLOCK, BlockSums, NotAdjacent};

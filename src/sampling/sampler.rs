@@ -65,12 +65,29 @@ impl SamplePattern {
 pub struct Sampler {
     /// The current set, valid while `dimension` is not at its start.
     values: [f32; 4],
-    /// Hash of pixel, seed and the upper bits of the sample.
-    key: u32,
-    /// The lower 16 bits of the sample, and [`SOBOL`] if the points are Sobol's.
-    index: u32,
+    stream: StreamId,
     /// Of the next value.
     dimension: u32,
+}
+
+/// What tells a sample's stream from others: all that a path need keep of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StreamId {
+    /// Hash of pixel, seed and the upper bits of the sample.
+    pub key: u32,
+    /// The number of its point: the lower 16 bits of the sample, and [`SOBOL`] if the points are
+    /// Sobol's.
+    pub index: u32,
+}
+
+impl StreamId {
+    /// The stream from a dimension on. Multiples of four are free.
+    #[inline(always)]
+    pub fn at(self, dimension: u32) -> Sampler {
+        let mut sampler = Sampler { values: [0.0; 4], stream: self, dimension: 0 };
+        sampler.seek(dimension);
+        sampler
+    }
 }
 
 impl Sampler {
@@ -84,8 +101,9 @@ impl Sampler {
     /// As [`Sampler::new`], of [`SamplePattern::Sobol`].
     #[inline(always)]
     pub fn sobol(pixel: u64, sample: u64, seed: u64) -> Self {
-        let lattice = Self::new(pixel, sample, seed);
-        Self { index: lattice.index | SOBOL, ..lattice }
+        let mut sampler = Self::new(pixel, sample, seed);
+        sampler.stream.index |= SOBOL;
+        sampler
     }
 
     /// As [`Sampler::new`], but each sample is a point of a sequence of its own.
@@ -100,15 +118,16 @@ impl Sampler {
         // One-to-one for frames of up to 65,536 pixels a side: no two pixels share a key.
         let place = (pixel as u32) ^ ((pixel >> 32) as u32).rotate_left(16);
         let key = mix32(mix32(place.wrapping_add(salt as u32)) ^ (salt >> 32) as u32);
-        Self { values: [0.0; 4], key, index, dimension: 0 }
+        StreamId { key, index }.at(0)
     }
 
     /// The stream of the same pixel's next sample, not of [`SamplePattern::Independent`]; `None`
     /// where another sequence begins.
     #[inline(always)]
     pub fn next_sample(&self) -> Option<Self> {
-        let next = Self { index: self.index + 1, dimension: 0, ..*self };
-        (next.index & 0xffff != 0).then_some(next)
+        let StreamId { key, index } = self.stream;
+        let next = StreamId { key, index: index + 1 };
+        (next.index & 0xffff != 0).then(|| next.at(0))
     }
 
     /// Makes `dimension` the next value's. Multiples of four are free.
@@ -142,17 +161,16 @@ impl Sampler {
         Vec2::new(x, self.next_1d())
     }
 
-    /// What tells it from others: a key, and the number of its point; for
-    /// [`super::SamplerLanes`].
+    /// What tells it from others.
     #[inline(always)]
-    pub fn parts(&self) -> [u32; 2] {
-        [self.key, self.index]
+    pub fn stream(&self) -> StreamId {
+        self.stream
     }
 
     #[inline(always)]
     fn fill(&mut self) {
-        let [key, index] = self.parts().map(Into::into);
-        let lanes = SamplerLanes::<Scalar>::new(key, index);
+        let StreamId { key, index } = self.stream;
+        let lanes = SamplerLanes::<Scalar>::new(key.into(), index.into());
         self.values = lanes.set(Scalar, self.dimension & !3);
     }
 }

@@ -18,7 +18,7 @@ pub struct SamplerLanes<L: Lanes> {
 }
 
 impl<L: Lanes> SamplerLanes<L> {
-    /// Streams of one pattern by what [`super::Sampler::parts`] tells of them.
+    /// Streams of one pattern by keys and indices, see [`super::StreamId`].
     #[inline(always)]
     pub fn new(key: L::Uint, index: L::Uint) -> Self {
         let is_sobol = (index >> 31).eq(1).to_bits() & 1 == 1;
@@ -48,7 +48,7 @@ impl<L: Lanes> SamplerLanes<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::{SamplePattern, Sampler};
+    use crate::sampling::{SamplePattern, Sampler, StreamId};
     use crate::simd::lanes::{Float, Lanes8, Lanes16, MAX_LANES, Scalar};
     use crate::simd::{Isa, vectorized};
 
@@ -58,11 +58,11 @@ mod tests {
             let number = first * 16 + lane as u64;
             pattern.sampler((number << 32) | (number % 97), number * 2_531 % 65_536, first)
         });
-        let part = |which: usize| {
-            let values = samplers.map(|sampler| f32::from_bits(sampler.parts()[which]));
+        let load = |part: fn(StreamId) -> u32| {
+            let values = samplers.map(|sampler| f32::from_bits(part(sampler.stream())));
             lanes.load(&values).to_bits()
         };
-        let streams = SamplerLanes::<L>::new(part(0), part(1));
+        let streams = SamplerLanes::<L>::new(load(|it| it.key), load(|it| it.index));
         for dimension in [0, 4, 8, 244] {
             let set = streams.set(lanes, dimension);
             for (i, column) in set.into_iter().enumerate() {

@@ -34,13 +34,14 @@ impl SceneMemory {
         let motion = scene.motion.as_deref();
         let deformation = |mesh| motion.and_then(|motion| motion.deformation(mesh));
         let unused = |(number, mesh): (usize, &Arc<Mesh>)| {
-            let (triangles, moves) = (mesh.indices.len() as u64, deformation(number).is_some());
-            MeshUse { triangles, uses: 0, moves }
+            let mut unused = MeshUse::new(mesh.indices.len() as u64, mesh.bounds());
+            unused.moves = deformation(number).is_some();
+            unused
         };
         let mut used: Vec<MeshUse> = meshes().enumerate().map(unused).collect();
         for (number, instance) in scene.instances.iter().enumerate() {
             let mesh = &mut used[instance.mesh.index()];
-            mesh.uses = mesh.uses.saturating_add(1);
+            mesh.place(&instance.transform.to_world());
             mesh.moves |= motion.is_some_and(|motion| motion.placement(number).is_some());
         }
         let deformed = (0..used.len()).filter_map(deformation);

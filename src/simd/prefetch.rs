@@ -8,12 +8,31 @@
 /// Starts to fetch `bytes` bytes of a slice's memory, from place `at` on; never changes a result.
 /// What lies beyond its end is asked for in vain.
 #[inline(always)]
-#[allow(unsafe_code)]
 pub fn prefetch<T>(slice: &[T], at: usize, bytes: usize) {
+    prefetch_lines(slice.as_ptr().wrapping_add(at).cast(), bytes);
+}
+
+/// The same of the first slice and place if `is_first`, else of the second; without a branch, since
+/// what decides is often known too late to guess.
+#[inline(always)]
+pub fn prefetch_either<T, U>(
+    is_first: bool,
+    (first, i): (&[T], usize),
+    (second, j): (&[U], usize),
+    bytes: usize,
+) {
+    let (first, second) = (first.as_ptr().wrapping_add(i), second.as_ptr().wrapping_add(j));
+    let start = std::hint::select_unpredictable(is_first, first.cast::<i8>(), second.cast());
+    prefetch_lines(start, bytes);
+}
+
+/// Asks for the cache lines from an address on.
+#[inline(always)]
+#[allow(unsafe_code)]
+fn prefetch_lines(start: *const i8, bytes: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let start: *const i8 = slice.as_ptr().wrapping_add(at).cast();
         for line in 0..bytes.div_ceil(64) {
             // SAFETY: a prefetch reads nothing that the program can see and does not fault,
             // whatever the address.
@@ -21,5 +40,5 @@ pub fn prefetch<T>(slice: &[T], at: usize, bytes: usize) {
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (slice, at, bytes);
+    let _ = (start, bytes);
 }

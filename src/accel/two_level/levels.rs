@@ -226,14 +226,15 @@ fn error_over_time(shape: &Shape, motions: &dyn Motions, placement: InstanceId) 
     1.5 * pieces.iter().map(error).fold(0.0, f32::max)
 }
 
-/// All meshes, and how often each is placed.
+/// All meshes, and how each is placed.
 pub fn find_uses(placements: &dyn Placements) -> Vec<MeshUse> {
-    let len = |mesh: usize| placements.mesh_len(MeshId::from_index(mesh)) as u64;
-    let mesh = |mesh| MeshUse { triangles: len(mesh), uses: 0, moves: false };
-    let mut used: Vec<MeshUse> = (0..placements.meshes()).map(mesh).collect();
+    let mesh = |mesh| {
+        let mesh = MeshId::from_index(mesh);
+        MeshUse::new(placements.mesh_len(mesh) as u64, placements.mesh_bounds(mesh))
+    };
+    let mut used: Vec<MeshUse> = (0..placements.meshes()).into_par_iter().map(mesh).collect();
     for placement in (0..placements.len()).map(InstanceId::from_index) {
-        let uses = &mut used[placements.mesh(placement).index()].uses;
-        *uses = uses.saturating_add(1);
+        used[placements.mesh(placement).index()].place(&placements.to_world(placement));
     }
     used
 }

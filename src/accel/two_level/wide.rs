@@ -15,32 +15,29 @@ use super::parts::Part;
 use super::placement::{Entered, LocalRay};
 use super::sources::FlatTriangles;
 use super::verdict::{Inside, nearest_of_all};
-use super::wide_levels::{BACK, W, WideLevels};
+use super::wide_levels::{BACK, Local, Scratch, W, WideLevels};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::node;
 use crate::accel::bvh::wide::stack::{Sorting, Stack};
 use crate::accel::bvh::wide::wide_bvh::RAYS;
 use crate::accel::{ClosestHit, Counters, Event, PreparedRay, Query, SliceContext, Traverse};
-use crate::geom::{BlockRef, SlabRay, TriangleSource, intersect_triangle};
+use crate::geom::{BlockRef, TriangleSource, intersect_triangle};
 use crate::math::{InstanceId, PrimId};
 use crate::simd::order::key_limit;
 
 /// A ray under way.
 struct Flight<'a, Q> {
     world: PreparedRay<'a>,
-    /// The same where it is now: among placements, or in the space of a mesh.
-    here: PreparedRay<'a>,
-    stripes: Stripes<'a, W>,
-    /// The placement that it is in.
+    /// The placement that it is in; then what it is there lies among [`Scratch::locals`].
     inside: Option<Inside>,
     query: Q,
     /// Taken off the stack for its next turn.
     key: u32,
     link: Link,
     top: usize,
-    /// Which of the tracer's stacks is its own.
-    stack: usize,
+    /// Which of the tracer's stacks and local rays is its own.
+    own: usize,
 }
 
 /// The upper tree, as a walk reads it.
@@ -59,11 +56,12 @@ impl WideLevels {
     fn fly<'a, S: Simd, Q: Query, C: Counters>(
         &'a self,
         slice: &mut SliceContext<'a, S, Q, C>,
-        stacks: &mut [Stack<W>],
+        scratch: &mut Scratch,
     ) {
         let Some(root) = self.above.root else { return slice.answer_nothing() };
         let (stripes, meshes) = (self.above.arena.stripes(), self.below.stripes());
         let above = Above { levels: self, stripes, meshes, root };
+        let Scratch { stacks, locals } = scratch;
         let count = slice.batch.rays().len();
         let mut next = count.min(RAYS);
         let mut flights: Vec<Flight<'_, Q>> =
@@ -72,9 +70,10 @@ impl WideLevels {
             let mut turn = 0;
             while turn < flights.len() {
                 let flight = &mut flights[turn];
-                let own = flight.stack;
+                let own = flight.own;
                 let (simd, counters) = (slice.simd, &mut *slice.counters);
-                if above.take_turn(simd, counters, flight, &mut stacks[own]).is_continue() {
+                let waiting = (&mut stacks[own], &mut locals[own]);
+                if above.take_turn(simd, counters, flight, waiting).is_continue() {
                     turn += 1;
                     continue;
                 }
@@ -96,12 +95,11 @@ impl<'a> Above<'a> {
     fn start<Q: Query>(
         &self,
         slice: &SliceContext<'a, impl Simd, Q, impl Counters>,
-        (index, stack): (usize, usize),
+        (index, own): (usize, usize),
     ) -> Flight<'a, Q> {
         let world = PreparedRay::of_batch(&slice.batch, index);
         let query = Q::new(&world.ray);
-        let (stripes, link) = (self.stripes, self.root);
-        Flight { world, here: world, stripes, inside: None, query, key: 1, link, top: 1, stack }
+        Flight { world, inside: None, query, key: 1, link: self.root, top: 1, own }
     }
 
     /// Goes one step, and asks for what the next one needs; `Break` when the answer is final.
@@ -111,7 +109,7 @@ impl<'a> Above<'a> {
         simd: S,
         counters: &mut C,
         flight: &mut Flight<'a, Q>,
-        stack: &mut Stack<W>,
+        (stack, local): (&mut Stack<W>, &mut Local),
     ) -> ControlFlow<()> {
         let limit = key_limit(flight.query.t_max());
         while flight.key > limit {
@@ -122,37 +120,37 @@ impl<'a> Above<'a> {
             return ControlFlow::Continue(());
         }
         if !flight.link.is_leaf() {
-            let Flight { here, query, stripes, link, top, .. } = flight;
+            let stripes = self.stripes_of(flight);
+            let Flight { world, inside, query, link, top, .. } = flight;
             counters.count(Event::InnerNode);
             counters.count(Event::BoxTest);
             let (planes, links) = stripes.node(*link);
-            let (keys, hits) = node::intersect_children(simd, planes, here, query.t_max());
+            // A local ray begins at zero.
+            let ray = if inside.is_some() { (&local.slab, 0.0) } else { world.for_boxes() };
+            let (keys, hits) = node::intersect_children(simd, planes, ray, query.t_max());
             stack.push(simd, sorting::<Q>(), keys, hits, links, top);
         } else if flight.inside.is_some() {
-            self.test_leaf(simd, counters, flight)?;
+            self.test_leaf(simd, counters, flight, local)?;
         } else if flight.key == 0 {
             return ControlFlow::Break(());
         } else if flight.link.place() < self.levels.first_part {
             self.open_leaf(simd, counters, flight, stack)?;
         } else {
             counters.count(Event::Restart);
-            self.enter(flight, stack)?;
+            self.enter(flight, stack, local)?;
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
         if flight.key == 0 && flight.inside.is_some() {
             self.leave(flight, stack);
         }
-        self.prefetch(flight);
+        self.levels.prefetch(self.stripes_of(flight), flight.link);
         ControlFlow::Continue(())
     }
 
-    /// Asks for what a ray needs in its next turn: a node, a leaf, or a part of a placement.
+    /// What a ray's links lead into.
     #[inline(always)]
-    fn prefetch<Q: Query>(&self, flight: &Flight<'a, Q>) {
-        let place = flight.link.place();
-        // Both without a branch: one of them is there already.
-        self.levels.prefetch_part(place.saturating_sub(self.levels.first_part));
-        flight.stripes.prefetch(Link::to_node(place.min(flight.stripes.count())));
+    fn stripes_of<Q: Query>(&self, flight: &Flight<'a, Q>) -> Stripes<'a, W> {
+        if flight.inside.is_some() { self.meshes } else { self.stripes }
     }
 
     /// Tests the triangles of a leaf of the upper tree, and puts those of its placements on the
@@ -184,7 +182,7 @@ impl<'a> Above<'a> {
             return ControlFlow::Continue(());
         }
         counters.count(Event::BoxTest);
-        let (ray, t_max) = (&flight.world, flight.query.t_max());
+        let (ray, t_max) = (flight.world.for_boxes(), flight.query.t_max());
         let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
         let hits = hits & boxes;
         let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
@@ -196,7 +194,12 @@ impl<'a> Above<'a> {
 
     /// Takes a ray into a placement, if it meets its box.
     #[inline(always)]
-    fn enter<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &mut Stack<W>) -> ControlFlow<()> {
+    fn enter<Q: Query>(
+        &self,
+        flight: &mut Flight<'a, Q>,
+        stack: &mut Stack<W>,
+        local: &mut Local,
+    ) -> ControlFlow<()> {
         let levels = &*self.levels.levels;
         let number = flight.link.place() - self.levels.first_part;
         let Some(part) = self.levels.part(number) else { return ControlFlow::Continue(()) };
@@ -209,8 +212,7 @@ impl<'a> Above<'a> {
         };
         flight.inside = Some(Inside::new(*placement, *slack, shift));
         levels.placed.get().prefetch(*placement);
-        (flight.here.ray, flight.here.slab) = (ray, SlabRay::new(&ray));
-        flight.stripes = self.meshes;
+        *local = Local::new(ray);
         flight.query.set_limit(ray.t_max());
         stack.put(0, BACK, &mut flight.top);
         stack.put(1, *root, &mut flight.top);
@@ -221,8 +223,6 @@ impl<'a> Above<'a> {
     #[inline(always)]
     fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &Stack<W>) {
         flight.inside = None;
-        (flight.here.ray, flight.here.slab) = (flight.world.ray, flight.world.slab);
-        flight.stripes = self.stripes;
         flight.query.set_limit(flight.query.nearest().t);
         (flight.key, flight.link) = stack.pop(&mut flight.top);
     }
@@ -234,14 +234,15 @@ impl<'a> Above<'a> {
         simd: S,
         counters: &mut C,
         flight: &mut Flight<'_, Q>,
+        local: &Local,
     ) -> ControlFlow<()> {
-        let Flight { world, here, query, link, stripes, inside, .. } = flight;
+        let Flight { world, query, link, inside, .. } = flight;
         let Some(inside) = inside else { return ControlFlow::Continue(()) };
         counters.count(Event::Leaf);
         counters.count(Event::TriangleTest);
-        let block = stripes.block(*link);
+        let block = self.meshes.block(*link);
         let mut lanes =
-            block.find_near::<S, f32x8<S>>(simd, &here.ray, query.t_max(), inside.slack);
+            block.find_near::<S, f32x8<S>>(simd, &local.ray, query.t_max(), inside.slack);
         if lanes == 0 {
             return ControlFlow::Continue(());
         }
@@ -317,7 +318,7 @@ impl Traverse for WideLevels {
     fn trace<S: Simd, Q: Query, C: Counters>(
         &self,
         slice: &mut SliceContext<'_, S, Q, C>,
-        stacks: &mut Box<[Stack<W>]>,
+        scratch: &mut Scratch,
     ) {
         let slice = &mut SliceContext::<_, Q, _> {
             simd: slice.simd,
@@ -325,6 +326,6 @@ impl Traverse for WideLevels {
             answers: &mut *slice.answers,
             counters: &mut *slice.counters,
         };
-        self.fly(slice, stacks);
+        self.fly(slice, scratch);
     }
 }

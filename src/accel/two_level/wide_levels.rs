@@ -8,12 +8,12 @@ use super::mesh_trees::MeshTrees;
 use super::parts::{Part, open};
 use super::sources::{Boxes, Together};
 use crate::accel::bvh::link::Link;
+use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::stack::{DEEPEST, Stack};
 use crate::accel::bvh::wide::wide_bvh::{RAYS, WideBvh};
 use crate::accel::{BuildError, Built, MemoryReport, Phases, Structure};
-use crate::geom::TriangleSource;
-use crate::math::PrimId;
-use crate::simd::prefetch;
+use crate::geom::{SlabRay, TriangleSource};
+use crate::math::{PrimId, Ray};
 
 /// Lanes of a vector, children of a node.
 pub const W: usize = 8;
@@ -101,27 +101,57 @@ impl WideLevels {
         Some(Cow::Owned(Part { way, root, grown: apart.grown, slack: apart.slack }))
     }
 
-    /// Prefetches a part of a placement.
+    /// Prefetches what a link leads to: a node or a leaf among `stripes`, or a part of a placement.
     #[inline(always)]
-    pub fn prefetch_part(&self, number: usize) {
+    pub fn prefetch(&self, stripes: Stripes<'_, W>, link: Link) {
+        let place = link.place();
+        let number = place.wrapping_sub(self.first_part);
         if self.parts.is_empty() {
-            self.levels.prefetch_way(number);
+            // Both: one of them is there already.
+            self.levels.prefetch_way(number.min(place));
+            stripes.prefetch(link);
         } else {
-            prefetch(&self.parts, number, size_of::<Part>());
+            stripes.prefetch_or((&self.parts, number), place < self.first_part, link);
         }
     }
 }
 
-impl Structure for WideLevels {
-    type Scratch = Box<[Stack<W>]>;
+/// What a tracer has for each ray in flight.
+pub struct Scratch {
+    /// What waits for it.
+    pub stacks: Box<[Stack<W>]>,
+    /// What it is in the placement that it has entered last.
+    pub locals: Box<[Local]>,
+}
 
-    fn scratch(&self) -> Box<[Stack<W>]> {
+/// A ray in the space of a mesh, and for boxes there.
+#[derive(Clone, Copy)]
+pub struct Local {
+    /// The ray.
+    pub ray: Ray,
+    /// For boxes.
+    pub slab: SlabRay,
+}
+
+impl Local {
+    /// A ray in the space of a mesh.
+    #[inline(always)]
+    pub fn new(ray: Ray) -> Self {
+        Self { ray, slab: SlabRay::new(&ray) }
+    }
+}
+
+impl Structure for WideLevels {
+    type Scratch = Scratch;
+
+    fn scratch(&self) -> Scratch {
         let with_bottom = |_| {
             let mut stack = Stack::new();
             stack.put(0, BACK, &mut 0);
             stack
         };
-        (0..RAYS).map(with_bottom).collect()
+        let stacks = (0..RAYS).map(with_bottom).collect();
+        Scratch { stacks, locals: [Local::new(Ray::MISS); RAYS].into() }
     }
 
     fn built(&self) -> &Built {

@@ -56,7 +56,7 @@ fn shade_block<L: Lanes, B: BsdfLanes<L>>(block: &mut Block<'_, '_, L>, rows: &V
     let bsdf = B::load(lanes, &rows.surface.bsdf, world.form(), wo);
     let [r, g, b, eta_squared] = lanes.columns(&rows.throughput);
     let throughput = Vec3f::new(r, g, b);
-    let [key, index, ..] = lanes.columns(&rows.sampler);
+    let [key, index, ..] = lanes.columns(&rows.stream);
     let sampler = SamplerLanes::<L>::new(key.to_bits(), index.to_bits());
     let [u_lobe, u_roulette, u_light, _] = sampler.set(lanes, choice_dimension(depth));
     let (live, none) = (lanes.first(block.paths.len()), lanes.mask(0));

@@ -6,6 +6,7 @@ use super::super::state::{Path, PathSample};
 use super::solids::SolidRows;
 use crate::accel::ClosestHit;
 use crate::math::{InstanceId, Ray, Vec3};
+use crate::sampling::StreamId;
 use crate::simd::lanes::{Lanes, Rows};
 use crate::world::lanes::{LightRows, SurfaceRows};
 
@@ -35,8 +36,8 @@ pub(super) struct VertexRows {
     pub direction: Rows,
     /// And the square of the indices of refraction that were passed.
     pub throughput: Rows,
-    /// The parts of the sampler, as bits.
-    pub sampler: Rows,
+    /// Key and index of the streams, as bits.
+    pub stream: Rows,
     pub surface: SurfaceRows,
     /// Only for surfaces that let light pass.
     pub solids: SolidRows,
@@ -76,8 +77,8 @@ impl VertexRows {
             let direction = vertices.rays[i].direction();
             self.direction[lane] = row(direction, 0.0);
             self.throughput[lane] = row(path.throughput, path.eta_squared);
-            let [key, index] = path.sampler.parts();
-            self.sampler[lane] = [f32::from_bits(key), f32::from_bits(index), 0.0, 0.0];
+            let StreamId { key, index } = path.stream;
+            self.stream[lane] = [f32::from_bits(key), f32::from_bits(index), 0.0, 0.0];
             let hit = (hit, path.time);
             self.surface.fetch(lane, world, vertices.triangles[i], hit, bsdf_rows);
             if transmits {

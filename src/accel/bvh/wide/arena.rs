@@ -13,6 +13,7 @@ use super::octants;
 use crate::accel::bvh::link::Link;
 use crate::geom::{BlockRef, TriangleBlock};
 use crate::math::{Aabb, PrimId, Vec3};
+use crate::simd::{prefetch, prefetch_either};
 
 /// Stripes of a node.
 pub const NODE: usize = 8;
@@ -169,6 +170,13 @@ impl<'a, const W: usize> Stripes<'a, W> {
     /// Prefetches a node or a leaf.
     #[inline(always)]
     pub fn prefetch(&self, link: Link) {
-        crate::simd::prefetch(self.floats, link.place(), BLOCK * size_of::<[f32; W]>());
+        prefetch(self.floats, link.place(), BLOCK * size_of::<[f32; W]>());
+    }
+
+    /// Prefetches a node or a leaf if `is_here`, else a place of another slice.
+    #[inline(always)]
+    pub fn prefetch_or<T>(&self, elsewhere: (&[T], usize), is_here: bool, link: Link) {
+        let here = (self.floats, link.place());
+        prefetch_either(is_here, here, elsewhere, BLOCK * size_of::<[f32; W]>());
     }
 }

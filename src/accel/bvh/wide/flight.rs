@@ -133,7 +133,8 @@ where
         }
         let (planes, links) = stripes.node(link);
         let (simd, ray) = (context.simd, context.ray);
-        let (keys, hits) = node::intersect_children(simd, planes, ray, context.query.t_max());
+        let (keys, hits) =
+            node::intersect_children(simd, planes, ray.for_boxes(), context.query.t_max());
         let sorting = if Q::ANY { Sorting::None } else { self.sorting(stripes, link, ray) };
         stack.push(simd, sorting, keys, hits, links, top);
         ControlFlow::Continue(())

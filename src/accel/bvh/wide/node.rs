@@ -2,7 +2,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
 
-use crate::accel::PreparedRay;
+use crate::geom::SlabRay;
 use crate::simd::order::{BIAS, DISTANCE};
 use crate::simd::{Vectors, Width};
 
@@ -10,7 +10,7 @@ use crate::simd::{Vectors, Width};
 pub type Floats<S, const W: usize> = <Width as Vectors<W>>::Floats<S>;
 type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 
-/// The keys of those children that the ray enters before `t_max` (see `simd::order`),
+/// The keys of those children that the ray enters from `t_min` to `t_max` (see `simd::order`),
 /// zero for the others, and a bit for each of the former. `planes` are a node's, lower and upper by
 /// axis.
 ///
@@ -19,18 +19,17 @@ type Bits<S, const W: usize> = <Floats<S, W> as SimdFloat<S>>::Bits;
 pub fn intersect_children<S: Simd, const W: usize>(
     simd: S,
     planes: &[[f32; W]; 6],
-    prepared: &PreparedRay<'_>,
+    (slab, t_min): (&SlabRay, f32),
     t_max: f32,
 ) -> ([u32; W], u32)
 where
     Width: Vectors<W>,
 {
-    let slab = &prepared.slab;
     let distance = |axis: usize, side: usize, inverse: f32| {
         let planes = Floats::<S, W>::load_array_ref(simd, &planes[2 * axis + side]);
         (planes - slab.origin[axis]) * inverse
     };
-    let mut enter = Floats::<S, W>::splat(simd, prepared.ray.t_min());
+    let mut enter = Floats::<S, W>::splat(simd, t_min);
     let mut exit = Floats::<S, W>::splat(simd, t_max);
     for axis in 0..3 {
         let near = slab.negative[axis] & 1;
@@ -45,14 +44,14 @@ where
 pub fn intersect_boxes<S: Simd, const W: usize>(
     simd: S,
     vertices: &[[f32; W]; 9],
-    prepared: &PreparedRay<'_>,
+    ray: (&SlabRay, f32),
     t_max: f32,
 ) -> ([u32; W], u32)
 where
     Width: Vectors<W>,
 {
     let [ax, ay, az, bx, by, bz, ..] = vertices;
-    intersect_children(simd, &[*ax, *bx, *ay, *by, *az, *bz], prepared, t_max)
+    intersect_children(simd, &[*ax, *bx, *ay, *by, *az, *bz], ray, t_max)
 }
 
 /// The same by where rays enter and leave the children.

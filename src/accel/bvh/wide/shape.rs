@@ -141,11 +141,6 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
         };
     }
 
-    /// Stripes of a leaf.
-    fn leaf_stripes(inline: bool) -> usize {
-        if inline { BLOCK } else { 1 }
-    }
-
     /// The first stripe of all leaves.
     pub fn first_leaf(&self) -> usize {
         self.nodes.len() * NODE
@@ -153,7 +148,7 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
 
     /// Stripes in all.
     pub fn stripes(&self, inline: bool) -> usize {
-        self.first_leaf() + self.leaves.len() * Self::leaf_stripes(inline)
+        self.first_leaf() + self.leaves.len() * leaf_stripes(inline)
     }
 
     /// Where a walk begins; `None` without triangles.
@@ -168,7 +163,7 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
     /// Writes the nodes into the stripes before the leaves', with their children's orders or
     /// without.
     pub fn write_nodes(&self, arena: &mut Arena<W>, inline: bool, by_octant: bool) {
-        let (first_leaf, of_leaf) = (self.first_leaf(), Self::leaf_stripes(inline));
+        let (first_leaf, of_leaf) = (self.first_leaf(), leaf_stripes(inline));
         let stripes = arena.floats_mut()[..first_leaf].par_chunks_mut(NODE);
         stripes.zip(&self.nodes).with_min_len(256).for_each(|(stripes, node)| {
             let mut written = NodeStripes::EMPTY;
@@ -189,10 +184,33 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
         });
     }
 
-    /// Writes the leaves into the stripes behind the nodes', with their triangles or without.
-    pub fn write_leaves(&self, arena: &mut Arena<W>, source: &dyn TriangleSource, inline: bool) {
-        let stripes = &mut arena.floats_mut()[self.first_leaf()..];
-        let leaves = stripes.par_chunks_mut(Self::leaf_stripes(inline)).zip(&self.leaves);
+    /// What is left once the nodes are written. The boxes are given back: leaves take more memory
+    /// than all before them, so that a build needs the most while they are written.
+    pub fn into_leaves(self) -> Leaves {
+        Leaves { first: self.first_leaf(), places: self.leaves, order: self.order }
+    }
+}
+
+/// Leaves in the order in which they lie in memory.
+pub struct Leaves {
+    /// The first stripe.
+    first: usize,
+    /// First place and number of triangles.
+    places: Vec<(u32, u32)>,
+    /// Triangles, leaf by leaf.
+    order: Vec<PrimId>,
+}
+
+impl Leaves {
+    /// Writes them into the stripes behind the nodes', with their triangles or without.
+    pub fn write<const W: usize>(
+        &self,
+        arena: &mut Arena<W>,
+        source: &dyn TriangleSource,
+        inline: bool,
+    ) {
+        let stripes = &mut arena.floats_mut()[self.first..];
+        let leaves = stripes.par_chunks_mut(leaf_stripes(inline)).zip(&self.places);
         leaves.with_min_len(256).for_each(|(stripes, &(first, count))| {
             let ids = &self.order[first as usize..][..count as usize];
             if inline {
@@ -202,6 +220,11 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
             }
         });
     }
+}
+
+/// Stripes of a leaf.
+fn leaf_stripes(inline: bool) -> usize {
+    if inline { BLOCK } else { 1 }
 }
 
 #[cfg(test)]
@@ -223,16 +246,13 @@ mod tests {
     }
 
     /// Every leaf is linked to once, every triangle is in one, and no lane leads nowhere.
-    fn check<const W: usize>(
-        shape: &Shape<W, impl Source<W>>,
-        source: &TriangleList,
-        inline: bool,
-    ) {
+    fn check<const W: usize>(shape: Shape<W, impl Source<W>>, source: &TriangleList, inline: bool) {
         let mut arena = Arena::new(shape.stripes(inline)).expect("memory");
         shape.write_nodes(&mut arena, inline, true);
-        shape.write_leaves(&mut arena, source, inline);
+        let (root, report) = (shape.root(), shape.report.clone());
+        shape.into_leaves().write(&mut arena, source, inline);
         let mut seen = vec![false; source.len()];
-        let mut open = vec![shape.root().expect("triangles")];
+        let mut open = vec![root.expect("triangles")];
         let mut visited = 0;
         while let Some(link) = open.pop() {
             visited += 1;
@@ -249,19 +269,21 @@ mod tests {
             open.extend(taken.map(|lane| Link(links[lane])));
         }
         assert!(seen.iter().all(|&s| s));
-        assert_eq!(visited, shape.report.nodes + shape.report.leaves);
+        assert_eq!(visited, report.nodes + report.leaves);
     }
 
     fn check_builds<const W: usize>(count: usize, fill: sah::Fill) {
         let source = triangles(count);
         let costs = sah::Costs { traversal_cost: sah::TRAVERSAL_COST, width: W, fill };
-        let collapsed =
-            collapse::<W>(binned::build(&mut prims::make_prims(&source), costs, &Steps::untold()));
-        let direct = direct::build::<W>(prims::make_prims(&source), costs, &Steps::untold());
+        let collapsed = || {
+            collapse::<W>(binned::build(&mut prims::make_prims(&source), costs, &Steps::untold()))
+        };
+        let direct = || direct::build::<W>(prims::make_prims(&source), costs, &Steps::untold());
         for inline in [false, true] {
-            check(&collapsed, &source, inline);
-            check(&direct, &source, inline);
+            check(collapsed(), &source, inline);
+            check(direct(), &source, inline);
         }
+        let (collapsed, direct) = (collapsed(), direct());
         // The same splits, chosen by the same rule: the same tree, to the order in memory.
         assert_eq!(direct.order, collapsed.order);
         assert_eq!(direct.leaves, collapsed.leaves);

@@ -70,12 +70,12 @@ where
             phases.end("boxes");
             let shape = direct::build::<W>(prims, costs, input.steps);
             phases.end("tree");
-            return Self::lay_out(input, &shape, phases);
+            return Self::lay_out(input, shape, phases);
         }
         let tree = build_tree_by(input, costs, &mut phases);
         let shape = collapse::collapse::<W>(tree);
         phases.end("collapse");
-        Self::lay_out(input, &shape, phases)
+        Self::lay_out(input, shape, phases)
     }
 
     /// Whether its leaves hold whole triangles, where they are.
@@ -122,7 +122,7 @@ where
     /// Writes a tree's nodes and leaves.
     fn lay_out(
         input: &BuildInput<'_>,
-        shape: &Shape<W, impl Source<W>>,
+        mut shape: Shape<W, impl Source<W>>,
         mut phases: Phases,
     ) -> Result<Self, BuildError> {
         if shape.report.max_depth > sah::MAX_DEPTH {
@@ -142,22 +142,24 @@ where
         })?;
         shape.write_nodes(&mut arena, inline, by_octant);
         phases.end("nodes");
-        shape.write_leaves(&mut arena, &*input.source, inline);
+        let (root, parts, first_leaf) = (shape.root(), shape.parts, shape.first_leaf());
+        let report = std::mem::take(&mut shape.report);
+        shape.into_leaves().write(&mut arena, &*input.source, inline);
         phases.end("leaves");
         Ok(Self {
-            root: shape.root(),
+            root,
             arena,
             fetch,
             by_octant,
             side_by_side: false,
-            parts: shape.parts,
-            first_leaf: shape.first_leaf(),
+            parts,
+            first_leaf,
             built: Built {
                 level: input.level,
                 report: BuildReport {
                     phases: phases.ended(),
                     triangles: input.source.len(),
-                    ..shape.report.clone()
+                    ..report
                 },
             },
         })
@@ -256,7 +258,7 @@ where
                 let (planes, links) = stripes.node(link);
                 let (simd, ray) = (context.simd, context.ray);
                 let (keys, hits) =
-                    node::intersect_children(simd, planes, ray, context.query.t_max());
+                    node::intersect_children(simd, planes, ray.for_boxes(), context.query.t_max());
                 let sorting = self.sorting(stripes, link, ray);
                 let below = stack.descend(simd, sorting, &keys, hits, links, &mut top);
                 if let Some(nearest) = below {
