@@ -240,7 +240,14 @@ mod tests {
 
     #[test]
     fn kd_trees_are_left_to_their_own_bench() {
-        let row = |id: &str| json!({ "accel": id, "random_mrays_s": 1.0, "primary_mrays_s": 2.0, "bytes": 3 });
+        let row = |id: &str| {
+            let rates = [("random_mrays_s", 1.0), ("primary_mrays_s", 2.0)];
+            let mut row = json!({ "accel": id, "bytes": 3 });
+            for (key, rate) in rates {
+                row[key] = rate.into();
+            }
+            row
+        };
         let file = json!({ "structures": [row("auto"), row("brute"), row("kd-ropes")] });
         let cells = read_cells(Bench::Accels, &Member::root(&file), ALL).expect("well formed");
         assert!(cells.iter().all(|cell| cell.structure == "auto"));

@@ -10,7 +10,7 @@ use crate::bench::table::{Table, beside, cell, scene_label};
 /// A member that is missing or of another kind.
 pub fn make_tables(root: &Member<'_>) -> Result<Vec<(&'static str, String)>, Malformed> {
     let scenes = root.get("scenes")?.items()?;
-    let scenes = scenes.into_iter().map(Scene::read).collect::<Result<Vec<_>, _>>()?;
+    let scenes = scenes.iter().map(Scene::read).collect::<Result<Vec<_>, _>>()?;
     let make = |heading: &[&str], row: fn(&Scene) -> Vec<String>| {
         let mut table = Table::new("", "", heading);
         table.rows = scenes.iter().map(row).collect();
@@ -82,7 +82,7 @@ struct Scene {
 }
 
 impl Scene {
-    fn read(member: Member<'_>) -> Result<Self, Malformed> {
+    fn read(member: &Member<'_>) -> Result<Self, Malformed> {
         let triangles = member.get("triangles")?.count()? as usize;
         let paper = paper::Scene::of(triangles);
         let name = member.get("name")?.text()?;

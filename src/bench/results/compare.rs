@@ -161,11 +161,11 @@ fn size(off: f64) -> f64 {
     libm::log(1.0 + off / 100.0).abs()
 }
 
-/// Whether a figure is off by more than so many per cent of the smaller one: half the rate is as far
-/// off as twice the rate.
+/// Whether a figure is off by more than so many per cent of the smaller one: half the rate is as
+/// far off as twice the rate.
 pub fn is_beyond(off: f64, within: f64) -> bool {
-    // What is no number is beyond.
-    !(size(off) <= libm::log(1.0 + within / 100.0))
+    let size = size(off);
+    size.is_nan() || size > libm::log(1.0 + within / 100.0)
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ enum Found {
     /// Nothing of it can be measured again; why.
     Left(String),
     /// What was measured, why rates or ratios, and what came of it.
-    Compared { run: ShortRun, why: &'static str, comparison: Comparison, reasons: Vec<String> },
+    Compared { run: ShortRun, why: &'static str, comparison: Box<Comparison>, reasons: Vec<String> },
 }
 
 /// Measures all files again, briefly.
@@ -75,7 +75,7 @@ pub fn check<'a>(kept: &'a [Kept], settings: &CheckSettings) -> Result<Vec<Check
         let today = read_cells(kept.bench, &Member::root(&json), Part::of_run(&run));
         let today = today.map_err(|error| CliError::Output(error.to_string()))?;
         let (by, why) = choose_measure(kept.about.processor.as_deref(), settings.ratios);
-        let comparison = compare(&committed, &today, by);
+        let comparison = Box::new(compare(&committed, &today, by));
         let reasons = comparison.explain(settings.within);
         all.push(Checked { kept, found: Found::Compared { run, why, comparison, reasons } });
     }
@@ -136,8 +136,8 @@ impl Checked<'_> {
         let beyond = comparison.pairs.iter().filter(|pair| is_beyond(pair.off(), within)).count();
         let _ = writeln!(
             out,
-            "\n{beyond} of {} cells are beyond {within} % (*), which alone decides nothing; work: {} \
-             figures equal, {} not",
+            "\n{beyond} of {} cells are beyond {within} % (*), which alone decides nothing; work: \
+             {} figures equal, {} not",
             comparison.pairs.len(),
             comparison.equal,
             comparison.unequal.len()
