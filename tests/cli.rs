@@ -25,6 +25,7 @@ transcripts![
     bench_refusals,
     bench_render,
     bench_render_help,
+    bench_results,
     farm,
     generate,
     info,

@@ -10,6 +10,7 @@
 //! | [`fly_through`] | many rays at once over flights: Barczak's tables |
 //! | [`renders`] | whole renders: their figure 1 |
 //! | [`breakdown`] | where their time goes |
+//! | [`results`] | figures that were written, read again: a check of them, and the page of papers |
 //! | [`structures`] | all structures: memory and rates, a row each |
 //! | [`table`], [`bars`], [`plot`] | how it is shown |
 
@@ -24,6 +25,7 @@ pub mod measure;
 pub mod plot;
 pub mod ray_sets;
 pub mod renders;
+pub mod results;
 pub mod structures;
 pub mod table;
 #[cfg(test)]

@@ -31,6 +31,8 @@ pub struct AccelsBenchSettings {
     pub rays: usize,
     /// Passes of each structure; the median counts.
     pub rounds: usize,
+    /// Which structures are measured, by id.
+    pub wanted: fn(&str) -> bool,
     /// Bytes that all may take by the estimate.
     pub memory: u64,
     /// The instruction set.
@@ -52,7 +54,7 @@ pub struct Row {
     pub primary: f64,
 }
 
-/// Measures all structures over a scene: random rays, and a picture from a camera or else from
+/// Measures structures over a scene: random rays, and a picture from a camera or else from
 /// outside; `tell` is told what is being done.
 ///
 /// # Errors
@@ -79,7 +81,7 @@ pub fn measure(
     let pose = pose.unwrap_or_else(|| frame_camera(&**source));
     let picture = Frame::new(&pose, (side, side), side.div_ceil(TILE));
     let mut rows = Vec::new();
-    for variant in VARIANTS {
+    for variant in VARIANTS.iter().filter(|variant| (settings.wanted)(variant.id)) {
         tell(&format!("{}: building", variant.id));
         let accel = built(variant)?;
         tell(&format!("{}: shooting", variant.id));
@@ -197,8 +199,8 @@ mod tests {
         };
         let source: Arc<dyn TriangleSource> =
             Arc::new(TriangleList((0..300).map(triangle).collect()));
-        let settings =
-            AccelsBenchSettings { rays: 500, rounds: 1, memory: 1 << 30, isa: Isa::Auto };
+        let (memory, isa) = (1 << 30, Isa::Auto);
+        let settings = AccelsBenchSettings { rays: 500, rounds: 1, wanted: |_| true, memory, isa };
         let rows = measure(&source, None, &settings, &|_| {}).expect("all agree");
         let ids: Vec<_> = rows.iter().map(|row| row.variant.id).collect();
         assert_eq!(ids, VARIANTS.iter().map(|variant| variant.id).collect::<Vec<_>>());
@@ -211,6 +213,9 @@ mod tests {
             to_json(&rows, "cloud", 300)["structures"].as_array().map(Vec::len),
             Some(rows.len())
         );
+        let one = AccelsBenchSettings { wanted: |id| id == "mbvh4", ..settings };
+        let rows = measure(&source, None, &one, &|_| {}).expect("all agree");
+        assert_eq!(rows.iter().map(|row| row.variant.id).collect::<Vec<_>>(), ["mbvh4"]);
         let small = AccelsBenchSettings { memory: 1000, ..settings };
         assert!(measure(&source, None, &small, &|_| {}).is_err());
     }

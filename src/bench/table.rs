@@ -25,22 +25,36 @@ impl Table {
         std::iter::once(&self.heading).chain(&self.rows).cloned().collect()
     }
 
-    /// As Markdown, with the title as a heading of the second level.
-    pub fn markdown(&self) -> String {
+    /// Heading and rows as Markdown.
+    pub fn markdown_rows(&self) -> String {
         let line = |cells: &[String]| {
             let padding = self.heading.len().saturating_sub(cells.len());
             format!("| {}{} |\n", cells.join(" | "), " | ".repeat(padding))
         };
         let rule = format!("|---|{}\n", "---:|".repeat(self.heading.len().saturating_sub(1)));
         let body: String = self.rows.iter().map(|row| line(row)).collect();
+        format!("{}{rule}{body}", line(&self.heading))
+    }
+
+    /// As Markdown, with the title as a heading of the second level.
+    pub fn markdown(&self) -> String {
         let note = if self.note.is_empty() { String::new() } else { format!("{}\n\n", self.note) };
-        format!("## {}\n\n{note}{}{rule}{body}", self.title, line(&self.heading))
+        format!("## {}\n\n{note}{}", self.title, self.markdown_rows())
     }
 }
 
 /// A figure with so many decimals; nothing at all where there is none.
 pub fn cell(value: Option<f64>, decimals: usize) -> String {
     value.map_or(String::new(), |value| format!("{value:.decimals$}"))
+}
+
+/// Our figure, and a paper's beside it if it has one.
+pub fn beside(ours: f64, theirs: Option<f64>, decimals: [usize; 2]) -> String {
+    let ours = cell(Some(ours), decimals[0]);
+    match theirs {
+        Some(theirs) => format!("{ours} / {}", cell(Some(theirs), decimals[1])),
+        None => ours,
+    }
 }
 
 /// A scene's name, and that of a paper's scene of as many triangles.
@@ -63,5 +77,7 @@ mod tests {
         let expected = "## t\n\n| a | b | c |\n|---|---:|---:|\n| x | 1.2 |  |\n| y |  | 2 |\n";
         assert_eq!(table.markdown(), expected);
         assert_eq!(table.lines().len(), 3);
+        let pairs = [beside(1.234, Some(5.0), [2, 1]), beside(1.0, None, [0, 0])];
+        assert_eq!(pairs, ["1.23 / 5.0", "1"]);
     }
 }

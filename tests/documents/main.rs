@@ -24,6 +24,7 @@ const DOCUMENTS: &[&str] = &[
     "docs/guide.md",
     "docs/farms.md",
     "docs/structures.md",
+    "docs/results.md",
     "docs/peers.md",
     "docs/formats.md",
     "docs/accuracy.md",
@@ -71,7 +72,7 @@ fn commands_that_are_not_run_have_a_reason() {
     for (place, reason) in &left_out {
         assert!(reason.len() > 10, "{place}: why is it not run?");
     }
-    assert!(left_out.len() <= 9, "{left_out:?}");
+    assert!(left_out.len() <= 11, "{left_out:?}");
 }
 
 #[test]

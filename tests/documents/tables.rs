@@ -73,6 +73,37 @@ fn the_table_of_work_is_that_of_the_bench() {
     assert!(found == expected, "the table should be\n{}", expected.join("\n"));
 }
 
+/// The page is filled by the program from the files of results, as its last command does it.
+#[test]
+fn the_tables_of_papers_are_those_of_the_bench() {
+    let (root, folder) =
+        (super::root(), tempfile::tempdir().expect("temporary folders can be made"));
+    let committed = std::fs::read_to_string(root.join("docs/results.md")).expect("is there");
+    let page = folder.path().join("results.md");
+    std::fs::write(&page, &committed).expect("is writable");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dapple"));
+    command.args(["bench", "results"]).arg(root.join("docs/results")).arg("--page").arg(&page);
+    let output = command.output().expect("it runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let filled = std::fs::read_to_string(&page).expect("is there");
+    assert!(filled == committed, "renew it: dapple bench results --page docs/results.md");
+    // All tables are there, with a row for each scene at least.
+    let names = ["measured", "mbvh-1", "mbvh-2", "mbvh-3", "mbvh-4", "mbvh-figure-4", "render"];
+    let names = names.into_iter().chain(["coherent-1", "coherent-2", "coherent-3", "coherent-4"]);
+    for name in names.chain(["kd"]) {
+        let mark = format!("<!-- results: {name} -->\n");
+        let (_, table) = filled.split_once(&mark).unwrap_or_else(|| panic!("no table {name}"));
+        let rows = table.lines().take_while(|line| line.starts_with('|')).count();
+        assert!(rows >= 2 + 4, "{name}: {rows} lines");
+    }
+    // Some figures, found by another way.
+    let mbvh = results("mbvh.json");
+    let scene = &mbvh["scenes"][0]["structures"];
+    let [binary, wide] = [0, 1].map(|i| number(&scene[i]["closest"]["single_mrays_s"]));
+    let row = format!("| {:.0} / 295 | {:.0} / 769 |", binary * 1e3, wide * 1e3);
+    assert!(filled.contains(&row), "{row}");
+}
+
 #[test]
 fn every_structure_has_a_paragraph_of_its_own() {
     let document = read("docs/structures.md");

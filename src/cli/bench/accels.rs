@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::options::MachineArgs;
 use super::output::{OutputArgs, Results};
-use super::scenes::BenchScene;
+use super::scenes::{BenchScene, KITCHEN};
 use crate::bench::structures::{self, AccelsBenchSettings};
 use crate::cli::error::CliError;
 use crate::cli::flags::Quiet;
@@ -48,9 +48,6 @@ pub struct BenchAccelsArgs {
     output: OutputArgs,
 }
 
-/// Triangles of the scene that is made.
-const KITCHEN: u64 = 103_000;
-
 /// Runs the command.
 pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     args.output.probe()?;
@@ -66,15 +63,19 @@ pub fn run(args: &BenchAccelsArgs) -> Result<(), CliError> {
     let settings = AccelsBenchSettings {
         rays: args.rays as usize,
         rounds: args.rounds,
+        wanted: |_| true,
         memory: args.machine.memory_limit(),
         isa,
     };
     let tell = |what: &str| args.quiet.tell(what);
     let rows = input::run_on_threads(1, || structures::measure(&source, pose, &settings, &tell))??;
+    let mut json = structures::to_json(&rows, &scene.name(), source.len());
+    json["rays"] = args.rays.into();
+    json["rounds"] = args.rounds.into();
     let results = Results {
         name: "accels",
         tables: vec![structures::make_table(&rows, &scene.name(), source.len())],
-        json: structures::to_json(&rows, &scene.name(), source.len()),
+        json,
         plots: Vec::new(),
     };
     if args.markdown {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::options::{MachineArgs, ray_bytes};
 use super::output::{OutputArgs, Results};
-use super::scenes::BenchScene;
+use super::scenes::{BenchScene, KITCHEN};
 use crate::bench::bars::draw_bars;
 use crate::bench::kd::{self, KdBenchSettings, Row, SETS};
 use crate::bench::kd_growth::{self, Growth};
@@ -19,11 +19,16 @@ use crate::generate::Generator;
 
 /// All kd-trees: bytes, rates, nodes, leaves and tests per ray; then builds by layouts; with
 /// --report also the build times over machines of 10^4 to 10^6 triangles.
+///
+/// Without a file, the scene is the kitchen of 103,000 triangles that `dapple generate` makes.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Example:\n  dapple bench kd bunny.obj --report out")]
+#[command(after_help = "\
+Examples:
+  dapple bench kd --report out
+  dapple bench kd bunny.obj --rays 1000000")]
 pub struct KdArgs {
     /// A scene file, or an .npy of (N, 9) float32 triangles
-    scene: PathBuf,
+    scene: Option<PathBuf>,
     /// Rays of each set; primary ones are the largest square picture of no more
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
@@ -42,12 +47,17 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
     let needed = ray_bytes(args.rays, SETS.len() as u64 + 1);
     memory::require(&format!("{} rays of each set", args.rays), needed)?;
     args.output.probe()?;
-    let source = input::load_triangles(&args.scene, args.quiet)?;
+    let made = BenchScene::Made(Generator::Kitchen, KITCHEN);
+    let scene = args.scene.clone().map_or(made, BenchScene::File);
+    let source = scene.with_file(|path| input::load_triangles(path, args.quiet))?;
     let (isa, memory) = (args.machine.isa()?, args.machine.memory_limit());
     let settings = KdBenchSettings { rays: args.rays as usize, memory, isa };
     let walks = kd::measure_walks(&source, &settings)?;
     let builds = kd::measure_builds_and_layouts(&source, &settings)?;
-    let name = args.scene.display();
+    let name = match &args.scene {
+        Some(file) => file.display().to_string(),
+        None => scene.name(),
+    };
     let count = source.len();
     let titles = [
         format!("Kd-tree walks, {name}, {count} triangles"),
@@ -64,7 +74,7 @@ pub fn run(args: &KdArgs) -> Result<(), CliError> {
         tables: [kd::make_tables(&titles[0], &walks), kd::make_tables(&titles[1], &builds)]
             .concat(),
         json: json!({
-            "scene": name.to_string(),
+            "scene": name,
             "triangles": count,
             "rays": args.rays,
             "walks": object(&walks),

@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `accels`, `coherent`, `kd`, `mbvh`, `render` | a command each: its flags, and `run` |
+//! | `results` | a command that reads, checks and shows what they wrote |
 //! | `scenes` | their scenes: files, or scenes made on the spot |
 //! | `options` | values that several of them have |
 //! | `output` | where the tables, plots and figures go |
@@ -16,6 +17,7 @@ mod options;
 mod output;
 mod provenance;
 mod render;
+mod results;
 mod scenes;
 
 use std::process::ExitCode;
@@ -38,9 +40,10 @@ enum What {
     Kd(kd::KdArgs),
     Mbvh(mbvh::MbvhArgs),
     Render(render::BenchRenderArgs),
+    Results(results::BenchResultsArgs),
 }
 
-/// Runs the command; exit 1 if structures disagree.
+/// Runs the command; exit 1 if structures disagree, or committed figures with today's.
 pub fn run(args: &BenchArgs) -> Result<ExitCode, CliError> {
     match &args.what {
         What::Accels(args) => accels::run(args)?,
@@ -48,6 +51,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, CliError> {
         What::Kd(args) => kd::run(args)?,
         What::Mbvh(args) => mbvh::run(args)?,
         What::Render(args) => render::run(args)?,
+        What::Results(args) => return results::run(args),
     }
     Ok(ExitCode::SUCCESS)
 }

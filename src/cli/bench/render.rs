@@ -79,8 +79,15 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
         return Err(CliError::Usage(message));
     }
     args.output.probe()?;
+    let run = RenderRun {
+        resolution: &args.resolution,
+        spp: args.spp,
+        rounds: args.rounds,
+        isa: args.isa,
+        quiet: args.quiet,
+    };
     let measured = input::run_on_threads(args.threads, || {
-        let measure = |scene: &BenchScene| measure(args, &specs, scene);
+        let measure = |scene: &BenchScene| measure(&run, &specs, scene);
         choose_scenes(&args.files).iter().map(measure).collect::<Result<Vec<_>, _>>()
     })??;
     let (measured, breakdowns): (Vec<Scene>, Vec<Vec<Breakdown>>) = measured.into_iter().unzip();
@@ -115,9 +122,26 @@ pub fn run(args: &BenchRenderArgs) -> Result<(), CliError> {
     results.publish(&args.output)
 }
 
-/// Loads a scene, builds all structures and renders by turns.
-fn measure(
-    args: &BenchRenderArgs,
+/// How scenes are rendered.
+pub(super) struct RenderRun<'a> {
+    /// Pixels, as the flag has them.
+    pub resolution: &'a str,
+    /// Samples per pixel.
+    pub spp: u64,
+    /// Renders of each structure.
+    pub rounds: usize,
+    /// The instruction set.
+    pub isa: Isa,
+    /// Whether nothing is told.
+    pub quiet: Quiet,
+}
+
+/// Loads a scene, builds all structures and renders by turns, on the threads of the caller's pool.
+///
+/// # Errors
+/// If the scene can't be loaded, a structure can't be built or would not fit, or pictures differ.
+pub(super) fn measure(
+    args: &RenderRun<'_>,
     specs: &[AccelSpec],
     scene: &BenchScene,
 ) -> Result<(Scene, Vec<Breakdown>), CliError> {
@@ -128,7 +152,7 @@ fn measure(
     let layers = layers.collect::<Vec<_>>().join(",");
     let (spp, depth) = (args.spp.to_string(), DEPTH.to_string());
     let words = [
-        ["--resolution", &args.resolution],
+        ["--resolution", args.resolution],
         ["--spp", &spp],
         ["--max-depth", &depth],
         ["--aov", &layers],

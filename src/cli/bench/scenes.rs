@@ -8,6 +8,9 @@ use crate::cli::error::CliError;
 use crate::files::{self, Flush};
 use crate::generate::Generator;
 
+/// Triangles of the kitchen that is made where there is no file.
+pub const KITCHEN: u64 = 103_000;
+
 /// A scene.
 #[derive(Clone, Debug)]
 pub enum BenchScene {
