@@ -59,19 +59,29 @@ fn with_sets(sets: &[u64]) -> File {
 
 #[test]
 fn a_mesh_keeps_the_sets_of_coordinates_that_its_material_looks_up() {
-    for (sets, kept) in [(&[3, 2][..], [3.0, 2.0]), (&[1, 3], [1.0, 3.0]), (&[2], [2.0, 2.0])] {
+    let cases: [(&[u64], &[f32]); 4] = [
+        (&[3, 2], &[3.0, 2.0]),
+        (&[1, 3], &[1.0, 3.0]),
+        (&[2], &[2.0]),
+        // In the order of the material's textures: base colour, normals, emission.
+        (&[1, 2, 3], &[1.0, 3.0, 2.0]),
+    ];
+    for (sets, kept) in cases {
         let mut scene = with_sets(sets).load().expect("loads");
         assert!(scene.notices.is_empty(), "{:?}", scene.notices);
-        let uvs = scene.meshes[0].uvs.clone();
-        for (texture, expected) in scene.materials[0].textures_mut().zip(kept) {
-            let found = uvs[usize::from(texture.uv_set)][0];
+        let mesh = scene.meshes[0].clone();
+        assert_eq!(mesh.uv_sets().count(), kept.len().max(2));
+        for (texture, &expected) in scene.materials[0].textures_mut().zip(kept) {
+            let found = mesh.uv_set(texture.uv_set as usize)[0];
             assert_eq!(found, Vec2::new(expected, 0.5), "{sets:?}");
         }
     }
-    let scene = with_sets(&[1, 2, 3]).load().expect("loads");
-    let said: Vec<&str> = scene.notices.iter().map(|notice| &*notice.message).collect();
-    assert!(said[0].contains("more than two sets"), "{said:?}");
-    assert!(message(with_sets(&[256]).load()).contains("beyond all sets"));
+    for missing in [256, u64::from(u32::MAX)] {
+        let scene = with_sets(&[1, missing, 3]).load().expect("loads");
+        let said: Vec<&str> = scene.notices.iter().map(|notice| &*notice.message).collect();
+        assert_eq!(said, ["has no such texture coordinates as its material's textures need"]);
+    }
+    assert!(message(with_sets(&[1 << 32]).load()).contains("beyond all sets"));
 }
 
 /// A cube of one texel a face, of that colour each, and alpha to divide by.

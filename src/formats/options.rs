@@ -52,7 +52,8 @@ pub struct LoadOptions {
     /// an instant.
     pub shutter: Option<f32>,
     /// What decodes and keeps the images of textures; by default a new one without a limit, and
-    /// without smaller versions of images. Scenes that are loaded with the same one share their images.
+    /// without smaller versions of images. Scenes that are loaded with the same one share their
+    /// images.
     pub textures: Arc<TextureStore>,
     /// Who is told how much of the reading is done, in bytes.
     pub meter: Arc<Meter>,

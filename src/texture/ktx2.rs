@@ -1,8 +1,8 @@
 //! KTX 2.0 files with texels of Basis Universal: ETC1S, and UASTC with or without Zstandard.
 //!
 //! The container is read and checked here (KTX File Format 2.0, 3). A transcoder by others then
-//! gets for each level that is used a file of this one alone, made anew of what was checked, so that
-//! no offset or length of the original reaches it.
+//! gets for each level that is used a file of this one alone, made anew of what was checked, so
+//! that no offset or length of the original reaches it.
 
 use std::ops::Range;
 use std::sync::Arc;
