@@ -210,6 +210,48 @@ fn packed_textures_come_before_plain_ones() {
     assert!(said.contains("gone.ktx2"), "{said}");
 }
 
+/// KTX2, WebP, PNG: the first that can be used is.
+#[test]
+fn each_image_of_a_texture_stands_in_for_those_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let texel = image::RgbImage::from_raw(1, 1, vec![9, 99, 199]).expect("one texel");
+    for name in ["a.webp", "a.png"] {
+        texel.save(folder.path().join(name)).expect("written");
+    }
+    fs::write(folder.path().join("cut.ktx2"), b"\xabKTX 20\xbb\r\n\x1a\n").expect("written");
+    fs::write(folder.path().join("cut.webp"), b"RIFF\x04\0\0\0WEBP").expect("written");
+    let load = |names: [&str; 3]| {
+        let mut file = File::square();
+        for name in names {
+            file.push("images", json!({"uri": name}));
+        }
+        let extensions = json!({
+            "KHR_texture_basisu": {"source": 0}, "EXT_texture_webp": {"source": 1},
+        });
+        file.push("textures", json!({"source": 2, "extensions": extensions}));
+        file.document["extensionsUsed"] = json!(["KHR_texture_basisu", "EXT_texture_webp"]);
+        file.document["materials"][0] =
+            json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+        let path = folder.path().join("a.gltf");
+        gltf::parse(&path, &file.text(), &LoadOptions::default())
+    };
+    for (names, used) in [
+        (["gone.ktx2", "a.webp", "gone.png"], "a.webp"),
+        (["cut.ktx2", "a.webp", "a.png"], "a.webp"),
+        (["cut.ktx2", "cut.webp", "a.png"], "a.png"),
+        (["gone.ktx2", "gone.webp", "a.png"], "a.png"),
+    ] {
+        let scene = load(names).expect("has one");
+        assert_eq!(scene.textures[0].name(), used, "{names:?}");
+        let said: Vec<&str> = scene.notices.iter().map(|notice| &*notice.message).collect();
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with(&format!("{:?}: ", names[0])), "{said:?}");
+        assert!(said[0].ends_with(&format!(": {used:?} is used")), "{said:?}");
+    }
+    let said = message(load(["gone.ktx2", "gone.webp", "gone.png"]));
+    assert!(said.contains("gone.ktx2"), "{said}");
+}
+
 #[test]
 fn a_plain_texture_stands_in_for_avif() {
     let scene = with_texture("EXT_texture_avif", "a.avif", true).expect("loads");

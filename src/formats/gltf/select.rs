@@ -87,7 +87,8 @@ fn views_in_use(
     slots: &[(usize, ColorSpace)],
     light: Option<&ImageLight>,
 ) -> Vec<usize> {
-    let images = slots.iter().filter_map(|&(texture, _)| document.textures[texture].image);
+    let images = slots.iter().filter_map(|&(texture, _)| document.textures[texture].images.first());
+    let images = images.copied();
     let images = images.chain(light.iter().flat_map(|light| light.faces));
     let of_images = images.filter_map(|image| match document.images[image].source {
         ImageSource::View(view) => Some(view),
