@@ -1,12 +1,20 @@
 //! `dapple convert`: what is written is what was read, without what glTF needs extensions for.
 
+#[allow(dead_code)] // others need more of it
+mod gltf_file;
+
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use dapple::math::TextureId;
 use dapple::scene::{Material, Scene};
 use dapple::{LoadOptions, load};
+use gltf_file::File;
+use serde_json::json;
 
 /// Extensions that plain files may have: how materials answer to light, and lights.
 const PLAIN: [&str; 3] = ["KHR_materials_", "KHR_lights_punctual", "KHR_texture_transform"];
@@ -53,8 +61,8 @@ fn assert_same(scene: &Scene, original: &Scene, name: &str) {
         assert_eq!(mesh.positions, other.positions, "{name}: {}", other.name);
         assert_eq!(mesh.indices, other.indices, "{name}: {}", other.name);
         assert_eq!(
-            (&mesh.uvs, &mesh.colors),
-            (&other.uvs, &other.colors),
+            (&mesh.uvs, &mesh.more_uvs, &mesh.colors),
+            (&other.uvs, &other.more_uvs, &other.colors),
             "{name}: {}",
             other.name
         );
@@ -116,6 +124,66 @@ fn what_is_packed_is_unpacked() {
         assert_same(&read(&made), &read(&packed), name);
         let text = String::from_utf8_lossy(&fs::read(&made).unwrap()).into_owned();
         assert!(!["draco", "meshopt", "sparse"].iter().any(|word| text.contains(word)), "{name}");
+    }
+}
+
+/// A square whose textures, of three texels, are looked up by four sets of coordinates.
+fn four_sets() -> File {
+    let mut file = File::square();
+    let mut png = Vec::new();
+    let texels = vec![255, 0, 0, 0, 255, 0, 0, 0, 0];
+    let image = image::RgbImage::from_raw(3, 1, texels).expect("three texels");
+    image.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png).expect("encodes");
+    let [red, green, black] = [1.0, 3.0, 5.0].map(|sixths: f32| sixths / 6.0);
+    for (set, u) in [(0, black), (1, green), (2, red), (3, green), (70_000, black)] {
+        let uvs = file.floats(&[[u, 0.5]; 4], "VEC2");
+        let attributes = &mut file.document["meshes"][0]["primitives"][0]["attributes"];
+        attributes[format!("TEXCOORD_{set}")] = json!(uvs);
+    }
+    let uri = format!("data:image/png;base64,{}", STANDARD.encode(png));
+    file.push("images", json!({ "uri": uri }));
+    file.push("samplers", json!({ "magFilter": 9728, "minFilter": 9728 }));
+    file.push("textures", json!({ "source": 0, "sampler": 0 }));
+    let texture = |set: u32| json!({ "index": 0, "texCoord": set });
+    // Green, rough and no metal; no emission and no lacquer where it is black.
+    file.document["materials"][0] = json!({
+        "pbrMetallicRoughness": {
+            "baseColorTexture": texture(3), "metallicRoughnessTexture": texture(1),
+        },
+        "emissiveFactor": [1, 1, 1],
+        "emissiveTexture": texture(0),
+        "extensions": { "KHR_materials_clearcoat": {
+            "clearcoatFactor": 1, "clearcoatTexture": texture(70_000),
+        } },
+    });
+    file.document["extensionsUsed"] = json!(["KHR_materials_clearcoat"]);
+    file
+}
+
+/// More than two, and of any number: kept by `convert`, and looked up to the bit.
+#[test]
+fn all_sets_of_texture_coordinates_that_a_material_looks_up_are_kept() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("a.gltf"), four_sets().text()).expect("written");
+    convert(&at("a.gltf"), &at("b.glb"));
+    let (ours, original) = (read(&at("b.glb")), read(&at("a.gltf")));
+    assert_same(&ours, &original, "four sets");
+    // Set 2, which nothing looks up, is not kept.
+    assert_eq!(original.meshes[0].uv_sets().count(), 4);
+    for (from, to) in [("a.gltf", "a.exr"), ("b.glb", "b.exr")] {
+        let words = "--strict --spp 4 --resolution 16x16 --reproducible -q --env 1,1,1 --fov 30 \
+                     --look-from 0.5,0.5,1 --look-at 0.5,0.5,0";
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let (code, told) =
+            dapple(&[&["render", path(&at(from)), "-o", path(&at(to))], &words[..]].concat());
+        assert_eq!(code, Some(0), "{told}");
+    }
+    let [a, b] = ["a.exr", "b.exr"].map(|name| dapple::Picture::read(at(name)).expect("a picture"));
+    let middle = |channel| a.channel(channel).expect("a colour")[8 * 16 + 8];
+    assert!(middle("G") > 0.8 && middle("R") < 0.1, "{} {}", middle("R"), middle("G"));
+    for channel in ["R", "G", "B"] {
+        assert!(a.channel(channel) == b.channel(channel), "{channel}");
     }
 }
 

@@ -59,19 +59,29 @@ fn with_sets(sets: &[u64]) -> File {
 
 #[test]
 fn a_mesh_keeps_the_sets_of_coordinates_that_its_material_looks_up() {
-    for (sets, kept) in [(&[3, 2][..], [3.0, 2.0]), (&[1, 3], [1.0, 3.0]), (&[2], [2.0, 2.0])] {
+    let cases: [(&[u64], &[f32]); 4] = [
+        (&[3, 2], &[3.0, 2.0]),
+        (&[1, 3], &[1.0, 3.0]),
+        (&[2], &[2.0]),
+        // In the order of the material's textures: base colour, normals, emission.
+        (&[1, 2, 3], &[1.0, 3.0, 2.0]),
+    ];
+    for (sets, kept) in cases {
         let mut scene = with_sets(sets).load().expect("loads");
         assert!(scene.notices.is_empty(), "{:?}", scene.notices);
-        let uvs = scene.meshes[0].uvs.clone();
-        for (texture, expected) in scene.materials[0].textures_mut().zip(kept) {
-            let found = uvs[usize::from(texture.uv_set)][0];
+        let mesh = scene.meshes[0].clone();
+        assert_eq!(mesh.uv_sets().count(), kept.len().max(2));
+        for (texture, &expected) in scene.materials[0].textures_mut().zip(kept) {
+            let found = mesh.uv_set(texture.uv_set as usize)[0];
             assert_eq!(found, Vec2::new(expected, 0.5), "{sets:?}");
         }
     }
-    let scene = with_sets(&[1, 2, 3]).load().expect("loads");
-    let said: Vec<&str> = scene.notices.iter().map(|notice| &*notice.message).collect();
-    assert!(said[0].contains("more than two sets"), "{said:?}");
-    assert!(message(with_sets(&[256]).load()).contains("beyond all sets"));
+    for missing in [256, u64::from(u32::MAX)] {
+        let scene = with_sets(&[1, missing, 3]).load().expect("loads");
+        let said: Vec<&str> = scene.notices.iter().map(|notice| &*notice.message).collect();
+        assert_eq!(said, ["has no such texture coordinates as its material's textures need"]);
+    }
+    assert!(message(with_sets(&[1 << 32]).load()).contains("beyond all sets"));
 }
 
 /// A cube of one texel a face, of that colour each, and alpha to divide by.
@@ -197,6 +207,48 @@ fn packed_textures_come_before_plain_ones() {
     assert_eq!(scene.textures[0].name(), "ok-rgb.png");
     assert!(scene.notices[0].message.contains("gone.ktx2"));
     let said = with_texture("KHR_texture_basisu", "gone.ktx2", false).expect_err("has none");
+    assert!(said.contains("gone.ktx2"), "{said}");
+}
+
+/// KTX2, WebP, PNG: the first that can be used is.
+#[test]
+fn each_image_of_a_texture_stands_in_for_those_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let texel = image::RgbImage::from_raw(1, 1, vec![9, 99, 199]).expect("one texel");
+    for name in ["a.webp", "a.png"] {
+        texel.save(folder.path().join(name)).expect("written");
+    }
+    fs::write(folder.path().join("cut.ktx2"), b"\xabKTX 20\xbb\r\n\x1a\n").expect("written");
+    fs::write(folder.path().join("cut.webp"), b"RIFF\x04\0\0\0WEBP").expect("written");
+    let load = |names: [&str; 3]| {
+        let mut file = File::square();
+        for name in names {
+            file.push("images", json!({"uri": name}));
+        }
+        let extensions = json!({
+            "KHR_texture_basisu": {"source": 0}, "EXT_texture_webp": {"source": 1},
+        });
+        file.push("textures", json!({"source": 2, "extensions": extensions}));
+        file.document["extensionsUsed"] = json!(["KHR_texture_basisu", "EXT_texture_webp"]);
+        file.document["materials"][0] =
+            json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+        let path = folder.path().join("a.gltf");
+        gltf::parse(&path, &file.text(), &LoadOptions::default())
+    };
+    for (names, used) in [
+        (["gone.ktx2", "a.webp", "gone.png"], "a.webp"),
+        (["cut.ktx2", "a.webp", "a.png"], "a.webp"),
+        (["cut.ktx2", "cut.webp", "a.png"], "a.png"),
+        (["gone.ktx2", "gone.webp", "a.png"], "a.png"),
+    ] {
+        let scene = load(names).expect("has one");
+        assert_eq!(scene.textures[0].name(), used, "{names:?}");
+        let said: Vec<&str> = scene.notices.iter().map(|notice| &*notice.message).collect();
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with(&format!("{:?}: ", names[0])), "{said:?}");
+        assert!(said[0].ends_with(&format!(": {used:?} is used")), "{said:?}");
+    }
+    let said = message(load(["gone.ktx2", "gone.webp", "gone.png"]));
     assert!(said.contains("gone.ktx2"), "{said}");
 }
 

@@ -39,18 +39,20 @@ fn check(bytes: &[u8]) -> Result<Scene, LoadError> {
         assert!(mesh.normals.is_empty() || mesh.normals.len() == count);
         assert!(mesh.tangents.is_empty() || mesh.tangents.len() == count);
         assert!(mesh.colors.is_empty() || mesh.colors.len() == count);
-        assert!(mesh.uvs.iter().all(|set| set.is_empty() || set.len() == count));
+        assert!(mesh.uv_sets().all(|set| set.is_empty() || set.len() == count));
     }
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh.index()];
         let mut corners = mesh.indices.iter().flatten();
         let place = |&i: &u32| instance.transform.point(mesh.positions[i as usize]);
         assert!(corners.all(|i| place(i).is_finite()));
-        assert!(instance.material.index() < scene.materials.len());
+        let mut material = scene.materials[instance.material.index()].clone();
+        let sets = mesh.uv_sets().count();
+        assert!(material.textures_mut().all(|reference| (reference.uv_set as usize) < sets));
     }
     for material in &mut scene.materials.clone() {
         for reference in material.textures_mut() {
-            assert!(reference.texture.index() < scene.textures.len() && reference.uv_set < 2);
+            assert!(reference.texture.index() < scene.textures.len());
         }
     }
     Ok(scene)

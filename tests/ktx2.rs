@@ -1,9 +1,11 @@
 //! KTX 2.0 files beside the same texels as the reference transcoder gives them, to the bit.
 
 use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use dapple::texture::Image;
+use basisu::{DecodeFlags, TargetFormat, Transcoder};
+use dapple::texture::{FileLevels, Image};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/ktx2")
@@ -24,8 +26,75 @@ fn texels_are_those_of_the_reference_transcoder() {
         let expected = Image::decode(&read(&format!("{kind}-texels.png")), "").expect(kind);
         assert!(image == expected, "{kind}");
         assert_eq!(image.is_opaque(), !kind.ends_with("alpha"), "{kind}");
-        assert_eq!(Image::decoded_bytes(&bytes, &name).expect(kind), 13 * 10 * 4);
+        let take = |levels| Image::decoded_bytes(&bytes, &name, levels).expect(kind);
+        assert_eq!(take(FileLevels::First), 13 * 10 * 4);
+        assert_eq!(take(FileLevels::All), (13 * 10 + 6 * 5 + 3 * 2 + 1) * 4);
     }
+}
+
+fn with_levels(bytes: &[u8]) -> (Image, Vec<String>) {
+    Image::decode_noting(bytes, "a.ktx2", FileLevels::All).expect("its first level is whole")
+}
+
+/// Each level is decoded from a file that is made of it alone: it is as from the whole file.
+#[test]
+fn smaller_levels_are_those_of_the_transcoder_too() {
+    for kind in KINDS {
+        let bytes = read(&format!("{kind}.ktx2"));
+        let (image, notes) = with_levels(&bytes);
+        assert!(notes.is_empty(), "{kind}: {notes:?}");
+        assert!(Image::decode(&bytes, "a.ktx2").expect(kind).file_levels().is_empty());
+        let sizes = image.file_levels().iter().map(|level| [level.width(), level.height()]);
+        assert_eq!(sizes.collect::<Vec<_>>(), [[6, 5], [3, 2], [1, 1]], "{kind}");
+        if kind.starts_with("ok-zstd") {
+            continue; // The transcoder is built without Zstandard.
+        }
+        let transcoder = Transcoder::new(&bytes).expect(kind);
+        for (level, number) in image.file_levels().iter().zip(1..) {
+            let texels = transcoder.transcode(number, TargetFormat::Rgba32, DecodeFlags::NONE);
+            let texels = texels.expect(kind).as_chunks::<4>().0.to_vec();
+            assert!(**level == Image::of(level.width(), level.height(), texels), "{kind} {number}");
+        }
+    }
+    // Zstandard packs the same levels that the other file has as they are.
+    let [plain, packed] = ["ok-uastc", "ok-zstd"].map(|kind| read(&format!("{kind}.ktx2")));
+    assert!(with_levels(&plain).0 == with_levels(&packed).0);
+}
+
+/// A level that cannot be used ends them, is said, and takes nothing from those above.
+#[test]
+fn a_level_that_is_wrong_ends_the_levels() {
+    for kind in KINDS {
+        let whole = read(&format!("{kind}.ktx2"));
+        let entry = |number: usize| 80 + 24 * number;
+        for number in 1..4 {
+            let far = u64::MAX - 5;
+            let odd: [(Range<usize>, u64, &str); 3] = [
+                (0..8, far, "past the end of the file"),
+                (0..8, whole.len() as u64, "past the end of the file"),
+                (8..16, far, "past the end of the file"),
+            ];
+            for (field, value, reason) in odd {
+                let mut bytes = whole.clone();
+                let at = entry(number);
+                bytes[at + field.start..at + field.end].copy_from_slice(&value.to_le_bytes());
+                assert!(Image::decode(&bytes, "a.ktx2").is_ok(), "is not looked at");
+                let (image, notes) = with_levels(&bytes);
+                assert_eq!(image.file_levels().len(), number - 1, "{kind}");
+                let start = format!("has a level {number} that cannot be used (its level is ");
+                assert!(notes[0].starts_with(&start) && notes.len() == 1, "{notes:?}");
+                assert!(notes[0].contains(reason), "{notes:?}");
+            }
+        }
+    }
+    // Bytes of another size than the level has.
+    let mut bytes = read("ok-uastc.ktx2");
+    bytes.copy_within(80..104, 104);
+    let (image, notes) = with_levels(&bytes);
+    assert!(image.file_levels().is_empty());
+    let said = "has a level 1 that cannot be used (its level holds 192 bytes and needs 64): it and \
+                those below are made from the one before";
+    assert_eq!(notes, [said]);
 }
 
 /// Whatever is cut off is missed, but for the levels that are not used: those come first.
@@ -74,7 +143,8 @@ fn a_smaller_level_stands_in_for_one_that_is_too_large() {
     let block = read("ok-uastc.ktx2");
     let block = &block[block.len() - 16..];
     bytes.extend(block.repeat(blocks as usize));
-    let (image, notes) = Image::decode_noting(&bytes, "a.ktx2").expect("decodes");
+    let (image, notes) =
+        Image::decode_noting(&bytes, "a.ktx2", FileLevels::First).expect("decodes");
     assert_eq!((image.width(), image.height()), (10000, 5));
     assert_eq!(notes, ["has more than 16384 texels a side: its level 1, of 10000 by 5, is used"]);
 }

@@ -43,7 +43,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
         let material = write_material(material, &mut images, &mut left_out);
         binary.document.push("materials", material);
     }
-    let empty_uvs = first_sets(scene);
+    let empty_uvs = empty_sets(scene);
     let mut meshes = Meshes { scene, empty_uvs: &empty_uvs, shared: HashMap::new() };
     let mut numbers = HashMap::new();
     let mut placements = 0;
@@ -128,7 +128,7 @@ fn leave_out_meshes(scene: &Scene, left_out: &mut Vec<String>) {
 /// Whether a map of normals is turned by tangents of triangles where glTF wants those of
 /// MikkTSpace, as it does wherever there are normals and texture coordinates.
 fn has_tangents_by_triangle(mesh: &Mesh, map: TextureRef) -> bool {
-    let uvs = &mesh.uvs[usize::from(map.uv_set.min(1))];
+    let uvs = mesh.uv_set(map.uv_set as usize);
     mesh.tangents.is_empty() && !mesh.normals.is_empty() && !uvs.is_empty()
 }
 
@@ -136,9 +136,11 @@ fn triangles(scene: &Scene, mesh: MeshId) -> u64 {
     scene.meshes[mesh.index()].indices.len() as u64
 }
 
-/// For meshes that have the second set of texture coordinates alone, a first one.
-fn first_sets(scene: &Scene) -> HashMap<usize, Vec<Vec2>> {
-    let needs = |mesh: &Mesh| mesh.uvs[0].is_empty() && !mesh.uvs[1].is_empty();
+/// For meshes that lack a set of texture coordinates before others, what stands in its place:
+/// numbers must follow each other.
+fn empty_sets(scene: &Scene) -> HashMap<usize, Vec<Vec2>> {
+    let needs =
+        |mesh: &Mesh| mesh.uv_sets().skip_while(|set| !set.is_empty()).any(|set| !set.is_empty());
     let meshes = scene.meshes.iter().enumerate().filter(|(_, mesh)| needs(mesh));
     meshes.map(|(number, mesh)| (number, vec![Vec2::ZERO; mesh.positions.len()])).collect()
 }
@@ -155,8 +157,8 @@ impl<'a> Meshes<'a> {
     fn primitive(&mut self, binary: &mut Binary<'a>, mesh: MeshId, material: usize) -> Value {
         let (scene, empty) = (self.scene, self.empty_uvs);
         let shared = self.shared.entry(mesh).or_insert_with(|| {
-            let first_uvs = empty.get(&mesh.index()).map(Vec::as_slice);
-            accessors(binary, &scene.meshes[mesh.index()], first_uvs)
+            let empty_uvs = empty.get(&mesh.index()).map_or(&[][..], Vec::as_slice);
+            accessors(binary, &scene.meshes[mesh.index()], empty_uvs)
         });
         let mut primitive = shared.clone();
         primitive["material"] = material.into();
@@ -164,7 +166,8 @@ impl<'a> Meshes<'a> {
     }
 }
 
-fn accessors<'a>(binary: &mut Binary<'a>, mesh: &'a Mesh, first_uvs: Option<&'a [Vec2]>) -> Value {
+/// `empty_uvs` stands for sets of texture coordinates that are not there, but others after them.
+fn accessors<'a>(binary: &mut Binary<'a>, mesh: &'a Mesh, empty_uvs: &'a [Vec2]) -> Value {
     let mut attributes = json!({});
     let mut attribute = |name: &str, accessor: Option<usize>| {
         if let Some(accessor) = accessor {
@@ -179,9 +182,17 @@ fn accessors<'a>(binary: &mut Binary<'a>, mesh: &'a Mesh, first_uvs: Option<&'a 
     attribute("POSITION", positions);
     attribute("NORMAL", binary.accessor(Chunk::Vec3(&mesh.normals)));
     attribute("TANGENT", binary.accessor(Chunk::Vec4(&mesh.tangents)));
-    let first = first_uvs.unwrap_or(&mesh.uvs[0]);
-    attribute("TEXCOORD_0", binary.accessor(Chunk::Vec2(first)));
-    attribute("TEXCOORD_1", binary.accessor(Chunk::Vec2(&mesh.uvs[1])));
+    let sets = mesh.uv_sets().enumerate().filter(|(_, set)| !set.is_empty());
+    let count = sets.last().map_or(0, |(last, _)| last + 1);
+    let mut empty = None;
+    for (number, uvs) in mesh.uv_sets().take(count).enumerate() {
+        let accessor = if uvs.is_empty() {
+            *empty.get_or_insert_with(|| binary.accessor(Chunk::Vec2(empty_uvs)))
+        } else {
+            binary.accessor(Chunk::Vec2(uvs))
+        };
+        attribute(&format!("TEXCOORD_{number}"), accessor);
+    }
     attribute("COLOR_0", binary.accessor(Chunk::Vec4(&mesh.colors)));
     let mut primitive = json!({ "attributes": attributes });
     if let Some(indices) = binary.accessor(Chunk::Indices(&mesh.indices)) {

@@ -11,7 +11,7 @@ use crate::files::{self, memory};
 use crate::film::radiance::{self, RadianceError, is_radiance};
 use crate::film::{FilmError, exr};
 use crate::scene::Notice;
-use crate::texture::{Image, ImageError, Texels, Value, spread, srgb_to_linear};
+use crate::texture::{FileLevels, Image, ImageError, Texels, Value, spread, srgb_to_linear};
 
 /// The most pixels of an image of floats: 16384 by 8192.
 const MAX_PIXELS: u64 = 1 << 27;
@@ -213,7 +213,7 @@ fn low_range(
     let size = ImageReader::with_format(io::Cursor::new(&bytes), known).into_dimensions();
     let (width, height) = size.map_err(|error| failed(error.to_string()))?;
     check_size(path, width.into(), height.into(), MAX_LOW_RANGE_PIXELS)?;
-    let image = Image::decode_noting(&bytes, &path.display().to_string());
+    let image = Image::decode_noting(&bytes, &path.display().to_string(), FileLevels::First);
     let (image, notes) = image.map_err(|error| failed(error.to_string()))?;
     notes.into_iter().for_each(&mut *notice);
     if !image.is_opaque() {

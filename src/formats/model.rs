@@ -11,7 +11,7 @@ use crate::texture::add_levels;
 pub(super) fn load_model(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let mut scene = load_format(path, options)?;
     texture_range::restrict(&mut scene, path, &options.textures)?;
-    if options.texture_levels {
+    if options.textures.wants_levels() {
         add_levels(&mut scene.textures, &options.textures);
     }
     Ok(scene)

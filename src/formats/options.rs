@@ -51,11 +51,10 @@ pub struct LoadOptions {
     /// How long the shutter is open from that time on, seconds, while what is animated moves; none:
     /// an instant.
     pub shutter: Option<f32>,
-    /// What decodes and keeps the images of textures; by default a new one without a limit. Scenes
-    /// that are loaded with the same one share their images.
+    /// What decodes and keeps the images of textures; by default a new one without a limit, and
+    /// without smaller versions of images. Scenes that are loaded with the same one share their
+    /// images.
     pub textures: Arc<TextureStore>,
-    /// Whether textures get smaller versions of their images, for what is seen from afar.
-    pub texture_levels: bool,
     /// Who is told how much of the reading is done, in bytes.
     pub meter: Arc<Meter>,
 }

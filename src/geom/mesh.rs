@@ -16,8 +16,10 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Unit tangents, `w` the sign of the bitangent; empty: from the texture coordinates.
     pub tangents: Vec<Vec4>,
-    /// Two sets of texture coordinates, each possibly empty.
+    /// The first two sets of texture coordinates, each possibly empty.
     pub uvs: [Vec<Vec2>; 2],
+    /// The sets after them, for materials that look up more than two; each possibly empty.
+    pub more_uvs: Vec<Vec<Vec2>>,
     /// Linear colours and alpha that multiply the material's base colour; empty: white.
     pub colors: Vec<Vec4>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
@@ -29,6 +31,20 @@ impl Mesh {
     pub fn bounds(&self) -> Aabb {
         let corners = self.indices.iter().flatten();
         Aabb::of_points(corners.map(|&i| self.positions[i as usize]))
+    }
+
+    /// All sets of texture coordinates, by their numbers.
+    pub fn uv_sets(&self) -> impl Iterator<Item = &[Vec2]> {
+        self.uvs.iter().chain(&self.more_uvs).map(Vec::as_slice)
+    }
+
+    /// A set of texture coordinates; empty if there is none of that number.
+    #[inline]
+    pub fn uv_set(&self, number: usize) -> &[Vec2] {
+        match self.uvs.get(number) {
+            Some(set) => set,
+            None => self.more_uvs.get(number - self.uvs.len()).map_or(&[], Vec::as_slice),
+        }
     }
 
     /// The positions that triangles use, each once.
@@ -54,7 +70,7 @@ impl Mesh {
         repeat(&mut self.positions, sources);
         repeat(&mut self.normals, sources);
         repeat(&mut self.tangents, sources);
-        self.uvs.iter_mut().for_each(|set| repeat(set, sources));
+        self.uvs.iter_mut().chain(&mut self.more_uvs).for_each(|set| repeat(set, sources));
         repeat(&mut self.colors, sources);
     }
 
@@ -64,7 +80,7 @@ impl Mesh {
             + size_of_val(&*self.normals)
             + size_of_val(&*self.tangents)
             + size_of_val(&*self.colors)
-            + self.uvs.iter().map(|set| size_of_val(&**set)).sum::<usize>()
+            + self.uv_sets().map(size_of_val).sum::<usize>()
             + size_of_val(&*self.indices)
     }
 }

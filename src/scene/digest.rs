@@ -16,7 +16,7 @@ impl Scene {
             digest.bytes(bytemuck::cast_slice(&mesh.positions));
             digest.bytes(bytemuck::cast_slice(&mesh.normals));
             digest.bytes(bytemuck::cast_slice(&mesh.tangents));
-            mesh.uvs.iter().for_each(|set| digest.bytes(bytemuck::cast_slice(set)));
+            mesh.uv_sets().for_each(|set| digest.bytes(bytemuck::cast_slice(set)));
             digest.bytes(bytemuck::cast_slice(&mesh.indices));
             if !mesh.colors.is_empty() {
                 digest.bytes(bytemuck::cast_slice(&mesh.colors));

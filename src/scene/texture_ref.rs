@@ -7,8 +7,8 @@ use crate::math::{TextureId, Vec2};
 pub struct TextureRef {
     /// The texture.
     pub texture: TextureId,
-    /// Which of the mesh's two sets of coordinates.
-    pub uv_set: u8,
+    /// Which of the mesh's sets of coordinates.
+    pub uv_set: u32,
     /// Applied to the coordinates before the look-up, see [`TextureRef::transform`].
     pub scale: Vec2,
     /// Cosine and sine of the angle by which the coordinates turn.

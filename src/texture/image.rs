@@ -16,7 +16,20 @@ pub struct Image {
     channels: u8,
     opaque: bool,
     store: Store,
+    /// Its own smaller versions, from the file that it is from.
+    file_levels: Vec<Arc<Image>>,
     digest: OnceLock<u64>,
+}
+
+/// Which levels of a file are decoded, if it has several: of what size the image is, and half as
+/// wide and high, and so on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FileLevels {
+    /// The image alone.
+    #[default]
+    First,
+    /// Smaller versions too.
+    All,
 }
 
 /// Where texels are.
@@ -41,7 +54,21 @@ impl Image {
             Texels::F32(values) => is_opaque(values, channels),
         };
         let (store, digest) = (Store::Whole(texels), OnceLock::new());
-        Self { width, height, channels, opaque, store, digest }
+        Self { width, height, channels, opaque, store, file_levels: Vec::new(), digest }
+    }
+
+    /// The same with smaller versions from its file: each half as wide and high as the one before,
+    /// of the same kind of texels.
+    #[must_use]
+    pub(super) fn with_file_levels(self, file_levels: Vec<Arc<Self>>) -> Self {
+        // What is clear from afar must be looked up.
+        let opaque = self.opaque && file_levels.iter().all(|level| level.opaque);
+        Self { opaque, file_levels, digest: OnceLock::new(), ..self }
+    }
+
+    /// The smaller versions that its file brought, from the largest on.
+    pub fn file_levels(&self) -> &[Arc<Self>] {
+        &self.file_levels
     }
 
     /// The same of texels that know their channels.
@@ -53,17 +80,30 @@ impl Image {
     }
 
     /// The same image in tiles that `cache` keeps; one that is no larger than a tile stays whole.
+    /// So do those of its file's smaller versions.
     #[must_use]
     pub fn into_tiles(self, cache: &Arc<TileCache>) -> Self {
-        let (size, channels) = ([self.width, self.height], self.channels);
-        let Store::Whole(texels) = &self.store else { return self };
-        if u64::from(self.width) * u64::from(self.height) <= u64::from(SIDE * SIDE) {
-            return self;
-        }
         // While all of it is at hand.
-        self.digest();
-        let tiles = Tiles::cut(texels, size, channels, Arc::clone(cache));
-        Self { store: Store::Tiles(tiles), ..self }
+        let digest = self.digest();
+        let Some(tiles) = self.cut(cache) else { return self };
+        let level = |level: &Arc<Self>| match level.cut(cache) {
+            Some(tiles) => Arc::new(tiles),
+            None => Arc::clone(level),
+        };
+        let file_levels = self.file_levels.iter().map(level).collect();
+        Self { opaque: self.opaque, file_levels, digest: digest.into(), ..tiles }
+    }
+
+    /// Its texels in tiles, unless they are few or in tiles already.
+    fn cut(&self, cache: &Arc<TileCache>) -> Option<Self> {
+        let Self { width, height, channels, opaque, .. } = *self;
+        let Store::Whole(texels) = &self.store else { return None };
+        if u64::from(width) * u64::from(height) <= u64::from(SIDE * SIDE) {
+            return None;
+        }
+        let store = Store::Tiles(Tiles::cut(texels, [width, height], channels, Arc::clone(cache)));
+        let (file_levels, digest) = (Vec::new(), self.digest.clone());
+        Some(Self { width, height, channels, opaque, store, file_levels, digest })
     }
 
     /// Texels in a row.
@@ -129,11 +169,13 @@ impl Image {
         count * u64::from(self.depth().bits() / 8)
     }
 
-    /// A number that tells texels apart, the same in memory and in tiles.
+    /// A number that tells texels apart, and those of its file's smaller versions; the same in
+    /// memory and in tiles.
     pub fn digest(&self) -> u64 {
         *self.digest.get_or_init(|| {
             let mut digest = Digest::default();
             digest.bytes(self.texels().as_bytes());
+            self.file_levels.iter().for_each(|level| digest.word(level.digest()));
             digest.value()
         })
     }
@@ -142,7 +184,9 @@ impl Image {
 impl PartialEq for Image {
     fn eq(&self, other: &Self) -> bool {
         let size = |image: &Self| [image.width, image.height, image.channels.into()];
-        size(self) == size(other) && self.texels() == other.texels()
+        size(self) == size(other)
+            && self.texels() == other.texels()
+            && self.file_levels == other.file_levels
     }
 }
 

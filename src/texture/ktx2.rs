@@ -1,12 +1,15 @@
 //! KTX 2.0 files with texels of Basis Universal: ETC1S, and UASTC with or without Zstandard.
 //!
 //! The container is read and checked here (KTX File Format 2.0, 3). A transcoder by others then
-//! gets a file of the one level that is used, made anew of what was checked, so that no offset or
-//! length of the original reaches it.
+//! gets for each level that is used a file of this one alone, made anew of what was checked, so
+//! that no offset or length of the original reaches it.
+
+use std::ops::Range;
+use std::sync::Arc;
 
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
-use super::image::Image;
+use super::image::{FileLevels, Image};
 use super::zstandard;
 use crate::files::{guard, memory};
 
@@ -48,6 +51,8 @@ enum Packing {
 /// A level of the pyramid.
 #[derive(Clone, Copy, Debug)]
 struct Level<'a> {
+    /// 0: the image itself.
+    number: u32,
     width: u32,
     height: u32,
     bytes: &'a [u8],
@@ -67,57 +72,71 @@ impl Level<'_> {
     }
 }
 
-/// A file whose container was checked.
+/// A file whose container was checked, but for its levels.
 struct Container<'a> {
+    bytes: &'a [u8],
     packing: Packing,
     /// What tells the kind of texels, as it is in the file.
     descriptor: &'a [u8],
     /// What levels share, for ETC1S.
     shared: &'a [u8],
+    /// Texels of the image itself.
+    size: [u32; 2],
     /// How many levels there are.
     levels: u32,
-    /// Which of them is used: the first whose sides are within the limit.
-    number: u32,
-    level: Level<'a>,
+    /// Which of them stands for the image: the first whose sides are within the limit.
+    first: u32,
 }
 
-/// Decodes the first level of at most `max_size` texels a side, and says what is odd about that.
+/// Decodes the first level of at most `max_size` texels a side, with `levels` also those below, and
+/// says what is odd about them. A level that cannot be used ends them.
 ///
 /// # Errors
-/// What is wrong, or that there is no memory for it.
-pub fn decode(bytes: &[u8], max_size: u32) -> Result<(Image, Vec<String>), String> {
+/// What is wrong with the first, or that there is no memory for it.
+pub fn decode(
+    bytes: &[u8],
+    max_size: u32,
+    levels: FileLevels,
+) -> Result<(Image, Vec<String>), String> {
     let container = Container::read(bytes, max_size)?;
-    let level = container.level;
+    let first = container.level(container.first)?;
     // The texels twice, as bytes and as texels, and of each block its indices or its bytes.
-    let claimed = 2 * level.texel_bytes() + level.blocks() * UASTC_BLOCK + bytes.len() as u64;
+    let claimed = first.texel_bytes() + first.blocks() * UASTC_BLOCK + bytes.len() as u64;
+    let claimed = claimed + container.texel_bytes(levels);
     memory::claim(claimed).map_err(|error| error.to_string())?;
-    let single = container.single_level()?;
-    let texels = guard::run("its texels cannot be decoded", || {
-        let transcoder = Transcoder::new(&single).ok()?;
-        transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).ok()
-    })?;
-    let texels = texels.ok_or("its texels cannot be decoded: they are damaged")?;
-    let texels: Vec<[u8; 4]> = texels.as_chunks::<4>().0.to_vec();
-    if texels.len() as u64 * 4 != level.texel_bytes() {
-        return Err("its texels cannot be decoded: some are missing".to_owned());
-    }
+    let image = container.decode(first)?;
     let mut notes = Vec::new();
-    if container.number > 0 {
-        let (number, Level { width, height, .. }) = (container.number, level);
+    if first.number > 0 {
+        let Level { number, width, height, .. } = first;
         notes.push(format!(
             "has more than {max_size} texels a side: its level {number}, of {width} by {height}, \
              is used"
         ));
     }
-    Ok((Image::of(level.width, level.height, texels), notes))
+    let mut below = Vec::new();
+    for number in container.below(levels) {
+        match container.level(number).and_then(|level| container.decode(level)) {
+            Ok(image) => below.push(Arc::new(image)),
+            Err(reason) => {
+                notes.push(format!(
+                    "has a level {number} that cannot be used ({reason}): it and those below are \
+                     made from the one before"
+                ));
+                break;
+            }
+        }
+    }
+    Ok((image.with_file_levels(below), notes))
 }
 
-/// The memory that the texels of that level take.
+/// The memory that the texels take of the levels that [`decode`] decodes.
 ///
 /// # Errors
 /// As [`decode`], as far as the container tells.
-pub fn decoded_bytes(bytes: &[u8], max_size: u32) -> Result<u64, String> {
-    Ok(Container::read(bytes, max_size)?.level.texel_bytes())
+pub fn decoded_bytes(bytes: &[u8], max_size: u32, levels: FileLevels) -> Result<u64, String> {
+    let container = Container::read(bytes, max_size)?;
+    container.level(container.first)?;
+    Ok(container.texel_bytes(levels))
 }
 
 impl<'a> Container<'a> {
@@ -129,7 +148,8 @@ impl<'a> Container<'a> {
         if field(12) != 0 {
             return Err("its texels are not those of Basis Universal (ETC1S or UASTC)".to_owned());
         }
-        let (width, height) = (field(20), field(24));
+        let size = [field(20), field(24)];
+        let [width, height] = size;
         if width == 0 || height == 0 || field(28) != 0 || field(32) > 1 || field(36) != 1 {
             return Err("is not one flat image".to_owned());
         }
@@ -143,33 +163,74 @@ impl<'a> Container<'a> {
         if levels > 32 - width.max(height).leading_zeros() {
             return Err(format!("has {levels} levels, more than its size allows"));
         }
-        let size = |number: u32| ((width >> number).max(1), (height >> number).max(1));
-        let within = |&number: &u32| size(number).0.max(size(number).1) <= max_size;
-        let number = (0..levels).find(within).ok_or_else(|| {
+        let within = |&number: &u32| (width.max(height) >> number) <= max_size;
+        let first = (0..levels).find(within).ok_or_else(|| {
             format!("{width} by {height} texels are too many: at most {max_size} a side")
         })?;
+        let long = |at: usize| long_word(bytes, at).unwrap_or(0);
+        let descriptor = range(bytes, field(48).into(), field(52).into(), "format descriptor")?;
+        let shared = range(bytes, long(64), long(72), "data that levels share")?;
+        Ok(Self { bytes, packing, descriptor, shared, size, levels, first })
+    }
+
+    /// Columns and rows of a level.
+    fn level_size(&self, number: u32) -> [u32; 2] {
+        self.size.map(|side| (side >> number).max(1))
+    }
+
+    /// The numbers of the levels below the first that is used, if they are asked for.
+    fn below(&self, levels: FileLevels) -> Range<u32> {
+        match levels {
+            FileLevels::First => 0..0,
+            FileLevels::All => self.first + 1..self.levels,
+        }
+    }
+
+    /// Bytes of the texels of the levels that are used.
+    fn texel_bytes(&self, levels: FileLevels) -> u64 {
+        let bytes = |number| {
+            let [width, height] = self.level_size(number);
+            u64::from(width) * u64::from(height) * 4
+        };
+        bytes(self.first) + self.below(levels).map(bytes).sum::<u64>()
+    }
+
+    /// A level, checked.
+    fn level(&self, number: u32) -> Result<Level<'a>, String> {
         let entry = HEADER + LEVEL_ENTRY * number as usize;
         let ends = || "the file ends in its list of levels".to_owned();
-        let long = |at: usize| long_word(bytes, at).ok_or_else(ends);
+        let long = |at: usize| long_word(self.bytes, at).ok_or_else(ends);
         let (offset, length, unpacked) = (long(entry)?, long(entry + 8)?, long(entry + 16)?);
-        let (width, height) = size(number);
-        let level =
-            Level { width, height, bytes: range(bytes, offset, length, "level")?, unpacked };
-        let descriptor = range(bytes, field(48).into(), field(52).into(), "format descriptor")?;
-        let shared = range(bytes, long(64)?, long(72)?, "data that levels share")?;
-        let container = Self { packing, descriptor, shared, levels, number, level };
-        container.check_model()?;
-        Ok(container)
+        let [width, height] = self.level_size(number);
+        let bytes = range(self.bytes, offset, length, "level")?;
+        let level = Level { number, width, height, bytes, unpacked };
+        self.check_model(level)?;
+        Ok(level)
+    }
+
+    /// The texels of a level.
+    fn decode(&self, level: Level) -> Result<Image, String> {
+        let single = self.single_level(level)?;
+        let texels = guard::run("its texels cannot be decoded", || {
+            let transcoder = Transcoder::new(&single).ok()?;
+            transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).ok()
+        })?;
+        let texels = texels.ok_or("its texels cannot be decoded: they are damaged")?;
+        let texels: Vec<[u8; 4]> = texels.as_chunks::<4>().0.to_vec();
+        if texels.len() as u64 * 4 != level.texel_bytes() {
+            return Err("its texels cannot be decoded: some are missing".to_owned());
+        }
+        Ok(Image::of(level.width, level.height, texels))
     }
 
     /// Whether kind of texels, packing and lengths go together.
-    fn check_model(&self) -> Result<(), String> {
+    fn check_model(&self, level: Level) -> Result<(), String> {
         let model = word(self.descriptor, 12).ok_or("its format descriptor is cut")? & 0xff;
-        let needed = self.level.blocks() * UASTC_BLOCK;
+        let needed = level.blocks() * UASTC_BLOCK;
         let there = match (model, self.packing) {
-            (MODEL_ETC1S, Packing::BasisLz) => return self.check_expansion(),
-            (MODEL_UASTC, Packing::None) => self.level.bytes.len() as u64,
-            (MODEL_UASTC, Packing::Zstandard) => self.level.unpacked,
+            (MODEL_ETC1S, Packing::BasisLz) => return Self::check_expansion(level),
+            (MODEL_UASTC, Packing::None) => level.bytes.len() as u64,
+            (MODEL_UASTC, Packing::Zstandard) => level.unpacked,
             (MODEL_ETC1S | MODEL_UASTC, _) => {
                 return Err("its texels are packed in a way that they cannot be".to_owned());
             }
@@ -186,8 +247,8 @@ impl<'a> Container<'a> {
 
     /// The decoder goes on after the end of a level as if there were zeros: a few bytes must not
     /// ask for a gigabyte.
-    fn check_expansion(&self) -> Result<(), String> {
-        let (blocks, bytes) = (self.level.blocks(), self.level.bytes.len() as u64);
+    fn check_expansion(level: Level) -> Result<(), String> {
+        let (blocks, bytes) = (level.blocks(), level.bytes.len() as u64);
         if blocks > FREE_BLOCKS && blocks > bytes.saturating_mul(BLOCKS_PER_BYTE) {
             return Err(format!("{blocks} blocks cannot come out of {bytes} bytes"));
         }
@@ -195,14 +256,14 @@ impl<'a> Container<'a> {
     }
 
     /// A file of the level alone, without Zstandard.
-    fn single_level(&self) -> Result<Vec<u8>, String> {
+    fn single_level(&self, level: Level) -> Result<Vec<u8>, String> {
         let unpacked = match self.packing {
-            Packing::Zstandard => Some(zstandard::unpack(self.level.bytes, self.level.unpacked)?),
+            Packing::Zstandard => Some(zstandard::unpack(level.bytes, level.unpacked)?),
             Packing::None | Packing::BasisLz => None,
         };
-        let texels = unpacked.as_deref().unwrap_or(self.level.bytes);
+        let texels = unpacked.as_deref().unwrap_or(level.bytes);
         let (shared, scheme) = match self.packing {
-            Packing::BasisLz => (self.shared_of_level()?, 1_u32),
+            Packing::BasisLz => (self.shared_of_level(level)?, 1_u32),
             Packing::None | Packing::Zstandard => (Vec::new(), 0),
         };
         let descriptor_at = HEADER + LEVEL_ENTRY;
@@ -210,7 +271,7 @@ impl<'a> Container<'a> {
         let texels_at = shared_at + shared.len();
         let mut file = MAGIC.to_vec();
         // No format of Vulkan's, one byte a number, the size, one layer, one face, one level.
-        let Level { width, height, .. } = self.level;
+        let Level { width, height, .. } = level;
         let descriptor_length = self.descriptor.len() as u32;
         let words = [
             0,
@@ -238,12 +299,12 @@ impl<'a> Container<'a> {
     }
 
     /// What levels of ETC1S share, with the description of the one level alone (3.12.2).
-    fn shared_of_level(&self) -> Result<Vec<u8>, String> {
+    fn shared_of_level(&self, level: Level) -> Result<Vec<u8>, String> {
         const HEAD: usize = 20;
         const DESCRIPTION: usize = 20;
         let cut = || "the data that its levels share are cut".to_owned();
         let head = self.shared.get(..HEAD).ok_or_else(cut)?;
-        let described = HEAD + DESCRIPTION * self.number as usize;
+        let described = HEAD + DESCRIPTION * level.number as usize;
         let description = self.shared.get(described..described + DESCRIPTION).ok_or_else(cut)?;
         let tables = HEAD + DESCRIPTION * self.levels as usize;
         let tables = self.shared.get(tables..).ok_or_else(cut)?;
@@ -253,7 +314,7 @@ impl<'a> Container<'a> {
         }
         for at in [4, 12] {
             let part = [at, at + 4].map(|at| u64::from(word(description, at).unwrap_or(0)));
-            if part[0] + part[1] > self.level.bytes.len() as u64 {
+            if part[0] + part[1] > level.bytes.len() as u64 {
                 return Err("its level is cut".to_owned());
             }
         }

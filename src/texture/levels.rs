@@ -1,6 +1,7 @@
 //! Smaller versions of a texture's image, for what is seen from afar: each half as wide and high.
 //!
-//! A texel is the mean of those that lie in it (a box filter), of linear values. Colours (sRGB) are
+//! Those that the image's file has are used. The rest is made from the last of them. There, a
+//! texel is the mean of those that lie in it (a box filter), of linear values. Colours (sRGB) are
 //! weighed by their alpha, so that what is clear lends no colour to what is not. Other data has its
 //! plain mean: a normal is made a unit vector where it is used.
 
@@ -35,7 +36,7 @@ pub fn add_levels(textures: &mut [Texture], store: &TextureStore) {
 
 /// The levels below an image, down to one texel.
 fn make_levels(image: &Image, space: ColorSpace, store: &TextureStore) -> Arc<[Arc<Image>]> {
-    let mut levels: Vec<Arc<Image>> = Vec::new();
+    let mut levels: Vec<Arc<Image>> = image.file_levels().to_vec();
     while let Some(half) = halve(levels.last().map_or(image, |level| level), space) {
         levels.push(store.keep(half));
     }
@@ -146,6 +147,32 @@ mod tests {
         assert_eq!(halved([1, 2], &both, ColorSpace::Srgb), [200, 0, 0, 127]);
         assert_eq!(halved([2, 1], &both, ColorSpace::Linear), [100, 100, 0, 127]);
         assert!(halve(&Image::of(1, 1, vec![[1.0_f32]]), ColorSpace::Linear).is_none());
+    }
+
+    /// Whole and in tiles alike.
+    #[test]
+    fn levels_of_the_file_come_first_and_the_last_of_them_makes_the_rest() {
+        let of =
+            |side: u32, value: u8| Image::of(side, side, vec![[value]; (side * side) as usize]);
+        let make = || of(128, 7).with_file_levels(vec![Arc::new(of(64, 50)), Arc::new(of(32, 90))]);
+        for limit in [u64::MAX, 0] {
+            let store = TextureStore::new(limit);
+            let image = store.keep(make());
+            assert_eq!(image.is_tiled(), limit == 0);
+            assert!(*image == make() && image.digest() == make().digest());
+            assert_ne!(image.digest(), of(128, 7).digest());
+            let wrap = [Wrap::Repeat; 2];
+            let texture = Texture::new(image, ColorSpace::Linear, wrap, Filter::Nearest);
+            let mut textures = [texture];
+            add_levels(&mut textures, &store);
+            for (over, expected) in [(1, 7), (2, 50), (4, 90), (8, 90), (500, 90)] {
+                let value = textures[0].sample_over(Vec2::new(0.3, 0.6), over as f32 / 128.0);
+                assert_eq!(value.x, f32::from(expected as u8) / 255.0, "{over}");
+            }
+            // The image, its two levels and six more.
+            let figures = store.figures();
+            assert_eq!((figures.images, figures.tiled), (8, if limit == 0 { 2 } else { 0 }));
+        }
     }
 
     #[test]

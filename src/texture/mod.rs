@@ -28,7 +28,7 @@ mod zstandard;
 
 pub use cache::{CacheFigures, TileCache};
 pub use decode::ImageError;
-pub use image::Image;
+pub use image::{FileLevels, Image};
 pub use levels::add_levels;
 pub use range::TextureRange;
 pub use store::{Decoded, ImageId, ImagePart, ImageSource, TextureFigures, TextureStore};

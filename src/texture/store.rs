@@ -12,7 +12,7 @@ use std::time::SystemTime;
 use rayon::prelude::*;
 
 use super::cache::{CacheFigures, TileCache};
-use super::image::Image;
+use super::image::{FileLevels, Image};
 use crate::files::{Meter, memory};
 
 /// Memory that decoded images may always take, and beyond it for each byte of their files.
@@ -93,6 +93,7 @@ pub struct TextureStore {
     known: Mutex<Known>,
     cache: Arc<TileCache>,
     meter: Arc<Meter>,
+    levels: FileLevels,
 }
 
 impl Default for TextureStore {
@@ -120,12 +121,25 @@ impl TextureStore {
             known: Mutex::default(),
             cache: Arc::new(TileCache::new(limit)),
             meter: Arc::default(),
+            levels: FileLevels::First,
         }
     }
 
     /// The same; a meter is told how many bytes of texels are decoded.
     pub fn metered(self, meter: Arc<Meter>) -> Self {
         Self { meter, ..self }
+    }
+
+    /// The same for textures that are looked up in smaller versions, too: see [`add_levels`].
+    ///
+    /// [`add_levels`]: super::add_levels
+    pub fn with_levels(self) -> Self {
+        Self { levels: FileLevels::All, ..self }
+    }
+
+    /// Whether textures get smaller versions of their images, for what is seen from afar.
+    pub fn wants_levels(&self) -> bool {
+        self.levels == FileLevels::All
     }
 
     /// Bytes that textures may take.
@@ -200,7 +214,7 @@ impl TextureStore {
         // Sizes are known before anything is decoded, so that many small files are no bomb either.
         let kept = AtomicU64::new(0);
         let files: Vec<Result<SizedFile, String>> =
-            sources.par_iter().map(|source| SizedFile::read(source, &kept)).collect();
+            sources.par_iter().map(|source| SizedFile::read(source, &kept, self.levels)).collect();
         let sizes = files.iter().flatten().fold((0_u64, 0_u64), |sum, file| {
             (sum.0.saturating_add(file.length), sum.1.saturating_add(file.decoded))
         });
@@ -223,7 +237,7 @@ impl TextureStore {
                 Some(bytes) => bytes,
                 None => (source.read)()?,
             };
-            let decoded = Image::decode_noting(&bytes, source.name);
+            let decoded = Image::decode_noting(&bytes, source.name, self.levels);
             drop(bytes);
             let (image, notes) = decoded.map_err(|error| error.to_string())?;
             let image = self.admit(image, fits);
@@ -266,12 +280,14 @@ impl TextureStore {
 
     fn admit(&self, image: Image, fits: bool) -> Arc<Image> {
         let image = if fits { image } else { image.into_tiles(&self.cache) };
-        if !fits && !image.is_tiled() {
-            self.resident.fetch_add(image.texel_bytes(), Relaxed);
-            self.leave_the_rest_to_the_cache();
+        for image in image.file_levels().iter().map(|level| &**level).chain([&image]) {
+            if !fits && !image.is_tiled() {
+                self.resident.fetch_add(image.texel_bytes(), Relaxed);
+                self.leave_the_rest_to_the_cache();
+            }
+            self.images.fetch_add(1, Relaxed);
+            self.tiled.fetch_add(image.is_tiled().into(), Relaxed);
         }
-        self.images.fetch_add(1, Relaxed);
-        self.tiled.fetch_add(image.is_tiled().into(), Relaxed);
         Arc::new(image)
     }
 }
@@ -286,10 +302,14 @@ struct SizedFile<'a> {
 }
 
 impl<'a> SizedFile<'a> {
-    fn read(source: &ImageSource<'a>, kept: &AtomicU64) -> Result<Self, String> {
+    fn read(
+        source: &ImageSource<'a>,
+        kept: &AtomicU64,
+        levels: FileLevels,
+    ) -> Result<Self, String> {
         let bytes = (source.read)()?;
         let length = bytes.len() as u64;
-        let decoded = Image::decoded_bytes(&bytes, source.name).unwrap_or(0);
+        let decoded = Image::decoded_bytes(&bytes, source.name, levels).unwrap_or(0);
         let keep = matches!(bytes, Cow::Borrowed(_))
             || kept.fetch_add(length, Relaxed).saturating_add(length) <= KEPT_BYTES;
         Ok(Self { length, decoded, bytes: keep.then_some(bytes) })

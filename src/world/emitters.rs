@@ -105,7 +105,7 @@ pub(super) fn mean_emission(scene: &Scene, id: TriangleId) -> f32 {
             let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / STEPS as f32;
             let uv = warp::triangle(u);
             let point = Interpolation::new(mesh, index, instance.transform.mirrored(), uv.x, uv.y);
-            mean(emission(scene, material, &point.attributes(mesh, true)))
+            mean(emission(scene, material, &point.attributes((instance.mesh, mesh), true)))
         })
         .sum();
     (sum / (STEPS * STEPS) as f32).max(1e-3 * mean(material.emissive))

@@ -7,8 +7,8 @@ use crate::scene::{Material, Scene, TextureRef};
 
 /// Looks a texture up where a material asks for it.
 pub(super) fn look_up(scene: &Scene, texture: &TextureRef, at: &Attributes) -> Vec4 {
-    let set = usize::from(texture.uv_set.min(1));
-    let (uv, footprint) = (texture.transform(at.uv[set]), at.footprint[set]);
+    let (uv, footprint) = at.uv_set(scene, texture.uv_set);
+    let uv = texture.transform(uv);
     let image = &scene.textures[texture.texture.index()];
     if footprint > 0.0 {
         let scale = (texture.scale.x * texture.scale.y).abs().sqrt();

@@ -25,7 +25,7 @@ mod surface;
 mod world;
 
 pub use alpha::AlphaFilter;
-pub use interpolation::Attributes;
+pub use interpolation::{Attributes, Further};
 pub use light_sampler::LightSamplerKind;
 pub use lights::Lights;
 pub use prepared_material::BsdfClass;

@@ -64,7 +64,7 @@ fn bumped_normal(
     let map = &at.scene.textures[texture.texture.index()];
     let [width, height] = map.size();
     let step = Vec2::new(0.5 / width as f32, 0.5 / height as f32);
-    let here = texture.transform(at.attributes.uv[usize::from(texture.uv_set.min(1))]);
+    let here = texture.transform(at.attributes.uv_set(at.scene, texture.uv_set).0);
     let scale = at.material.normal_scale;
     let height_at = |x: f32, y: f32| map.sample(here + Vec2::new(x, y)).x * scale;
     let by_u = (height_at(step.x, 0.0) - height_at(-step.x, 0.0)) / (2.0 * step.x);
@@ -110,7 +110,7 @@ pub(super) fn tangent(
 /// Derivatives of the position by the texture coordinates of `texture`; `None` where they do not
 /// exist.
 fn uv_slopes(at: &NormalContext<'_>, texture: &TextureRef) -> Option<(Vec3, Vec3)> {
-    let uvs = &at.posed.mesh.uvs[usize::from(texture.uv_set.min(1))];
+    let uvs = at.posed.mesh.uv_set(texture.uv_set as usize);
     if uvs.is_empty() {
         return None;
     }

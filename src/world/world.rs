@@ -153,10 +153,10 @@ impl World {
         let (normal, area) = normal_and_area(&triangle);
 
         let prepared = &self.materials[instance.material.index()];
-        let mut attributes = point.attributes(mesh, prepared.textured);
+        let mut attributes = point.attributes((instance.mesh, mesh), prepared.textured);
         if width > 0.0 && prepared.textured {
             let cosine = normal.dot(ray.direction()).abs().max(LEAST_COSINE);
-            attributes.footprint = point.footprint(mesh, area, width / cosine);
+            point.widen(&mut attributes, mesh, area, width / cosine);
         }
         let shading = shading_normal(&NormalContext {
             scene: &self.scene,
@@ -205,7 +205,7 @@ impl World {
         let mesh = &*self.scene.meshes[instance.mesh.index()];
         let mirrored = self.scene.transform_at(id, time).mirrored();
         let point = Interpolation::new(mesh, index, mirrored, at.x, at.y);
-        (instance.material, point.attributes(mesh, textured))
+        (instance.material, point.attributes((instance.mesh, mesh), textured))
     }
 
     /// What a surface scatters where `hit` has met it.

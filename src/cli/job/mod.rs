@@ -90,8 +90,7 @@ impl Job {
         let start = Instant::now();
         args.spp = count_samples(&args);
         let settled = light::settle(&mut args);
-        let memory = args.texture_memory.unwrap_or_else(|| crate::files::memory::limit() / 2);
-        let textures = Arc::new(TextureStore::new(memory).metered(Arc::clone(watch.meter())));
+        let textures = Arc::new(scene::texture_store(&args, watch));
         let at_zero = if looks { light::decide_at_zero(&args, &textures, watch)? } else { None };
         // The images of the first are those of the second: they are decoded once.
         let (at_zero, _images) = at_zero.unzip();

@@ -8,10 +8,18 @@ use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::{MissingTextureArg, MtlTransparencyArg, TextureLod};
 use crate::cli::status::Phase;
 use crate::cli::watch::Watch;
+use crate::files;
 use crate::formats::{self, LoadError, LoadOptions, NotFinite};
 use crate::scene::{Notice, Scene, SceneMemory};
 use crate::texture::TextureStore;
 use crate::world::World;
+
+/// What decodes and keeps the scene's textures, and those of other scenes of the same job.
+pub fn texture_store(args: &RenderArgs, watch: &Watch) -> TextureStore {
+    let memory = args.texture_memory.unwrap_or_else(|| files::memory::limit() / 2);
+    let store = TextureStore::new(memory).metered(Arc::clone(watch.meter()));
+    if args.texture_lod == TextureLod::On { store.with_levels() } else { store }
+}
 
 /// Loads the scene, posed as the settings tell, with the environment light that was asked for; and
 /// what there is to say of both. `textures` keeps its images.
@@ -35,7 +43,6 @@ pub fn load(
         time: args.time,
         shutter: args.shutter,
         textures: Arc::clone(textures),
-        texture_levels: args.texture_lod == TextureLod::On,
         meter: Arc::clone(watch.meter()),
     };
     let mut scene = formats::load(&args.scene_file, &options)?;

@@ -264,9 +264,9 @@ impl<'a> Builder<'a> {
         material: MaterialId,
         notices: &mut Notices,
     ) {
-        let uvs = &self.scene.meshes[mesh.index()].uvs;
-        let needed = self.palette.sets[material.index()];
-        if needed.iter().zip(uvs).any(|(&needed, uvs)| needed && uvs.is_empty()) {
+        let mesh = &self.scene.meshes[mesh.index()];
+        let needed = &self.palette.sets[material.index()];
+        if needed.iter().any(|&set| mesh.uv_set(set as usize).is_empty()) {
             let message = "has no such texture coordinates as its material's textures need";
             notices.add(primitive.place.clone(), message);
         }

@@ -73,10 +73,8 @@ impl Linker<'_> {
                 attribute(slot, name)?;
             }
         }
-        for (set, slot) in primitive.uv_sets.iter_mut().enumerate() {
-            if let Some(slot) = slot {
-                attribute(slot, &format!("TEXCOORD_{set}"))?;
-            }
+        for (set, slot) in &mut primitive.uv_sets {
+            attribute(slot, &format!("TEXCOORD_{set}"))?;
         }
         for (set, [joints, weights]) in geometry.joints.iter_mut().enumerate() {
             attribute(joints, &format!("JOINTS_{set}"))?;
@@ -87,7 +85,7 @@ impl Linker<'_> {
         let corners = Part { view, attribute: None };
         let place = packed.place().to_owned();
         geometry.indices = Some(self.part(corners, geometry.indices, place));
-        primitive.keep_sets([Some(0), Some(1)]);
+        primitive.keep_sets(&[0, 1]);
         Ok(())
     }
 

@@ -234,8 +234,8 @@ impl Reader<'_, '_> {
             reference.rotation = Vec2::new(libm::cosf(angle), libm::sinf(angle));
         }
         // Which of the mesh's sets is which of those that a mesh keeps is told by the palette.
-        reference.uv_set = u8::try_from(set).map_err(|_| {
-            info.fault_at("texCoord", format!("{set} is beyond all sets of coordinates (255)"))
+        reference.uv_set = u32::try_from(set).map_err(|_| {
+            info.fault_at("texCoord", format!("{set} is beyond all sets of coordinates (2^32 - 1)"))
         })?;
         Ok(reference)
     }

@@ -1,5 +1,7 @@
 //! Meshes as the document declares them: primitives and their attributes (glTF 2.0, 3.7).
 
+use std::collections::BTreeMap;
+
 use super::json::{Fault, Object};
 use super::notices::Notices;
 use super::variants::Variants;
@@ -41,8 +43,8 @@ pub struct Geometry {
     pub normals: Option<usize>,
     /// TANGENT.
     pub tangents: Option<usize>,
-    /// Two sets of texture coordinates, TEXCOORD_0 and TEXCOORD_1 unless the material needs others.
-    pub uvs: [Option<usize>; 2],
+    /// Sets of texture coordinates, TEXCOORD_0 and TEXCOORD_1 unless the material needs others.
+    pub uvs: Vec<Option<usize>>,
     /// COLOR_0.
     pub colors: Option<usize>,
     /// Which vertices, in which order; none: all, as they stand.
@@ -56,18 +58,19 @@ pub struct Geometry {
 impl Geometry {
     /// Whether tangents for a normal map, which is looked up by a set of texture coordinates, can
     /// be made and must be.
-    pub fn lacks_tangents(&self, uv_set: u8) -> bool {
-        let uvs = self.uvs[usize::from(uv_set)];
+    pub fn lacks_tangents(&self, uv_set: u32) -> bool {
+        let uvs = self.uvs.get(uv_set as usize).copied().flatten();
         self.tangents.is_none() && self.normals.is_some() && uvs.is_some()
     }
 
     /// All accessors that it reads.
     pub fn accessors(&self) -> impl Iterator<Item = usize> {
-        let Self { normals, tangents, uvs, colors, indices, .. } = *self;
-        let optional = [normals, tangents, uvs[0], uvs[1], colors, indices];
+        let Self { normals, tangents, colors, indices, .. } = *self;
+        let optional = [normals, tangents, colors, indices];
+        let uvs = self.uvs.iter().copied();
         let targets = self.targets.iter().flat_map(|(_, accessors)| *accessors);
         let joints = self.joints.iter().flatten().copied();
-        let optional = optional.into_iter().chain(targets).flatten();
+        let optional = optional.into_iter().chain(uvs).chain(targets).flatten();
         [self.positions].into_iter().chain(joints).chain(optional)
     }
 }
@@ -81,8 +84,10 @@ pub struct Primitive {
     pub geometry: Geometry,
     /// Which material; none: the default one.
     pub material: Option<usize>,
-    /// TEXCOORD_n, as many as there are.
-    pub uv_sets: Vec<Option<usize>>,
+    /// TEXCOORD_n by their numbers.
+    pub uv_sets: BTreeMap<u32, usize>,
+    /// The numbers of those that `geometry` has.
+    pub kept_sets: Vec<u32>,
     /// The accessors of all its morph targets.
     morphs: Vec<Displacements>,
 }
@@ -94,9 +99,9 @@ impl Primitive {
     }
 
     /// Keeps those sets of texture coordinates that a material looks up.
-    pub fn keep_sets(&mut self, sets: [Option<u8>; 2]) {
-        let set = |number: u8| self.uv_sets.get(usize::from(number)).copied().flatten();
-        self.geometry.uvs = sets.map(|number| number.and_then(set));
+    pub fn keep_sets(&mut self, sets: &[u32]) {
+        self.geometry.uvs = sets.iter().map(|set| self.uv_sets.get(set).copied()).collect();
+        self.kept_sets = sets.to_vec();
     }
 
     /// The same with other weights of its morph targets, as a node may ask.
@@ -190,13 +195,16 @@ fn primitive(
         normals,
         // Without normals tangents are to be ignored (3.7.2.1).
         tangents: if normals.is_some() { attribute("TANGENT")? } else { None },
-        uvs: [0, 1].map(|set| uv_sets.get(set).copied().flatten()),
+        uvs: Vec::new(),
         colors: attribute("COLOR_0")?,
         indices,
         joints,
         targets: weigh_morphs(&morphs, weights),
     };
-    Ok(Some(Primitive { place: object.place().to_owned(), geometry, material, uv_sets, morphs }))
+    let (place, kept_sets) = (object.place().to_owned(), Vec::new());
+    let mut primitive = Primitive { place, geometry, material, uv_sets, kept_sets, morphs };
+    primitive.keep_sets(&[0, 1]);
+    Ok(Some(primitive))
 }
 
 /// Says which attributes are not looked at. Those of applications, with an underscore, are theirs.
@@ -208,16 +216,13 @@ fn note_attribute(attributes: &Object, name: &str, notices: &mut Notices) {
     notices.add(attributes.at(name), message);
 }
 
-/// The sets of texture coordinates by their numbers, up to 255.
-fn uv_sets(attributes: &Object, accessors: usize) -> Result<Vec<Option<usize>>, Fault> {
-    let mut sets = Vec::new();
+/// The sets of texture coordinates by their numbers.
+fn uv_sets(attributes: &Object, accessors: usize) -> Result<BTreeMap<u32, usize>, Fault> {
+    let mut sets = BTreeMap::new();
     for (name, _) in attributes.members() {
-        let number = name.strip_prefix("TEXCOORD_").and_then(|set| set.parse::<u8>().ok());
-        let Some(number) = number.map(usize::from) else { continue };
-        if sets.len() <= number {
-            sets.resize(number + 1, None);
-        }
-        sets[number] = attributes.reference(name, "accessor", accessors)?;
+        let number = name.strip_prefix("TEXCOORD_").and_then(|set| set.parse().ok());
+        let accessor = attributes.reference(name, "accessor", accessors)?;
+        sets.extend(number.zip(accessor));
     }
     Ok(sets)
 }

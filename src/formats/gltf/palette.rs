@@ -12,12 +12,10 @@ pub(super) struct Palette {
     /// Of each of the file's materials its new number.
     ids: Vec<Option<MaterialId>>,
     default: Option<MaterialId>,
-    /// Of each material which of the two sets that a mesh keeps its textures need.
-    pub sets: Vec<[bool; 2]>,
-    /// Whether a material looks up more sets than two.
-    pub has_too_many: bool,
-    /// Of each material which sets of the file these two are.
-    kept: Vec<[Option<u8>; 2]>,
+    /// Of each material which of the sets that a mesh keeps its textures need.
+    pub sets: Vec<BTreeSet<u32>>,
+    /// Of each material which sets of the file a mesh keeps for it.
+    kept: Vec<Vec<u32>>,
 }
 
 impl Palette {
@@ -37,7 +35,6 @@ impl Palette {
             default: None,
             sets: Vec::new(),
             kept: Vec::new(),
-            has_too_many: false,
         };
         for (i, material) in declared.into_iter().enumerate().filter(|&(i, _)| used[i]) {
             palette.ids[i] = Some(palette.add(material));
@@ -49,19 +46,15 @@ impl Palette {
     }
 
     fn add(&mut self, mut material: Material) -> MaterialId {
-        let used: BTreeSet<u8> = material.textures_mut().map(|texture| texture.uv_set).collect();
-        let kept = if used.iter().all(|&set| set < 2) {
-            [Some(0), Some(1)]
-        } else {
-            let mut used = used.into_iter();
-            [used.next(), used.next()]
-        };
-        let mut sets = [false; 2];
+        let used: BTreeSet<u32> = material.textures_mut().map(|texture| texture.uv_set).collect();
+        // The first two stay what they are; else all that are looked up move together.
+        let kept: Vec<u32> =
+            if used.iter().all(|&set| set < 2) { vec![0, 1] } else { used.into_iter().collect() };
+        let mut sets = BTreeSet::new();
         for texture in material.textures_mut() {
-            let slot = kept.iter().position(|&set| set == Some(texture.uv_set));
-            self.has_too_many |= slot.is_none();
-            texture.uv_set = slot.unwrap_or(0) as u8;
-            sets[usize::from(texture.uv_set)] = true;
+            let slot = kept.iter().position(|&set| set == texture.uv_set);
+            texture.uv_set = slot.map_or(texture.uv_set, |slot| slot as u32);
+            sets.insert(texture.uv_set);
         }
         self.kept.push(kept);
         self.sets.push(sets);
@@ -70,8 +63,8 @@ impl Palette {
     }
 
     /// The sets of coordinates that a primitive is to keep; none: it is not drawn.
-    pub fn kept(&self, primitive: &Primitive) -> Option<[Option<u8>; 2]> {
-        self.known(primitive).map(|id| self.kept[id.index()])
+    pub fn kept(&self, primitive: &Primitive) -> Option<&[u32]> {
+        self.known(primitive).map(|id| &*self.kept[id.index()])
     }
 
     /// The material of a primitive.

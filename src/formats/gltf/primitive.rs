@@ -27,10 +27,11 @@ pub fn build(
     let mut positions = reader.attribute(Some(geometry.positions), "POSITION", Vec3::from_array)?;
     let mut normals = reader.attribute(geometry.normals, "NORMAL", Vec3::from_array)?;
     let mut tangents = reader.attribute(geometry.tangents, "TANGENT", Vec4::from_array)?;
-    let uvs = [
-        reader.attribute(geometry.uvs[0], "TEXCOORD_0", Vec2::from_array)?,
-        reader.attribute(geometry.uvs[1], "TEXCOORD_1", Vec2::from_array)?,
-    ];
+    let mut sets = geometry.uvs.iter().zip(&primitive.kept_sets).map(|(&accessor, set)| {
+        reader.attribute(accessor, &format!("TEXCOORD_{set}"), Vec2::from_array)
+    });
+    let uvs = [sets.next().transpose()?, sets.next().transpose()?].map(Option::unwrap_or_default);
+    let more_uvs = sets.collect::<Result<Vec<_>, _>>()?;
     let colors = reader.colors(geometry.colors)?;
     reader.morph(geometry, &mut positions, &mut normals, &mut tangents)?;
     if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
@@ -40,9 +41,9 @@ pub fn build(
     }
     let indices = reader.triangles(geometry, notices)?;
 
-    let mut mesh =
-        Mesh { name: name.to_owned(), positions, normals, tangents, uvs, colors, indices };
-    repair(&mut mesh, place, notices);
+    let name = name.to_owned();
+    let mut mesh = Mesh { name, positions, normals, tangents, uvs, more_uvs, colors, indices };
+    repair(&mut mesh, place, &primitive.kept_sets, notices);
     Ok(mesh)
 }
 
@@ -60,7 +61,7 @@ pub fn add_tangents(
     // For each vertex its tangent, for each corner at most another vertex.
     let bytes = mesh.positions.len() as u64 * 16 + mesh.indices.len() as u64 * 3 * 48;
     storage.reserve(place, bytes)?;
-    let uvs = &mesh.uvs[usize::from(map.uv_set)];
+    let uvs = mesh.uv_set(map.uv_set as usize);
     let uvs: Vec<Vec2> = uvs.iter().map(|&uv| map.transform(uv)).collect();
     geom::add_tangents(mesh, &uvs);
     Ok(())
@@ -182,7 +183,7 @@ impl Reader<'_> {
 
 /// Makes normals and tangents unit vectors, replaces those that cannot be, and coordinates of
 /// textures and colours that are not numbers.
-fn repair(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
+fn repair(mesh: &mut Mesh, place: &str, kept_sets: &[u32], notices: &mut Notices) {
     if repair::normals(mesh) {
         notices.add(
             format!("{place}/attributes/NORMAL"),
@@ -204,7 +205,7 @@ fn repair(mesh: &mut Mesh, place: &str, notices: &mut Notices) {
         mesh.tangents = Vec::new();
     }
 
-    for (set, uvs) in mesh.uvs.iter_mut().enumerate() {
+    for (uvs, set) in mesh.uvs.iter_mut().chain(&mut mesh.more_uvs).zip(kept_sets) {
         if repair::uvs(uvs) {
             let place = format!("{place}/attributes/TEXCOORD_{set}");
             notices.add(place, "some texture coordinates are no numbers; 0 takes their place");
@@ -246,11 +247,17 @@ mod tests {
     fn a_tangent_without_a_direction_takes_all_with_it() {
         let mut mesh = Mesh {
             tangents: vec![Vec4::new(2.0, 0.0, 0.0, -3.0), Vec4::ZERO],
-            uvs: [vec![Vec2::NAN, Vec2::ONE], Vec::new()],
+            uvs: [vec![Vec2::ONE; 2], vec![Vec2::NAN, Vec2::ONE]],
+            more_uvs: vec![vec![Vec2::ONE, Vec2::NAN]],
             ..Mesh::default()
         };
-        repair(&mut mesh, "/p", &mut Notices::default());
+        let mut notices = Notices::default();
+        repair(&mut mesh, "/p", &[0, 4, 7], &mut notices);
         assert!(mesh.tangents.is_empty());
-        assert_eq!(mesh.uvs[0], [Vec2::ZERO, Vec2::ONE]);
+        assert_eq!(mesh.uvs[1], [Vec2::ZERO, Vec2::ONE]);
+        assert_eq!(mesh.more_uvs[0], [Vec2::ONE, Vec2::ZERO]);
+        let said = notices.finish(std::path::Path::new("a"));
+        let places: Vec<&str> = said.iter().map(|notice| &*notice.place).collect();
+        assert_eq!(places[1..], ["/p/attributes/TEXCOORD_4", "/p/attributes/TEXCOORD_7"]);
     }
 }

@@ -112,23 +112,26 @@ pub fn load_textures(
 ) -> Vec<Option<Texture>> {
     let missing = options.missing_texture;
     let decode_images = |used| decode_images(used, images, storage, path, &options.textures);
-    let used = slots.iter().filter_map(|&(texture, _)| textures[texture].image).collect();
-    let mut decoded = decode_images(used);
-    // Of each texture that cannot have its first image the second.
-    let fails = |decoded: &BTreeMap<usize, Decoded>, image| decoded[&image].is_err();
-    let second = |&(texture, _): &(usize, ColorSpace)| {
-        let TextureDeclaration { image, fallback, .. } = textures[texture];
-        fallback.filter(|_| image.is_some_and(|image| fails(&decoded, image)))
-    };
-    let seconds: Vec<usize> = slots.iter().filter_map(second).collect();
-    let seconds = seconds.into_iter().filter(|image| !decoded.contains_key(image)).collect();
-    decoded.extend(decode_images(seconds));
+    let mut decoded = BTreeMap::new();
+    loop {
+        // Of each texture the first image that is not known to be of no use.
+        let next = |&(texture, _): &(usize, ColorSpace)| {
+            let usable = |image: &&usize| decoded.get(*image).is_none_or(Decoded::is_ok);
+            textures[texture].images.iter().find(usable)
+        };
+        let wanted = slots.iter().filter_map(next).filter(|image| !decoded.contains_key(*image));
+        let wanted: Vec<usize> = wanted.copied().collect();
+        if wanted.is_empty() {
+            break;
+        }
+        decoded.extend(decode_images(wanted));
+    }
 
     // Of each texture the image that it has, if it has any, and the one that it gets.
     let choose = |&(texture, _): &(usize, ColorSpace)| {
-        let TextureDeclaration { image, fallback, .. } = textures[texture];
-        let usable = |image: &usize| decoded.get(image).is_some_and(Result::is_ok);
-        image.map(|it| (it, fallback.filter(|other| !usable(&it) && usable(other)).unwrap_or(it)))
+        let images = &textures[texture].images;
+        let usable = |image: &&usize| decoded.get(*image).is_some_and(Decoded::is_ok);
+        images.first().map(|&first| (first, *images.iter().find(usable).unwrap_or(&first)))
     };
     let chosen: Vec<Option<(usize, usize)>> = slots.iter().map(choose).collect();
     // In the order of the images.

@@ -54,11 +54,6 @@ pub(super) fn select(
 
     let materials = std::mem::take(&mut document.materials);
     let mut palette = Palette::new(materials, drawn_primitives(document, &placed).into_iter());
-    if palette.has_too_many {
-        let message = "a material looks up more than two sets of texture coordinates: the first \
-                       stands in for the third and those after it";
-        notices.add("/materials", message);
-    }
     for primitive in document.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
         if let Some(sets) = palette.kept(primitive) {
             primitive.keep_sets(sets);
@@ -92,7 +87,8 @@ fn views_in_use(
     slots: &[(usize, ColorSpace)],
     light: Option<&ImageLight>,
 ) -> Vec<usize> {
-    let images = slots.iter().filter_map(|&(texture, _)| document.textures[texture].image);
+    let images = slots.iter().filter_map(|&(texture, _)| document.textures[texture].images.first());
+    let images = images.copied();
     let images = images.chain(light.iter().flat_map(|light| light.faces));
     let of_images = images.filter_map(|image| match document.images[image].source {
         ImageSource::View(view) => Some(view),

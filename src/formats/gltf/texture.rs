@@ -79,10 +79,9 @@ pub enum ImageSource {
 pub struct TextureDeclaration {
     /// The pointer to it.
     pub place: String,
-    /// Which image; none where only an extension names one that is not supported.
-    pub image: Option<usize>,
-    /// Which image if that is not there: the one for programs without such extensions.
-    pub fallback: Option<usize>,
+    /// Its images: those of extensions first, that for programs without them last. The first that
+    /// can be used is. None where only an extension names one that is not supported.
+    pub images: Vec<usize>,
     /// Whether it has one of EXT_texture_avif, which is not read.
     pub avif: bool,
     /// Beyond the edges, along u and v.
@@ -118,11 +117,11 @@ pub fn textures(root: &Object, images: usize) -> Result<Vec<TextureDeclaration>,
             Some(other) => other.reference("source", "image", images),
             None => Ok(None),
         };
-        let packed = other("KHR_texture_basisu")?.or(other("EXT_texture_webp")?);
-        let (image, fallback) = (packed.or(plain), packed.and(plain));
+        let all = [other("KHR_texture_basisu")?, other("EXT_texture_webp")?, plain];
+        let images = all.into_iter().flatten().collect();
         let avif = other("EXT_texture_avif")?.is_some();
         let place = object.place().to_owned();
-        Ok(TextureDeclaration { place, image, fallback, avif, wrap, filter })
+        Ok(TextureDeclaration { place, images, avif, wrap, filter })
     };
     root.objects("textures")?.iter().map(texture).collect()
 }

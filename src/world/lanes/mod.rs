@@ -21,6 +21,7 @@ use crate::geom::Mesh;
 use crate::material::lanes::BsdfRows;
 use crate::material::{Dielectric, Lambert, MetallicRoughness};
 use crate::math::{InstanceId, MaterialId};
+use crate::scene::Instance;
 
 impl World {
     /// The instance and the number of the triangle that was hit, and what class of BSDF it has.
@@ -52,9 +53,11 @@ impl World {
 
     /// The rows of a BSDF that differs from point to point.
     #[inline(never)]
-    fn bsdf_rows(&self, id: MaterialId, mesh: &Mesh, point: &Interpolation) -> BsdfRows {
+    fn bsdf_rows(&self, instance: &Instance, mesh: &Mesh, point: &Interpolation) -> BsdfRows {
+        let id = instance.material;
         let material = &self.materials[id.index()];
-        let params = self.surface_params(id, &point.attributes(mesh, material.textured));
+        let params =
+            self.surface_params(id, &point.attributes((instance.mesh, mesh), material.textured));
         match material.class {
             BsdfClass::Lambert => Lambert { reflectance: params.base_color }.rows(),
             BsdfClass::SmoothGlass => {

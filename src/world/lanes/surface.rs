@@ -75,7 +75,7 @@ impl SurfaceRows {
         match &world.materials[instance.material.index()].rows {
             Some(rows) if mesh.colors.is_empty() => described = rows,
             _ => {
-                computed = world.bsdf_rows(instance.material, mesh, &point);
+                computed = world.bsdf_rows(instance, mesh, &point);
                 described = &computed;
             }
         }

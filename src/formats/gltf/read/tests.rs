@@ -65,6 +65,34 @@ fn sparse_values_replace_zeros() {
     assert_eq!(fault.place, "/accessors/0/sparse/indices");
 }
 
+/// Normalised, with something between the elements: values that replace others have nothing there.
+#[test]
+fn sparse_values_replace_those_of_a_stride() {
+    // Two signed bytes of four are an element; then index 2 and its value.
+    let bytes = [127, 0, 9, 9, 0, 127, 9, 9, 0x81, 127, 9, 9, 2, 0, 127, 0x81, 0, 0];
+    let mut accessor = plain(Component::I8, Shape::Vector(2), 3);
+    (accessor.stride, accessor.normalized) = (4, true);
+    accessor.sparse = Some(Sparse { count: 1, indices: (1, 0, Component::U16), values: (1, 2) });
+    let storage = storage(&bytes, Some(4), accessor);
+    let expected = [[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]];
+    assert_eq!(storage.vectors::<2>(0).expect("reads"), expected);
+    let rows = storage.rows::<2>(0).expect("reads");
+    assert_eq!((0..3).map(|row| rows.get(row)).collect::<Vec<_>>(), expected);
+}
+
+/// At an odd place, as no validator lets pass, and with something between them.
+#[test]
+fn matrices_are_read_wherever_they_lie() {
+    let numbers: Vec<f32> = (0..32).map(|i| i as f32).collect();
+    let bytes = |matrix: &[f32]| matrix.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let all = [vec![7], bytes(&numbers[..16]), vec![9; 8], bytes(&numbers[16..]), vec![5; 6]];
+    let mut accessor = plain(Component::F32, Shape::Matrix(4), 2);
+    (accessor.base, accessor.stride) = (Some((0, 1)), 72);
+    let all = all.concat();
+    let read = storage(&all, Some(72), accessor).matrices(0).expect("reads");
+    assert_eq!(read.as_flattened(), numbers);
+}
+
 #[test]
 fn a_small_file_cannot_ask_for_gigabytes() {
     let mut accessor = plain(Component::F32, Shape::Vector(3), u64::MAX);
