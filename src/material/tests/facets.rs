@@ -14,6 +14,7 @@ const WHITE: SurfaceParams = SurfaceParams {
     metallic: 0.0,
     transmission: 0.0,
     diffuse_transmission: 0.0,
+    diffuse_transmission_color: Vec3::ONE,
     thin: false,
     specular: 0.0,
     ..LEAF
@@ -78,44 +79,40 @@ fn any_direction(i: u64) -> Vec3 {
     warp::sphere(Sampler::new(i, 0, 2).next_2d())
 }
 
-/// White facets send all light back, or through, whatever their slope and wherever it comes from.
+/// White facets send all light back, or through, whatever their slope and wherever it comes from:
+/// within .5 %, but for what chance adds where weights differ.
 #[test]
 fn white_furnaces_close() {
+    const COUNT: u64 = 16_384;
     let kinds = [
         ("lambert", WHITE),
         ("smooth metal", metal(0.0)),
         ("metal", metal(0.3)),
-        ("rough metal", metal(0.7)),
+        ("rough metal", metal(0.5)),
         ("coated", SurfaceParams { specular: 1.0, specular_color: Vec3::ONE, ..WHITE }),
         ("smooth glass", glass(0.0)),
         ("rough glass", glass(0.4)),
         ("paper", SurfaceParams { diffuse_transmission: 0.5, ..WHITE }),
     ];
-    let mut worst = (0.0, String::new());
     for (name, params) in kinds {
         let bsdf = bsdf(&params);
-        for slope in [0.05, 0.25, 0.5, 1.0, 2.0, 20.0] {
+        for slope in [0.05, 0.25, 0.5, 1.0, 2.0] {
             let facets = facets(slope);
-            for cos in [1.0, 0.8, 0.5, 0.25, 0.1, 0.05, -0.3] {
+            for cos in [1.0, 0.5, 0.25, 0.05, -0.3] {
                 for turned in [1.0, -1.0] {
                     let viewer = direction(cos) * Vec3::new(turned, turned, 1.0);
-                    let mut sum = Vec3::ZERO;
-                    for i in 0..8192 {
-                        if let Some(it) = walk((&facets, &bsdf), viewer, i, |_| {}) {
-                            sum += it.weight * (it.eta * it.eta);
-                        }
-                    }
-                    let error = (sum / 8192.0 - Vec3::ONE).abs().max_element();
-                    let what = format!("{name}, slope {slope}, cosine {cos} {turned}: {error}");
-                    if error > worst.0 {
-                        worst = (error, what);
-                        eprintln!("{}", worst.1);
-                    }
+                    let weight = |i| {
+                        let way = walk((&facets, &bsdf), viewer, i, |_| {});
+                        way.map_or(0.0, |it| f64::from(mean(it.weight) * (it.eta * it.eta)))
+                    };
+                    let (albedo, error) = mean_and_error(COUNT, weight);
+                    let off = (albedo - 1.0).abs();
+                    let what = format!("{name}, slope {slope}, cosine {cos} {turned}: {albedo}");
+                    assert!(error < 0.006 && off < 0.005 + 2.0 * error, "{what} +- {error}");
                 }
             }
         }
     }
-    assert!(worst.0 < 0.005, "{}", worst.1);
 }
 
 /// The light that diffuse facets return is that of radiosity between them: of each the light that
@@ -153,31 +150,49 @@ fn diffuse_facets_shine_on_each_other() {
 /// rounding; by all of them, in the mean.
 #[test]
 fn light_counts_alike_both_ways() {
-    let mut worst = [0.0_f32; 2];
+    const COUNT: u64 = 8192;
+    let (mut worst_once, mut worst, mut off, mut all) = (0.0_f32, 0.0_f64, 0.0, 0.0);
     for params in [WHITE, metal(0.4), metal(0.7), SurfaceParams { metallic: 0.5, ..metal(0.6) }] {
         let bsdf = bsdf(&params);
-        for i in 0..60 {
+        for i in 0..50 {
             let geometric = any_direction(5 * i);
             let up = |v: Vec3| if v.dot(geometric) < 0.0 { -v } else { v };
             let [shading, a, b] = [1, 2, 3].map(|k| up(any_direction(5 * i + k)));
             let facets = Facets::new(geometric, &Frame::from_normal(shading)).expect("not flat");
-            let both = |k: usize, count: u64| {
-                let (viewer, light) = if k == 0 { (a, b) } else { (b, a) };
-                let (value, _) = eval((&facets, &bsdf), viewer, light, count);
-                mean(value) / geometric.dot(light)
-            };
-            let once = [(a, b), (b, a)].map(|(viewer, light)| {
-                once((&facets, &bsdf), viewer, light) / geometric.dot(light)
+            let on = (&facets, &bsdf);
+            let [there, back] = [(a, b), (b, a)].map(|(viewer, light)| {
+                let upright = geometric.dot(light);
+                let of_way = |i| f64::from(way_value(on, viewer, light, i) / upright);
+                (once(on, viewer, light) / upright, mean_and_error(COUNT, of_way))
             });
-            let off = (once[0] - once[1]).abs() / once[0].max(1e-3);
-            worst[0] = worst[0].max(off);
-            let [there, back] = [both(0, 16_384), both(1, 16_384)];
-            let off = (there - back).abs() / there.max(0.05);
-            eprintln!("{i} {there} {back}");
-            worst[1] = worst[1].max(off);
+            worst_once = worst_once.max((there.0 - back.0).abs() / there.0.max(1e-3));
+            let ((there, error), (back, other)) = (there.1, back.1);
+            worst = worst.max((there - back).abs() / (error.hypot(other) + 1e-6));
+            off += there - back;
+            all += there;
         }
     }
-    assert!(worst[0] < 1e-3 && worst[1] < 0.03, "{worst:?}");
+    assert!(worst_once < 1e-4, "{worst_once}");
+    assert!(worst < 4.5 && (off / all).abs() < 0.005, "{worst} {off} {all}");
+}
+
+/// What comes back of the light by way number `i`.
+fn way_value(on: (&Facets, &Bsdf), viewer: Vec3, light: Vec3, i: u64) -> f32 {
+    let mut sum = 0.0;
+    walk(on, viewer, i, |on| sum += mean(on.eval(light).0));
+    sum
+}
+
+/// The mean over ways and its standard error.
+fn mean_and_error(count: u64, value: impl Fn(u64) -> f64) -> (f64, f64) {
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for i in 0..count {
+        let value = value(i);
+        sum += value;
+        squares += value * value;
+    }
+    let n = count as f64;
+    (sum / n, ((squares / n - (sum / n) * (sum / n)).max(0.0) / n).sqrt())
 }
 
 /// What comes back by one scattering on either facet.
