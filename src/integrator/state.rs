@@ -78,6 +78,7 @@ pub struct ShadowRay {
 }
 
 /// How the light that was sampled gets to its vertex, if it does.
+#[derive(Clone, Copy, Debug)]
 pub enum Direct {
     /// By a segment that must be free.
     Ray(ShadowRay),
