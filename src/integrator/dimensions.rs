@@ -12,8 +12,8 @@
 //! | 2 d + 1 | lobe, Russian roulette | choice of the light, wavelength at vertex d |
 //!
 //! Sets from 2^22 on belong to media: set 2^22 + d holds, in lanes 0 and 1, the colour that draws
-//! the distance along segment d, and that distance. Sets from 2^23 on belong to scatterings on facets,
-//! see [`crate::material::Facets`]: two to each.
+//! the distance along segment d, and that distance. Sets from 2^23 on belong to scatterings on
+//! facets, see [`crate::material::Facets`]: two to each.
 
 use crate::material::MOST_SCATTERINGS;
 
@@ -52,8 +52,9 @@ pub fn flight_dimension(depth: u32) -> u32 {
     FIRST_FLIGHT_DIMENSION.wrapping_add(4 * depth)
 }
 
-/// Of scattering number `scattering` on the facets at the end of segment `depth`: the direction, two
-/// dimensions; the lobe; whether it gets out; and the choice of it among all for a light.
+/// Scattering number `scattering` on the facets at the end of segment `depth`: the direction, two
+/// dimensions, and the lobe; from the fourth after on the choice of this scattering among all, for
+/// a light, the choice of the facet that is seen, and whether the way gets out.
 pub fn facet_dimension(depth: u32, scattering: u32) -> u32 {
     let before = depth.wrapping_mul(MOST_SCATTERINGS).wrapping_add(scattering);
     FIRST_FACET_DIMENSION.wrapping_add(before.wrapping_mul(VERTEX_DIMENSIONS))
