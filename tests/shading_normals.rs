@@ -49,6 +49,19 @@ fn coarse_white_spheres_in_a_white_world_are_invisible() {
     }
 }
 
+/// With facets, too, a white sphere is invisible: however coarse, and however bent its normals.
+#[test]
+fn white_spheres_of_facets_are_invisible() {
+    for material in [lambert(1.0), white_metal(0.1), white_metal(0.5)] {
+        for (levels, slope) in [(1, 0.0), (2, 0.0), (3, 0.0), (4, 0.5), (3, 4.0)] {
+            let mesh = smooth_sphere(levels, slope);
+            let seen = furnace(mesh, material.clone(), ShadingNormals::Microfacet);
+            let what = format!("{levels}, {slope}, {}: {seen}", material.roughness);
+            assert!((seen - 1.0).abs() < 0.003, "{what}");
+        }
+    }
+}
+
 #[test]
 fn white_spheres_with_wild_normals_are_invisible() {
     for material in [lambert(1.0), white_metal(0.1), white_metal(0.5)] {
@@ -75,29 +88,32 @@ fn coarse_smooth_glass_in_a_white_world_is_invisible() {
     let mut scene = scene([(smooth_sphere(2, 0.1), glass)]);
     scene.environment = Some(Environment::constant(Vec3::ONE));
     let camera = flat_camera(Vec3::new(1.0, 4.0, 2.0), Vec3::ZERO, 1.0);
-    let picture = run_with(scene, &camera, &settings(64, 16, 200), ShadingNormals::Robust).picture;
-    let (mean, _) = mean(&picture);
-    assert!((mean - 1.0).abs() < 0.003, "{mean}");
+    for kind in [ShadingNormals::Robust, ShadingNormals::Microfacet] {
+        let picture = run_with(scene.clone(), &camera, &settings(64, 16, 200), kind).picture;
+        let (mean, _) = mean(&picture);
+        assert!((mean - 1.0).abs() < 0.003, "{kind} {mean}");
+    }
 }
 
 /// Not one sample of light gets through a closed mesh, however its normals bend.
 #[test]
 fn nothing_gets_through() {
-    for slope in [0.0, 0.7] {
+    let kinds = [ShadingNormals::Robust, ShadingNormals::Microfacet];
+    for (slope, kind) in [0.0, 0.7].into_iter().flat_map(|slope| kinds.map(|kind| (slope, kind))) {
         let shell = || (smooth_sphere(1, slope), lambert(0.9));
         let mut glowing = sphere(1);
         glowing.positions.iter_mut().for_each(|p| *p *= 0.3);
         let lamp = Material { emissive: Vec3::splat(1e3), ..lambert(0.0) };
         let outside = flat_camera(Vec3::new(1.0, 4.0, 2.0), Vec3::ZERO, 1.2);
         let lit_within = scene([shell(), (glowing, lamp)]);
-        let dark = run_with(lit_within, &outside, &settings(32, 64, 20), ShadingNormals::Robust);
-        assert_eq!(mean(&dark.picture).0, 0.0, "{slope}");
+        let dark = run_with(lit_within, &outside, &settings(32, 64, 20), kind);
+        assert_eq!(mean(&dark.picture).0, 0.0, "{slope} {kind}");
 
         let mut lit_without: Scene = scene([shell()]);
         lit_without.environment = Some(Environment::constant(Vec3::splat(1e3)));
         let inside = Camera::look_at(Vec3::new(0.1, 0.2, 0.1), Vec3::X, Vec3::Y, 2.0);
-        let dark = run_with(lit_without, &inside, &settings(32, 64, 20), ShadingNormals::Robust);
-        assert_eq!(mean(&dark.picture).0, 0.0, "{slope}");
+        let dark = run_with(lit_without, &inside, &settings(32, 64, 20), kind);
+        assert_eq!(mean(&dark.picture).0, 0.0, "{slope} {kind}");
     }
 }
 

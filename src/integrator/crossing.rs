@@ -15,6 +15,18 @@ pub enum Crossing {
     Leaves,
 }
 
+impl Crossing {
+    /// That of light which stays on the viewer's side of a surface or does not.
+    #[inline(always)]
+    pub fn of(surface: &Surface, stays: bool) -> Self {
+        match (stays, surface.front) {
+            (true, _) => Self::Reflected,
+            (false, true) => Self::Enters,
+            (false, false) => Self::Leaves,
+        }
+    }
+}
+
 /// Tells on which side of a surface the world-space `direction` goes on; `wo` and `wi` are the
 /// local directions of the viewer and of the scattered light.
 ///
@@ -35,11 +47,7 @@ pub fn classify_crossing(
 ) -> Option<Crossing> {
     let seems_to_stay = (wi.z > 0.0) == (wo.z > 0.0);
     if robust {
-        return Some(match (seems_to_stay, surface.front) {
-            (true, _) => Crossing::Reflected,
-            (false, true) => Crossing::Enters,
-            (false, false) => Crossing::Leaves,
-        });
+        return Some(Crossing::of(surface, seems_to_stay));
     }
     let above = surface.normal.dot(direction);
     let stays = (above > 0.0) == surface.front;

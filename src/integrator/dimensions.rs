@@ -12,13 +12,19 @@
 //! | 2 d + 1 | lobe, Russian roulette | choice of the light, wavelength at vertex d |
 //!
 //! Sets from 2^22 on belong to media: set 2^22 + d holds, in lanes 0 and 1, the colour that draws
-//! the distance along segment d, and that distance.
+//! the distance along segment d, and that distance. Sets from 2^23 on belong to scatterings on
+//! facets, see [`crate::material::Facets`]: two to each.
+
+use crate::material::MOST_SCATTERINGS;
 
 /// The dimensions of a vertex, and of the camera.
 const VERTEX_DIMENSIONS: u32 = 8;
 
 /// Beyond those of the deepest vertex.
 const FIRST_FLIGHT_DIMENSION: u32 = 1 << 24;
+
+/// Beyond those of the deepest flight.
+const FIRST_FACET_DIMENSION: u32 = 1 << 25;
 
 /// The place in the pixel: two dimensions.
 pub const PIXEL_DIMENSION: u32 = 0;
@@ -44,6 +50,14 @@ pub fn light_dimension(depth: u32) -> u32 {
 /// dimensions.
 pub fn flight_dimension(depth: u32) -> u32 {
     FIRST_FLIGHT_DIMENSION.wrapping_add(4 * depth)
+}
+
+/// Scattering number `scattering` on the facets at the end of segment `depth`: the direction, two
+/// dimensions, and the lobe; from the fourth after on the choice of this scattering among all, for
+/// a light, the choice of the facet that is seen, and whether the way gets out.
+pub fn facet_dimension(depth: u32, scattering: u32) -> u32 {
+    let before = depth.wrapping_mul(MOST_SCATTERINGS).wrapping_add(scattering);
+    FIRST_FACET_DIMENSION.wrapping_add(before.wrapping_mul(VERTEX_DIMENSIONS))
 }
 
 /// The lobe, and after it Russian roulette, the choice of the light and the wavelength.

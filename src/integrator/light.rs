@@ -7,7 +7,7 @@ use super::dimensions::light_dimension;
 use super::interior::Interior;
 use super::leaving::segment_to;
 use super::mis::power_heuristic;
-use super::state::{Path, PathSample, ShadowRay};
+use super::state::{Direct, Path, PathSample, ShadowRay};
 use super::transit::{Shine, Transit};
 use crate::light::LightSampleContext;
 use crate::material::Bsdf;
@@ -46,12 +46,10 @@ pub fn add_emission(
     }
 }
 
-/// How the light that was sampled gets to its vertex, if it does.
-pub enum Direct {
-    /// By a segment that must be free.
-    Ray(ShadowRay),
-    /// Through borders.
-    Transit(Transit),
+/// Whether light that sets out in an interior must look for borders that might let it pass.
+#[inline(always)]
+pub fn looks_for_borders(world: &World, interior: Interior) -> bool {
+    world.has_media() && (world.has_passable_borders() || !passes_freely(world, interior))
 }
 
 /// Whether light gets through that interior as it is, meeting no border that might let it pass.
@@ -81,13 +79,24 @@ pub fn sample_direct(
     }
     let ray = segment_to(world, surface, &light, crossing)?;
     let interior = interior_beyond(world, path.interior, surface, crossing);
-    if world.has_media() && (world.has_passable_borders() || !passes_freely(world, interior)) {
+    if looks_for_borders(world, interior) {
         let (light, scattered) = (LightSample { ray, ..light }, path.throughput * scattered);
         let transit = Transit::new(&Shine { light, scattered, pdf }, interior, path.densities);
         return transit.map(Direct::Transit);
     }
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, pdf) };
-    let mut radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
+    let radiance = path.throughput * scattered * light.radiance * (weight / light.pdf);
+    shadow_ray(world, interior, ray, radiance)
+}
+
+/// The light of that radiance by way of a free segment in an interior.
+#[inline(always)]
+pub fn shadow_ray(
+    world: &World,
+    interior: Interior,
+    ray: Ray,
+    mut radiance: Vec3,
+) -> Option<Direct> {
     if !interior.is_air() {
         radiance *= world.transmittance(interior.solid(), length(&ray));
     }

@@ -17,6 +17,7 @@
 //! | `russian_roulette` | ends paths of little throughput |
 //! | `medium` | a vertex in a medium, and how far paths fly in it |
 //! | `transit` | light that comes through borders which do not bend it |
+//! | `faceted` | a vertex on facets that a shading normal stands for |
 //! | `crossing` | whether light crosses a surface |
 //! | `nested_dielectrics`, `interior`, `borders` | the solids that a path is inside of |
 //! | `dimensions` | which random numbers are used where |
@@ -25,6 +26,7 @@ mod borders;
 mod cone;
 mod crossing;
 mod dimensions;
+mod faceted;
 mod first_hit;
 mod interior;
 mod lanes;

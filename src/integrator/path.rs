@@ -19,11 +19,12 @@
 use super::borders::interior_beyond;
 use super::crossing::classify_crossing;
 use super::dimensions::{choice_dimension, direction_dimension};
+use super::faceted::{Faceted, scatter_on_facets};
 use super::first_hit::{
     describe_first_hit, end_first_hit_in_medium, follow_first_hit, follow_to_environment,
 };
 use super::leaving::ray_on;
-use super::light::{Direct, add_emission, add_environment, light_sample_context, sample_direct};
+use super::light::{add_emission, add_environment, light_sample_context, sample_direct};
 use super::medium::{Flight, arrive, fly, point_before, scatter_in_medium};
 use super::nested_dielectrics::{absorb, bsdf_for_path, is_hidden, pass_hidden};
 use super::russian_roulette::survives_russian_roulette;
@@ -137,11 +138,17 @@ impl<'w> PathTracer<'w> {
             follow_first_hit(path, surface, &bsdf, sample);
         }
         let wo = surface.frame.to_local(-ray.direction());
+        path.context = light_sample_context(world, surface, &bsdf);
+        if let Some(facets) = world.facets(surface) {
+            let at = Faceted { surface, bsdf: &bsdf, facets: &facets, viewer: -ray.direction() };
+            let roulette = self.plays_roulette(path.vertices(depth));
+            let (direct, next) = scatter_on_facets(world, depth, path, at, roulette, sample);
+            return Step::new(direct, next.and_then(|next| usable(next, sample)));
+        }
         let mut sampler = path.stream.at(choice_dimension(depth));
         let [u_lobe, u_roulette, u_light] = [(); 3].map(|()| sampler.next_1d());
 
         // Sample direct light.
-        path.context = light_sample_context(world, surface, &bsdf);
         let in_vain = bsdf.is_delta() || world.lights.is_dark();
         let direct = if in_vain {
             None
@@ -160,12 +167,7 @@ impl<'w> PathTracer<'w> {
             }
             usable(next, sample)
         });
-        let (shadow, transit) = match direct {
-            Some(Direct::Ray(ray)) => (Some(ray), None),
-            Some(Direct::Transit(transit)) => (None, Some(transit)),
-            None => (None, None),
-        };
-        Step { shadow, transit, next }
+        Step::new(direct, next)
     }
 
     /// [`PathTracer::advance`] in a scene with media.

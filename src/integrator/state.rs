@@ -77,6 +77,15 @@ pub struct ShadowRay {
     pub radiance: Vec3,
 }
 
+/// How the light that was sampled gets to its vertex, if it does.
+#[derive(Clone, Copy, Debug)]
+pub enum Direct {
+    /// By a segment that must be free.
+    Ray(ShadowRay),
+    /// Through borders.
+    Transit(Transit),
+}
+
 /// What follows from a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
@@ -91,6 +100,16 @@ pub struct Step {
 impl Step {
     /// The path ends, and asks for no light.
     pub(super) const END: Self = Self { shadow: None, transit: None, next: None };
+
+    /// The path asks for light, perhaps, and goes on, perhaps.
+    #[inline(always)]
+    pub(super) fn new(direct: Option<Direct>, next: Option<Ray>) -> Self {
+        match direct {
+            Some(Direct::Ray(ray)) => Self { shadow: Some(ray), transit: None, next },
+            Some(Direct::Transit(transit)) => Self { shadow: None, transit: Some(transit), next },
+            None => Self { shadow: None, transit: None, next },
+        }
+    }
 }
 
 impl Path {

@@ -16,6 +16,7 @@
 //! | `clearcoat`, `sheen` | layers |
 //! | `boundary`, `rough_dielectric`, `glass_multiple` | glass, smooth and rough |
 //! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
+//! | `facets`, `facet_walk` | any of them on the two facets that a shading normal stands for |
 //! | `lanes` | bases in lanes, for many paths at once |
 //! | `layer_base` | what lies below layers |
 //! | `layer_energy`, `layer_losses`, `layer_columns` | what is lost under layers and comes back |
@@ -31,6 +32,8 @@ mod clearcoat;
 mod dielectric;
 mod dispersion;
 mod energy;
+mod facet_walk;
+mod facets;
 mod filmed;
 mod form;
 mod fresnel;
@@ -60,6 +63,8 @@ pub use base::BaseBsdf;
 pub use bsdf::Bsdf;
 pub use dielectric::Dielectric;
 pub use dispersion::Wavelength;
+pub use facet_walk::{FacetNumbers, FacetSample, MOST_SCATTERINGS, OnFacet};
+pub use facets::Facets;
 pub use form::BsdfForm;
 pub use lambert::Lambert;
 pub use layered::Layered;

@@ -2,9 +2,11 @@
 
 use super::World;
 use super::interpolation::Interpolation;
+use super::prepared_material::BsdfClass;
 use super::robust::ShadingNormals;
-use super::surface::{normal_and_area, triangle_point};
+use super::surface::{Surface, normal_and_area, triangle_point};
 use crate::geom::Triangle;
+use crate::material::Facets;
 use crate::math::{InstanceId, Vec2, Vec3};
 
 impl World {
@@ -12,6 +14,11 @@ impl World {
     #[must_use]
     pub fn with_shading_normals(mut self, kind: ShadingNormals) -> Self {
         self.robust = kind == ShadingNormals::Robust;
+        self.faceted = kind == ShadingNormals::Microfacet;
+        if self.faceted {
+            // Scatterings on facets are followed one by one, from now on.
+            self.materials.iter_mut().for_each(|prepared| prepared.class = BsdfClass::Other);
+        }
         self
     }
 
@@ -19,6 +26,13 @@ impl World {
     #[inline]
     pub fn has_robust_normals(&self) -> bool {
         self.robust
+    }
+
+    /// The facets that a surface stands for, if shading normals are [`ShadingNormals::Microfacet`];
+    /// `None` where it is flat.
+    #[inline]
+    pub fn facets(&self, surface: &Surface) -> Option<Facets> {
+        self.faceted.then(|| Facets::new(surface.normal, &surface.frame)).flatten()
     }
 
     /// How far in front of a triangle, metres, the surface lies that the normals of its vertices

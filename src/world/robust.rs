@@ -30,9 +30,16 @@ pub enum ShadingNormals {
     Robust,
     /// It is lost.
     Plain,
+    /// It scatters on facets that the triangle stands for, see [`crate::material::Facets`]: nothing
+    /// is lost, and light counts alike both ways.
+    Microfacet,
 }
 
-choices!(ShadingNormals, "kind of shading normals", [Robust => "robust", Plain => "plain"]);
+choices!(ShadingNormals, "kind of shading normals", [
+    Robust => "robust",
+    Plain => "plain",
+    Microfacet => "microfacet",
+]);
 
 /// A shading normal that shows a viewer less than this cosine is bent, unless the triangle shows
 /// even less.

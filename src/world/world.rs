@@ -40,6 +40,8 @@ pub struct World {
     pub(super) form: BsdfForm,
     /// Whether shading normals lose no light.
     pub(super) robust: bool,
+    /// Whether they stand for facets.
+    pub(super) faceted: bool,
     pub(super) media: Media,
     see_through: bool,
     has_levels: bool,
@@ -109,6 +111,7 @@ impl World {
             radius,
             form,
             robust: true,
+            faceted: false,
             media,
             see_through,
             has_levels,

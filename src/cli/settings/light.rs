@@ -58,12 +58,15 @@ pub static LIGHT: &[Setting] = &[
         default: Some("robust"),
         example: "plain",
         help: "What becomes of light where smooth or bent normals and triangles disagree: it \
-               scatters on (robust) or is lost (plain)",
+               scatters on (robust), is lost (plain), or scatters on facets (microfacet)",
         details: "With plain normals, smooth meshes of few triangles are dark at their edges, and \
                   bumps darken what they bend. Robust normals face the viewer wherever the \
                   triangle does, and light that they scatter below the triangle leaves from the \
                   curved surface that the normals tell, or meets the triangle and scatters again. \
-                  So the border between light and shadow is smooth on a coarse mesh, too.",
+                  So the border between light and shadow is smooth on a coarse mesh, too. With \
+                  microfacet, a triangle stands for a saw of two facets, one of which faces the \
+                  normal: no light is lost either, and it counts alike both ways; but bumps show \
+                  less, coarse meshes show their triangles, and a vertex takes longer.",
         advanced: true,
         read: Reader::Text(|word| {
             assign(from_str::<ShadingNormals>(word), |args| &mut args.shading_normals)

@@ -2,6 +2,7 @@
 
 mod delta;
 mod every_bsdf;
+mod facets;
 mod family;
 mod lanes;
 mod layers;
