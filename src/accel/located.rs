@@ -10,7 +10,7 @@ use fearless_simd::Level;
 use super::{
     Accel, AnyHit, Batch, BuildReport, ClosestHit, Counts, HitFilter, MemoryReport, Regions, Tracer,
 };
-use crate::geom::{FEW, Numbering, TriangleSource, locate_among_few};
+use crate::geom::TriangleSource;
 use crate::math::{InstanceId, PrimId, TriangleId};
 
 /// A structure whose hits are made to name placements.
@@ -23,8 +23,7 @@ pub struct Located {
 
 impl Located {
     fn wrap<'a>(&'a self, tracer: Box<dyn Tracer + 'a>) -> Box<dyn Tracer + 'a> {
-        let few = self.source.numbering().and_then(Numbering::few);
-        Box::new(LocatedTracer { tracer, source: &*self.source, few })
+        Box::new(LocatedTracer { tracer, source: &*self.source })
     }
 }
 
@@ -53,8 +52,6 @@ impl Accel for Located {
 struct LocatedTracer<'a> {
     tracer: Box<dyn Tracer + 'a>,
     source: &'a dyn TriangleSource,
-    /// The placements' first numbers if they are few.
-    few: Option<[u32; FEW]>,
 }
 
 impl Tracer for LocatedTracer<'_> {
@@ -67,10 +64,9 @@ impl Tracer for LocatedTracer<'_> {
             return;
         }
         // Asked by hand where it can be, which takes a third of the time.
-        match (source.numbering(), &self.few) {
-            (_, Some(few)) => rename(hits, |prim| locate_among_few(few, prim)),
-            (Some(numbering), None) => rename(hits, |prim| numbering.locate(prim)),
-            (None, None) => rename(hits, |prim| source.locate(prim)),
+        match source.numbering() {
+            Some(numbering) => rename(hits, |prim| numbering.locate(prim)),
+            None => rename(hits, |prim| source.locate(prim)),
         }
     }
 

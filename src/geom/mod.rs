@@ -44,7 +44,7 @@ pub use intersect_bundle::BundleHits;
 pub use intersect_pairs::{PairHits, PairTriangle};
 pub use intersect_triangle::{ShearRay, intersect_triangle};
 pub use mesh::Mesh;
-pub use numbering::{FEW, Numbering, locate_among_few};
+pub use numbering::Numbering;
 pub use planes::{FilterLanes, FilterPlane, FilterSides, Reach};
 pub use ray_lanes::RayLanes;
 pub use shaft::Shaft;

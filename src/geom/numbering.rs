@@ -19,9 +19,6 @@ pub struct Numbering {
 /// stays in a core's cache.
 const MOST_STEPS: u64 = 1 << 14;
 
-/// So few groups are counted through faster than a step is looked up.
-pub const FEW: usize = 8;
-
 /// A step of several groups.
 const MIXED: u32 = u32::MAX;
 
@@ -77,31 +74,12 @@ impl Numbering {
         from + self.first[from + 1..=to].partition_point(|&first| first <= number)
     }
 
-    /// The first number of each group if they are few, then some that no number reaches.
-    #[inline]
-    pub fn few(&self) -> Option<[u32; FEW]> {
-        let groups = &self.first[..self.first.len() - 1];
-        let mut few = [u32::MAX; FEW];
-        for (first, &number) in few.get_mut(..groups.len())?.iter_mut().zip(groups) {
-            *first = u32::try_from(number).ok()?;
-        }
-        Some(few)
-    }
-
     /// Whose a triangle is, where the groups are the triangles of placements.
     #[inline]
     pub fn locate(&self, prim: PrimId) -> TriangleId {
         let (instance, index) = self.find(u64::from(prim.0));
         TriangleId { instance: InstanceId::from_index(instance), index }
     }
-}
-
-/// Whose a triangle is, by what [`Numbering::few`] tells.
-#[inline(always)]
-pub fn locate_among_few(first: &[u32; FEW], prim: PrimId) -> TriangleId {
-    let before = first[1..].iter().map(|&first| u32::from(first <= prim.0)).sum::<u32>();
-    let index = prim.0 - first[before as usize % FEW];
-    TriangleId { instance: InstanceId(before), index }
 }
 
 #[cfg(test)]
@@ -119,14 +97,10 @@ mod tests {
                 assert_eq!(numbering.first(group), number);
                 for place in 0..count {
                     assert_eq!(numbering.find(number), (group, place as u32));
-                    let few = numbering.few().expect("no more than a few");
-                    let expected = numbering.locate(PrimId(number as u32));
-                    assert_eq!(locate_among_few(&few, PrimId(number as u32)), expected);
                     number += 1;
                 }
             }
         }
         assert_eq!(Numbering::new([].into_iter()).count(), 0);
-        assert_eq!(Numbering::new([1; FEW + 1].into_iter()).few(), None);
     }
 }
