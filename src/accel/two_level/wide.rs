@@ -116,7 +116,7 @@ impl<'a> Above<'a> {
             (flight.key, flight.link) = stack.pop(&mut flight.top);
         }
         if flight.key == 0 && flight.inside.is_some() {
-            self.leave(flight, stack);
+            leave(flight, stack);
             return ControlFlow::Continue(());
         }
         if !flight.link.is_leaf() {
@@ -141,7 +141,7 @@ impl<'a> Above<'a> {
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
         if flight.key == 0 && flight.inside.is_some() {
-            self.leave(flight, stack);
+            leave(flight, stack);
         }
         self.levels.prefetch(self.stripes_of(flight), flight.link);
         ControlFlow::Continue(())
@@ -219,14 +219,6 @@ impl<'a> Above<'a> {
         ControlFlow::Continue(())
     }
 
-    /// Takes a ray back among placements.
-    #[inline(always)]
-    fn leave<Q: Query>(&self, flight: &mut Flight<'a, Q>, stack: &Stack<W>) {
-        flight.inside = None;
-        flight.query.set_limit(flight.query.nearest().t);
-        (flight.key, flight.link) = stack.pop(&mut flight.top);
-    }
-
     /// Tests the triangles of a leaf in a mesh.
     #[inline(always)]
     fn test_leaf<S: Simd, Q: Query, C: Counters>(
@@ -264,6 +256,14 @@ impl<'a> Above<'a> {
         }
         ControlFlow::Continue(())
     }
+}
+
+/// Takes a ray back among placements.
+#[inline(always)]
+fn leave<Q: Query>(flight: &mut Flight<'_, Q>, stack: &Stack<W>) {
+    flight.inside = None;
+    flight.query.set_limit(flight.query.nearest().t);
+    (flight.key, flight.link) = stack.pop(&mut flight.top);
 }
 
 #[inline(always)]

@@ -37,7 +37,16 @@ enum Found {
     /// Nothing of it can be measured again; why.
     Left(String),
     /// What was measured, why rates or ratios, and what came of it.
-    Compared { run: ShortRun, why: &'static str, comparison: Box<Comparison>, reasons: Vec<String> },
+    Compared {
+        /// Of the bench.
+        run: ShortRun,
+        /// Why rates, or why ratios.
+        why: &'static str,
+        /// Cell by cell.
+        comparison: Box<Comparison>,
+        /// What a verdict against the file says.
+        reasons: Vec<String>,
+    },
 }
 
 /// Measures all files again, briefly.
