@@ -75,8 +75,8 @@ pub struct Sampler {
 pub struct StreamId {
     /// Hash of pixel, seed and the upper bits of the sample.
     pub key: u32,
-    /// The number of its point: the lower 16 bits of the sample, and [`SOBOL`] if the points are
-    /// Sobol's.
+    /// The number of its point: the lower 16 bits of the sample, and the highest bit if the points
+    /// are Sobol's.
     pub index: u32,
 }
 
