@@ -8,18 +8,20 @@
 //! | [`short_run`] | what of a file is measured again, in little time |
 //! | [`cells`] | the figures of a file that can be compared, in one form |
 //! | [`compare`] | committed figures and today's side by side, and the verdict |
-//! | [`mbvh_page`], [`coherent_page`], [`kd_page`], [`render_page`] | tables beside the papers' |
+//! | [`tables`] | the tables of a file beside its paper's |
+//! | `mbvh_page`, `coherent_page`, `kd_page`, `render_page` | those of each bench |
 //! | [`page`] | tables put between the marks of a page |
 
 pub mod cells;
-pub mod coherent_page;
+mod coherent_page;
 pub mod compare;
 pub mod files;
-pub mod kd_page;
-pub mod mbvh_page;
+mod kd_page;
+mod mbvh_page;
 pub mod member;
 pub mod page;
-pub mod render_page;
+mod render_page;
 pub mod short_run;
+pub mod tables;
 #[cfg(test)]
 mod tests;

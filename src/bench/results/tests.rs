@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use super::cells::{Kind, Part, read_cells};
 use super::compare::{By, compare};
 use super::files::{Bench, read_about};
-use super::member::{Malformed, Member};
+use super::member::Member;
 use super::short_run::plan;
-use super::{coherent_page, kd_page, mbvh_page, render_page};
+use super::tables::make_tables;
 use crate::bench::fly_through::{self, FlyThroughBenchSettings};
 use crate::bench::kd::{self, KdBenchSettings};
 use crate::bench::mbvh::{self, MbvhBenchSettings};
@@ -68,16 +68,6 @@ fn written(bench: Bench) -> Value {
     };
     file["measured"] = json!({ "processor": "CPU 9", "commit": null });
     file
-}
-
-fn make_tables(bench: Bench, root: &Member<'_>) -> Result<Vec<(&'static str, String)>, Malformed> {
-    match bench {
-        Bench::Mbvh => mbvh_page::make_tables(root),
-        Bench::Coherent => coherent_page::make_tables(root),
-        Bench::Kd => kd_page::make_tables(root),
-        Bench::Render => render_page::make_tables(root),
-        Bench::Accels => Ok(Vec::new()),
-    }
 }
 
 #[test]

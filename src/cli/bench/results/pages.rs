@@ -5,9 +5,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 use super::folder::Kept;
-use crate::bench::results::files::Bench;
-use crate::bench::results::member::{Malformed, Member};
-use crate::bench::results::{coherent_page, kd_page, mbvh_page, page, render_page};
+use crate::bench::results::member::Member;
+use crate::bench::results::page;
+use crate::bench::results::tables::make_tables;
 use crate::cli::error::CliError;
 use crate::files::{self, Flush};
 
@@ -32,17 +32,6 @@ pub fn fill(path: &Path, kept: &[Kept]) -> Result<(), CliError> {
     let filled = page::fill(&text, &tables).map_err(|error| input(error.to_string()))?;
     files::write(path, Flush::ToDisk, |file| file.write_all(filled.as_bytes()))
         .map_err(|error| CliError::not_written(path, &error))
-}
-
-fn make_tables(bench: Bench, root: &Member<'_>) -> Result<Vec<(&'static str, String)>, Malformed> {
-    match bench {
-        Bench::Mbvh => mbvh_page::make_tables(root),
-        Bench::Coherent => coherent_page::make_tables(root),
-        Bench::Kd => kd_page::make_tables(root),
-        Bench::Render => render_page::make_tables(root),
-        // Its table is that of all structures, which no paper has.
-        Bench::Accels => Ok(Vec::new()),
-    }
 }
 
 /// Where the figures come from.
