@@ -67,6 +67,14 @@ impl Base {
         }
     }
 
+    /// Of its albedo, what goes through scattered and at the index of refraction that it came with.
+    pub fn scattered_through(&self) -> Vec3 {
+        match self {
+            Self::Plain(BaseBsdf::Translucent(surface)) => surface.albedo_through(),
+            _ => Vec3::ZERO,
+        }
+    }
+
     pub fn albedo(&self) -> Vec3 {
         match self {
             Self::Plain(bsdf) => bsdf.albedo(),

@@ -22,6 +22,7 @@ use super::layer_losses::{
 };
 use super::metallic_roughness::MetallicRoughness;
 use super::params::SurfaceParams;
+use super::sample::mean;
 use super::sheen::{Fibres, Sheen};
 use crate::math::Vec3;
 
@@ -112,12 +113,15 @@ impl Place {
     }
 }
 
-/// What comes back of the light that layers lose, on the outside of an opaque surface.
+/// What comes back of the light that layers lose, on the outside of what is opaque, or on either
+/// side of a sheet that lets light through scattered: then it leaves as the base's light does.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Returned {
     base: WhiteBase,
     base_rows: [BaseRow; 2],
     base_color: Vec3,
+    /// The part of that which leaves by the other side.
+    through: Vec3,
     coat: Option<Place>,
     cloth: Option<Place>,
     cloth_color: Vec3,
@@ -126,20 +130,22 @@ pub(super) struct Returned {
 }
 
 impl Returned {
-    /// That of a base of a colour, as `params` describe it, under a coat and cloth.
+    /// That of a base, as `params` describe it, under a coat and cloth; by colour, what the base
+    /// scatters in all, and what of it goes through.
     pub fn new(
         params: &SurfaceParams,
-        base_color: Vec3,
+        [base_color, through]: [Vec3; 2],
         coat: Option<&Clearcoat>,
         cloth: Option<&Sheen>,
     ) -> Self {
-        let white = SurfaceParams { base_color: Vec3::ONE, ..*params };
+        let white = SurfaceParams { base_color: Vec3::ONE, diffuse_transmission: 0.0, ..*params };
         let white = MetallicRoughness::new(&white, BsdfForm::Conserving);
         let coat = coat.map(|coat| Place::new::<COAT_ROWS>(coat.strength(), coat.place()));
         let mut made = Self {
             base: WhiteBase::new(&white),
             base_rows: base_rows(&white),
             base_color,
+            through: through.min(base_color),
             coat,
             cloth: cloth
                 .map(|cloth| Place::new::<{ Fibres::ROWS }>(cloth.strength(), cloth.place())),
@@ -217,11 +223,25 @@ impl Returned {
         self.colored(self.base.lost(cos, &losses), of_cloth)
     }
 
-    /// What comes back, times the cosine, and its density: that of the cosine. `view` is the share
-    /// of light from the viewer's direction that comes back.
+    /// What comes back, times the cosine, and its density: that of the cosine on either side, by
+    /// [`Self::through_probability`]. `view` is the share of light from the viewer's direction that
+    /// comes back.
     pub fn eval(&self, view: Vec3, wi: Vec3) -> (Vec3, f32) {
-        let shares = view * self.albedo(wi.z) / self.average.max(Vec3::splat(1e-9));
-        let density = wi.z * FRAC_1_PI;
-        (shares * density, density)
+        let cos = wi.z.abs();
+        let shares = view * self.albedo(cos) / self.average.max(Vec3::splat(1e-9));
+        let through = self.through / self.base_color.max(Vec3::splat(1e-9));
+        let probability = self.through_probability();
+        let (side, probability) = if wi.z < 0.0 {
+            (through, probability)
+        } else {
+            (Vec3::ONE - through, 1.0 - probability)
+        };
+        let density = cos * FRAC_1_PI;
+        (shares * side * density, density * probability)
+    }
+
+    /// Of what comes back, the share that leaves by the other side.
+    pub fn through_probability(&self) -> f32 {
+        mean(self.through) / mean(self.base_color).max(1e-9)
     }
 }

@@ -1,6 +1,7 @@
 //! Surfaces with something on them: a film, cloth, lacquer, or all of these.
 
 use super::anisotropic::Anisotropic;
+use super::base::BaseBsdf;
 use super::clearcoat::Clearcoat;
 use super::filmed::Filmed;
 use super::form::BsdfForm;
@@ -162,10 +163,13 @@ impl Layered {
         let sheen = (self.sheen_color != Vec3::ZERO)
             .then(|| Sheen::new(self.sheen_color, self.sheen_roughness.get(), form));
         let both_sides = self.thin || !base.transmits();
-        let returned = (form == BsdfForm::Conserving && !base.transmits()).then(|| {
+        let is_sheet = self.thin && matches!(base, Base::Plain(BaseBsdf::Translucent(_)));
+        let scatters = !base.transmits() || is_sheet;
+        let returned = (form == BsdfForm::Conserving && scatters).then(|| {
             // Of a coat with a normal of its own too little is known.
             let straight = coat.as_ref().filter(|_| self.coat_slope.length_squared() < 1e-3);
-            Returned::new(&params, base.albedo().min(Vec3::ONE), straight, sheen.as_ref())
+            let colors = [base.albedo().min(Vec3::ONE), base.scattered_through()];
+            Returned::new(&params, colors, straight, sheen.as_ref())
         });
         Stack { base, coat, sheen, returned, both_sides, form }
     }
@@ -289,12 +293,13 @@ impl Stack {
         let (below, below_pdf) = self.base.eval(wo, wi);
         let (mut value, mut pdf) = (below * through_sheen, below_pdf * lobes.base());
         let above = is_above(wo.z) && is_above(wi.z);
+        let either = is_above(wo.z) && is_above(wi.z.abs());
         if let Some(sheen) = self.sheen.as_ref().filter(|_| above) {
             value += sheen.eval(wo, wi);
             pdf += Sheen::PDF * lobes.sheen;
         }
         value *= through_coat;
-        if let Some(returned) = self.returned.as_ref().filter(|_| above && lobes.returned > 0.0) {
+        if let Some(returned) = self.returned.as_ref().filter(|_| either && lobes.returned > 0.0) {
             let (again, density) = returned.eval(lobes.view, wi);
             value += again;
             pdf += density * lobes.returned;
@@ -319,7 +324,10 @@ impl Stack {
         } else if u_lobe < lobes.coat + lobes.sheen {
             Some(Sheen::sample(u)).filter(|wi| is_above(wi.z))?
         } else if u_lobe < lobes.coat + lobes.sheen + lobes.returned {
-            Some(warp::cosine_hemisphere(u)).filter(|wi| is_above(wi.z))?
+            let rest = (u_lobe - lobes.coat - lobes.sheen) / lobes.returned;
+            let through = self.returned.as_ref().map_or(0.0, Returned::through_probability);
+            let wi = Some(warp::cosine_hemisphere(u)).filter(|wi| is_above(wi.z))?;
+            if rest < through { -wi } else { wi }
         } else {
             let rest = (u_lobe - lobes.coat - lobes.sheen - lobes.returned) / lobes.base();
             let mut sample = self.base.sample(wo, rest.clamp(0.0, ONE_MINUS_EPSILON), u)?;

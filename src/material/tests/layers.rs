@@ -25,7 +25,7 @@ fn white_base() -> [(&'static str, SurfaceParams); 6] {
 /// Over white bases that are opaque coats and cloth lose nothing; all other layers lose some light,
 /// never much, and none makes any.
 ///
-/// What coats on glass keep back is lost, and so is some of what bent coats reflect.
+/// What layers on glass keep back is lost, and so is some of what bent coats reflect.
 #[test]
 fn white_furnaces_never_exceed_one() {
     let coat = |clearcoat_roughness| Layers { clearcoat: 1.0, clearcoat_roughness, ..Layers::NONE };
@@ -75,8 +75,8 @@ fn white_furnaces_never_exceed_one() {
     }
 }
 
-/// Whatever the roughness of a coat, of cloth and of the opaque base: what is white scatters all
-/// light, from both sides, to half a per cent.
+/// Whatever the roughness of a coat, of cloth and of the base, opaque or a sheet that lets light
+/// through scattered: what is white scatters all light, from both sides, to half a per cent.
 #[test]
 fn coats_and_cloth_close_at_every_roughness() {
     let white = SurfaceParams::default();
@@ -91,6 +91,8 @@ fn coats_and_cloth_close_at_every_roughness() {
         ("rough metal", rough(0.8, metal)),
         ("dense", rough(0.4, SurfaceParams { ior: 2.4, ..white })),
         ("half metal", rough(0.27, SurfaceParams { metallic: 0.5, specular: 0.5, ..white })),
+        ("paper", rough(0.6, SurfaceParams { diffuse_transmission: 0.5, thin: true, ..white })),
+        ("gauze", SurfaceParams { diffuse_transmission: 1.0, specular: 0.0, thin: true, ..white }),
     ];
     let coat =
         |clearcoat, clearcoat_roughness| Layers { clearcoat, clearcoat_roughness, ..Layers::NONE };
