@@ -8,7 +8,7 @@ use crate::math::{Aabb, Affine3A, Vec3};
 const MOST_FLATTENED: u64 = 1 << 21;
 
 /// And so many for each triangle of all meshes.
-const LARGEST_SHARE: f64 = 1.75;
+const LARGEST_SHARE: f64 = 2.0;
 
 /// A mesh: its triangles, and how it is placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn what_spares_most_for_its_triangles_is_flattened_while_there_is_room() {
         let moving = MeshUse { moves: true, ..mesh(10, 3, 9.0) };
-        // 100 + 1,000 + 50 + 10 unique triangles leave room for 2,030.
+        // 100 + 1,000 + 50 + 10 unique triangles leave room for 2,320.
         let meshes = [mesh(100, 20, 1.0), mesh(1_000, 3, 1.0), mesh(50, 1, 1.0), moving];
         assert_eq!(find_small(&meshes), [true, false, false, false]);
         // The larger one spares more, though it has more triangles.

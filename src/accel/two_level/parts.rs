@@ -22,6 +22,10 @@ const MOST_OPENED: usize = 1 << 14;
 /// than their boxes spare.
 const LARGE: f64 = 1.0;
 
+/// What holds all.
+const EVERYWHERE: Aabb =
+    Aabb { min: Vec3::splat(f32::NEG_INFINITY), max: Vec3::splat(f32::INFINITY) };
+
 /// Nodes are opened down to this depth.
 const DEPTH: u32 = 2;
 
@@ -54,9 +58,10 @@ pub fn open(levels: &Levels, trees: &MeshTrees) -> Option<Vec<(Part, Aabb)>> {
         let (Some(apart), Some(root)) = (&levels.meshes[mesh], trees.root(mesh)) else {
             return Vec::new();
         };
-        let placement = Placement { levels, stripes: trees.stripes(), placement: way.placement };
+        let (stripes, slack) = (trees.stripes(), apart.slack);
+        let placement = Placement { levels, stripes, placement: way.placement, slack };
         let mut parts = Vec::new();
-        placement.look((root, apart.grown), DEPTH).cut(large, &mut |node: &Node| {
+        placement.look((root, apart.grown), &EVERYWHERE, DEPTH).cut(large, &mut |node: &Node| {
             let part = Part { way, root: node.link, grown: node.inside, slack: apart.slack };
             parts.push((part, node.bounds));
         });
@@ -92,17 +97,19 @@ struct Placement<'a> {
     levels: &'a Levels,
     stripes: Stripes<'a, 8>,
     placement: InstanceId,
+    /// By how much the boxes of its mesh are grown.
+    slack: f32,
 }
 
 impl Placement<'_> {
-    /// Looks at a node and what is below it, down to a depth.
-    fn look(&self, (link, inside): (Link, [DVec3; 2]), depth: u32) -> Node {
+    /// Looks at a node in a box and what is below it, down to a depth.
+    fn look(&self, (link, inside): (Link, [DVec3; 2]), held: &Aabb, depth: u32) -> Node {
         if link.is_leaf() || depth == 0 {
-            return Node { link, inside, bounds: self.find_bounds(link), below: Vec::new() };
+            return Node { link, inside, bounds: self.find_bounds(link, held), below: Vec::new() };
         }
         let below: Vec<Node> = self
             .children(link)
-            .map(|(link, bounds)| self.look((link, self.grow(&bounds)), depth - 1))
+            .map(|(link, held)| self.look((link, self.grow(&held)), &held, depth - 1))
             .collect();
         let bounds = below.iter().map(|node| node.bounds).fold(Aabb::EMPTY, Aabb::union);
         Node { link, inside, bounds, below }
@@ -110,23 +117,29 @@ impl Placement<'_> {
 
     /// A box as it is in the tree, grown by the slack once more.
     fn grow(&self, bounds: &Aabb) -> [DVec3; 2] {
-        let mesh = self.levels.placed.get().mesh(self.placement).index();
-        let slack = self.levels.meshes[mesh].map_or(0.0, |apart| f64::from(apart.slack));
+        let slack = f64::from(self.slack);
         [bounds.min.as_dvec3() - slack, bounds.max.as_dvec3() + slack]
     }
 
-    /// The box in the world of all triangles below a node.
-    fn find_bounds(&self, link: Link) -> Aabb {
+    /// The box in the world of all triangles below a node in a box.
+    fn find_bounds(&self, link: Link, held: &Aabb) -> Aabb {
         if !link.is_leaf() {
-            let below = self.children(link).map(|(link, _)| self.find_bounds(link));
+            let below = self.children(link).map(|(link, held)| self.find_bounds(link, &held));
             return below.fold(Aabb::EMPTY, Aabb::union);
         }
-        let ids = self.stripes.block(link).ids.iter().filter(|id| **id != PrimId::NONE);
-        let triangle = |id: &PrimId| {
-            let triangle = TriangleId { instance: self.placement, index: id.0 };
+        // A block may hold triangles of other leaves, which the leaf's box does not.
+        let block = self.stripes.block(link);
+        let is_below = |lane: &usize| {
+            let own = own_box(&block.triangle(*lane));
+            let grown = Aabb { min: own.min - self.slack, max: own.max + self.slack };
+            held.contains(grown)
+        };
+        let in_world = |lane: usize| {
+            let triangle = TriangleId { instance: self.placement, index: block.ids[lane].0 };
             own_box(&self.levels.placed.get().placed_triangle(triangle))
         };
-        ids.map(triangle).fold(Aabb::EMPTY, Aabb::union)
+        let lanes = (0..block.len()).filter(is_below);
+        lanes.map(in_world).fold(Aabb::EMPTY, Aabb::union)
     }
 
     /// The children of a node with their boxes in the mesh's space.

@@ -19,13 +19,20 @@ pub fn collapse<const W: usize>(tree: BinaryTree) -> Shape<W, impl Source<W>> {
 }
 
 /// The nodes of a binary tree, those between two levels of the wide one left out.
-struct Binary {
-    nodes: Vec<BinaryNode>,
+pub struct Binary {
+    /// The root first.
+    pub nodes: Vec<BinaryNode>,
 }
 
 impl Binary {
-    fn pair(&self, parent: u32) -> [u32; 2] {
+    /// The children of a binary node.
+    pub fn pair(&self, parent: u32) -> [u32; 2] {
         [parent + 1, self.nodes[parent as usize].first]
+    }
+
+    /// Whether a binary node is a leaf.
+    pub fn is_leaf(&self, index: u32) -> bool {
+        self.nodes[index as usize].is_leaf()
     }
 
     /// Area of a node that can be opened; leaves can't.

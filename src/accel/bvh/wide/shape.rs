@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::arena::{Arena, BLOCK, NODE, NodeStripes, write_block, write_ids};
+use super::share::SharedBlocks;
 use crate::accel::BuildReport;
 use crate::accel::bvh::Parts;
 use crate::accel::bvh::leaves::{fetch_triangles, pad_ids};
@@ -51,6 +52,8 @@ pub struct Shape<const W: usize, S> {
     nodes: Vec<Node<W>>,
     /// First place and number of triangles; those that a node links to stand together.
     leaves: Vec<(u32, u32)>,
+    /// The blocks of leaves that share them; none if each leaf has its own.
+    shared: Option<SharedBlocks>,
     /// Triangles, leaf by leaf.
     order: Vec<PrimId>,
     /// If leaves hold parts of triangles: the rays that the boxes are good for.
@@ -94,7 +97,7 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
         // About as many as there are, so that growing copies little.
         let nodes = Vec::with_capacity(order.len() / (2 * W) + 1);
         let leaves = Vec::with_capacity(order.len() / W + 1);
-        let mut shape = Self { source, nodes, leaves, order, parts, report };
+        let mut shape = Self { source, nodes, leaves, shared: None, order, parts, report };
         let Some(root) = shape.source.root() else { return shape };
         let (mut sums, mut open) = (Sums::default(), Vec::with_capacity(W * sah::MAX_DEPTH));
         shape.add(root, 0, &mut open, &mut sums);
@@ -141,6 +144,22 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
         };
     }
 
+    /// Has small leaves share blocks, but for those that hold what `is_alone`.
+    pub fn share_blocks(&mut self, is_alone: impl Fn(PrimId) -> bool) {
+        self.shared = Some(SharedBlocks::new::<W>(&self.leaves, &self.order, is_alone));
+        self.order = Vec::new();
+    }
+
+    /// How many blocks hold the triangles of leaves.
+    pub fn blocks(&self) -> usize {
+        self.shared.as_ref().map_or(self.leaves.len(), |shared| shared.blocks.len())
+    }
+
+    /// The block of a leaf.
+    fn block_of(&self, leaf: usize) -> usize {
+        self.shared.as_ref().map_or(leaf, |shared| shared.block_of[leaf] as usize)
+    }
+
     /// The first stripe of all leaves.
     pub fn first_leaf(&self) -> usize {
         self.nodes.len() * NODE
@@ -148,7 +167,7 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
 
     /// Stripes in all.
     pub fn stripes(&self, inline: bool) -> usize {
-        self.first_leaf() + self.leaves.len() * leaf_stripes(inline)
+        self.first_leaf() + self.blocks() * leaf_stripes(inline)
     }
 
     /// Where a walk begins; `None` without triangles.
@@ -168,7 +187,8 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
         stripes.zip(&self.nodes).with_min_len(256).for_each(|(stripes, node)| {
             let mut written = NodeStripes::EMPTY;
             let mut nodes = (node.first_node as usize..).map(|place| place * NODE);
-            let mut leaves = (node.first_leaf as usize..).map(|place| first_leaf + place * of_leaf);
+            let block = |leaf: usize| first_leaf + self.block_of(leaf) * of_leaf;
+            let mut leaves = (node.first_leaf as usize..).map(block);
             for (lane, &number) in node.children[..node.count as usize].iter().enumerate() {
                 let Child { bounds, below } = self.source.child(number);
                 let link = match below {
@@ -186,22 +206,26 @@ impl<const W: usize, S: Source<W>> Shape<W, S> {
 
     /// What is left once the nodes are written. The boxes are given back: leaves take more memory
     /// than all before them, so that a build needs the most while they are written.
-    pub fn into_leaves(self) -> Leaves {
-        Leaves { first: self.first_leaf(), places: self.leaves, order: self.order }
+    pub fn into_blocks(self) -> Blocks {
+        let first = self.first_leaf();
+        match self.shared {
+            None => Blocks { first, places: self.leaves, order: self.order },
+            Some(SharedBlocks { order, blocks, .. }) => Blocks { first, places: blocks, order },
+        }
     }
 }
 
-/// Leaves in the order in which they lie in memory.
-pub struct Leaves {
+/// The blocks of leaves in the order in which they lie in memory.
+pub struct Blocks {
     /// The first stripe.
     first: usize,
     /// First place and number of triangles.
     places: Vec<(u32, u32)>,
-    /// Triangles, leaf by leaf.
+    /// Triangles, block by block.
     order: Vec<PrimId>,
 }
 
-impl Leaves {
+impl Blocks {
     /// Writes them into the stripes behind the nodes', with their triangles or without.
     pub fn write<const W: usize>(
         &self,
@@ -229,6 +253,8 @@ fn leaf_stripes(inline: bool) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
     use crate::accel::Steps;
     use crate::accel::bvh::wide::{collapse::collapse, direct};
@@ -245,19 +271,26 @@ mod tests {
         TriangleList((0..count).map(triangle).collect())
     }
 
-    /// Every leaf is linked to once, every triangle is in one, and no lane leads nowhere.
+    /// Every block is linked to, once by each leaf, every triangle is in one, and no lane leads
+    /// nowhere.
     fn check<const W: usize>(shape: Shape<W, impl Source<W>>, source: &TriangleList, inline: bool) {
         let mut arena = Arena::new(shape.stripes(inline)).expect("memory");
         shape.write_nodes(&mut arena, inline, true);
         let (root, report) = (shape.root(), shape.report.clone());
-        shape.into_leaves().write(&mut arena, source, inline);
+        let (blocks, is_shared) = (shape.blocks(), shape.shared.is_some());
+        assert!(if is_shared { blocks <= report.leaves } else { blocks == report.leaves });
+        shape.into_blocks().write(&mut arena, source, inline);
         let mut seen = vec![false; source.len()];
         let mut open = vec![root.expect("triangles")];
-        let mut visited = 0;
+        let (mut visited, mut known) = (0, HashSet::new());
         while let Some(link) = open.pop() {
             visited += 1;
             let stripes = arena.stripes();
             if link.is_leaf() {
+                if !known.insert(link.place()) {
+                    assert!(is_shared);
+                    continue;
+                }
                 let ids = if inline { stripes.block(link).ids } else { stripes.ids(link) };
                 for id in ids.iter().filter(|&&id| id != PrimId::NONE) {
                     assert!(!std::mem::replace(&mut seen[id.index()], true));
@@ -269,7 +302,7 @@ mod tests {
             open.extend(taken.map(|lane| Link(links[lane])));
         }
         assert!(seen.iter().all(|&s| s));
-        assert_eq!(visited, report.nodes + report.leaves);
+        assert_eq!((visited, known.len()), (report.nodes + report.leaves, blocks));
     }
 
     fn check_builds<const W: usize>(count: usize, fill: sah::Fill) {
@@ -282,6 +315,9 @@ mod tests {
         for inline in [false, true] {
             check(collapsed(), &source, inline);
             check(direct(), &source, inline);
+            let mut shared = collapsed();
+            shared.share_blocks(|id| id.0.is_multiple_of(7));
+            check(shared, &source, inline);
         }
         let (collapsed, direct) = (collapsed(), direct());
         // The same splits, chosen by the same rule: the same tree, to the order in memory.

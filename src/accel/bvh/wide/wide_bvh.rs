@@ -8,7 +8,7 @@ use super::arena::{Arena, BLOCK, NODE, Stripes, map_links};
 use super::packet::PacketScratch;
 use super::shape::{Shape, Source};
 use super::stack::{Sorting, Stack};
-use super::{collapse, direct, node, octants};
+use super::{collapse, direct, node, octants, optimal};
 use crate::accel::bvh::Parts;
 use crate::accel::bvh::build::build_tree_by;
 use crate::accel::bvh::leaves::{Fetch, Fetched};
@@ -38,8 +38,10 @@ pub struct WideBvh<const W: usize> {
     pub parts: Option<Parts>,
     /// Whether rays from one point that run side by side are walked sixteen at a time.
     pub side_by_side: bool,
-    /// Row of the first leaf.
+    /// Stripe of the first leaf.
     first_leaf: usize,
+    /// The blocks that leaves are in.
+    blocks: usize,
     built: Built,
 }
 
@@ -73,6 +75,11 @@ where
             return Self::lay_out(input, shape, phases);
         }
         let tree = build_tree_by(input, costs, &mut phases);
+        if input.options.choice("collapse") == "optimal" {
+            let shape = optimal::collapse::<W>(tree);
+            phases.end("collapse");
+            return Self::lay_out(input, shape, phases);
+        }
         let shape = collapse::collapse::<W>(tree);
         phases.end("collapse");
         Self::lay_out(input, shape, phases)
@@ -96,10 +103,10 @@ where
 
     /// Leads links to leaves elsewhere: `link` is asked about a leaf's place and its ids.
     pub fn redirect(&mut self, link: impl Fn(&[PrimId; W]) -> Option<Link>) {
-        let (first_leaf, leaves) = (self.first_leaf, self.built.report.leaves);
+        let (first_leaf, blocks) = (self.first_leaf, self.blocks);
         let stripes = self.arena.stripes();
         let to = |leaf: usize| link(stripes.block(Link::to_leaf(first_leaf + leaf * BLOCK)).ids);
-        let redirected: Vec<Option<Link>> = (0..leaves).map(to).collect();
+        let redirected: Vec<Option<Link>> = (0..blocks).map(to).collect();
         let to = |old: Link| {
             let leaf = old.is_leaf().then(|| (old.place() - first_leaf) / BLOCK);
             leaf.and_then(|leaf| redirected[leaf]).unwrap_or(old)
@@ -125,6 +132,12 @@ where
         mut shape: Shape<W, impl Source<W>>,
         mut phases: Phases,
     ) -> Result<Self, BuildError> {
+        if input.options.choice("leaves") == "shared" {
+            // Boxes stand alone: they are no triangles.
+            let triangles = input.source.len() - input.source.boxes();
+            shape.share_blocks(|id| id.index() >= triangles);
+            phases.end("blocks");
+        }
         if shape.report.max_depth > sah::MAX_DEPTH {
             let (depth, limit) = (shape.report.max_depth, sah::MAX_DEPTH);
             return Err(BuildError::TooDeep { depth, limit });
@@ -143,8 +156,9 @@ where
         shape.write_nodes(&mut arena, inline, by_octant);
         phases.end("nodes");
         let (root, parts, first_leaf) = (shape.root(), shape.parts, shape.first_leaf());
+        let blocks = shape.blocks();
         let report = std::mem::take(&mut shape.report);
-        shape.into_leaves().write(&mut arena, &*input.source, inline);
+        shape.into_blocks().write(&mut arena, &*input.source, inline);
         phases.end("leaves");
         Ok(Self {
             root,
@@ -154,6 +168,7 @@ where
             side_by_side: false,
             parts,
             first_leaf,
+            blocks,
             built: Built {
                 level: input.level,
                 report: BuildReport {
@@ -224,8 +239,8 @@ where
     ) {
         let (stripes, of_leaf) =
             (self.arena.stripes(), if self.fetch.is_some() { 1 } else { BLOCK });
-        for leaf in 0..self.built.report.leaves {
-            let link = Link::to_leaf(self.first_leaf + leaf * of_leaf);
+        for block in 0..self.blocks {
+            let link = Link::to_leaf(self.first_leaf + block * of_leaf);
             let block = self.visit_leaf(stripes, link, fetched, context.counters);
             if context.test_each(block).is_break() {
                 return;
@@ -287,7 +302,7 @@ where
 
     fn scratch(&self) -> Scratch<W> {
         let stacks = (0..RAYS).map(|_| Stack::new()).collect();
-        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.built.report.leaves));
+        let fetched = self.fetch.as_ref().map(|fetch| fetch.make_table(self.blocks));
         let packet = self.side_by_side.then(Box::default);
         Scratch { stacks, fetched: fetched.unwrap_or_else(Fetched::none), packet }
     }
