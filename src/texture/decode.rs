@@ -77,15 +77,27 @@ impl Image {
         name: &str,
         levels: FileLevels,
     ) -> Result<(Self, Vec<String>), ImageError> {
+        Self::decode_into(Vec::new(), bytes, name, levels)
+    }
+
+    /// The same into memory that is at hand, whatever is in it, if it suffices and fits.
+    pub(super) fn decode_into(
+        room: Vec<u8>,
+        bytes: &[u8],
+        name: &str,
+        levels: FileLevels,
+    ) -> Result<(Self, Vec<String>), ImageError> {
         if is_exr(bytes) {
             return decode_exr(bytes, name);
         }
         if ktx2::is_ktx2(bytes) {
             return ktx2::decode(bytes, MAX_SIZE, levels).map_err(ImageError::Ktx2);
         }
-        let image =
-            if is_radiance(bytes) { decode_radiance(bytes) } else { decode_other(bytes, name) };
-        Ok((image?, Vec::new()))
+        let image = match is_radiance(bytes) {
+            true => decode_radiance(bytes)?,
+            false => decode_other(room, bytes, name)?,
+        };
+        Ok((image, Vec::new()))
     }
 
     /// The memory that the texels of a file would take, by its header alone; for OpenEXR files the
@@ -111,7 +123,7 @@ impl Image {
 }
 
 /// Decodes what the crate `image` reads.
-fn decode_other(bytes: &[u8], name: &str) -> Result<Image, ImageError> {
+fn decode_other(room: Vec<u8>, bytes: &[u8], name: &str) -> Result<Image, ImageError> {
     let (decoder, format) = decoder(bytes, name)?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
@@ -120,7 +132,9 @@ fn decode_other(bytes: &[u8], name: &str) -> Result<Image, ImageError> {
     memory::claim(peak_bytes(&decoder, format))?;
     let channels = decoder.color_type().channel_count();
     let texels = match decoder.color_type() {
-        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => read::<u8>(decoder)?,
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+            Texels::U8(read_into(room, decoder)?)
+        }
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
             read::<u16>(decoder)?
         }
@@ -234,6 +248,17 @@ fn peak_bytes(decoder: &impl ImageDecoder, format: ImageFormat) -> u64 {
         _ => decoder.total_bytes().max(u64::from(width) * u64::from(height) * 8),
     };
     decoder.total_bytes() + own
+}
+
+/// All values of 8 bits, in `room` if it is large enough.
+fn read_into(mut room: Vec<u8>, decoder: impl ImageDecoder) -> Result<Vec<u8>, ImageError> {
+    let length = decoder.total_bytes() as usize;
+    if room.capacity() < length {
+        room = vec![0; length];
+    }
+    room.resize(length, 0);
+    decoder.read_image(&mut room)?;
+    Ok(room)
 }
 
 /// All values.

@@ -5,8 +5,9 @@ use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 use super::cache::TileCache;
+use super::pack::SIDE;
 use super::texels::{Depth, Texels, Value, spread};
-use super::tiles::{SIDE, Tiles};
+use super::tiles::Tiles;
 use crate::math::Digest;
 
 /// An image of at least one texel.
@@ -83,15 +84,24 @@ impl Image {
     /// So do those of its file's smaller versions.
     #[must_use]
     pub fn into_tiles(self, cache: &Arc<TileCache>) -> Self {
+        self.into_tiles_and_room(cache).0
+    }
+
+    /// The same with the memory that its texels were in, if they had 8 bits and are in tiles now.
+    pub(super) fn into_tiles_and_room(self, cache: &Arc<TileCache>) -> (Self, Option<Vec<u8>>) {
         // While all of it is at hand.
         let digest = self.digest();
-        let Some(tiles) = self.cut(cache) else { return self };
+        let Some(tiles) = self.cut(cache) else { return (self, None) };
         let level = |level: &Arc<Self>| match level.cut(cache) {
             Some(tiles) => Arc::new(tiles),
             None => Arc::clone(level),
         };
         let file_levels = self.file_levels.iter().map(level).collect();
-        Self { opaque: self.opaque, file_levels, digest: digest.into(), ..tiles }
+        let tiles = Self { opaque: self.opaque, file_levels, digest: digest.into(), ..tiles };
+        match self.store {
+            Store::Whole(Texels::U8(values)) => (tiles, Some(values)),
+            _ => (tiles, None),
+        }
     }
 
     /// Its texels in tiles, unless they are few or in tiles already.

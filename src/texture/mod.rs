@@ -7,7 +7,7 @@
 //! | `image` | an image, whole or in tiles |
 //! | `decode`, `ktx2`, `zstandard` | images from the bytes of their files |
 //! | `store` | each file decoded once, within the memory that textures may take |
-//! | `tiles`, `pack`, `cache` | images that do not fit: cut, kept, and brought back tile by tile |
+//! | `tiles`, `pack`, `cache`, `ring` | images that do not fit: cut, kept, brought back by tiles |
 //! | `levels` | smaller versions of images, for what is seen from afar |
 //! | `range` | floats taken to what a material can do |
 
@@ -18,6 +18,7 @@ mod ktx2;
 mod levels;
 mod pack;
 mod range;
+mod ring;
 mod store;
 mod texels;
 #[allow(clippy::module_inception)] // what a reader looks for

@@ -23,6 +23,9 @@ const EXPANSION: u64 = 256;
 /// read twice.
 const KEPT_BYTES: u64 = 256 << 20;
 
+/// An image of so many bytes is cut into tiles if it does not fit.
+const SMALL_BYTES: u64 = 64 << 10;
+
 /// Which file an image is from, and which part of it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ImageId {
@@ -195,6 +198,7 @@ impl TextureStore {
     /// Keeps an image that was made, not read.
     pub fn keep(&self, image: Image) -> Arc<Image> {
         let fits = self.reserve(image.texel_bytes());
+        let image = if fits { image } else { image.into_tiles(&self.cache) };
         self.admit(image, fits)
     }
 
@@ -206,7 +210,7 @@ impl TextureStore {
     }
 
     fn known(&self) -> MutexGuard<'_, Known> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.known)
     }
 
     /// Decodes images side by side.
@@ -228,8 +232,10 @@ impl TextureStore {
         } else {
             None
         };
+        // New memory costs as much as a part of decoding: that of images that were cut is used again.
+        let spare = Mutex::new(Vec::new());
         let decode = |(source, file): (&&ImageSource, Result<SizedFile, String>)| {
-            let SizedFile { bytes, .. } = file?;
+            let SizedFile { bytes, decoded, .. } = file?;
             if let Some(reason) = &too_many {
                 return Err(reason.clone());
             }
@@ -237,9 +243,13 @@ impl TextureStore {
                 Some(bytes) => bytes,
                 None => (source.read)()?,
             };
-            let decoded = Image::decode_noting(&bytes, source.name, self.levels);
+            // One that may stay whole has its own.
+            let room = if decoded < SMALL_BYTES { None } else { lock(&spare).pop() };
+            let room = room.unwrap_or_default();
+            let decoded = Image::decode_into(room, &bytes, source.name, self.levels);
             drop(bytes);
             let (image, notes) = decoded.map_err(|error| error.to_string())?;
+            let image = if fits { image } else { self.cut(image, &spare) };
             let image = self.admit(image, fits);
             if let Some(id) = &source.id {
                 self.known().insert(id.clone(), (Arc::downgrade(&image), notes.clone()));
@@ -278,8 +288,14 @@ impl TextureStore {
         self.cache.set_limit(rest.max(self.limit / 8));
     }
 
+    /// An image in tiles; the memory that it was in is spared.
+    fn cut(&self, image: Image, spare: &Mutex<Vec<Vec<u8>>>) -> Image {
+        let (image, room) = image.into_tiles_and_room(&self.cache);
+        lock(spare).extend(room);
+        image
+    }
+
     fn admit(&self, image: Image, fits: bool) -> Arc<Image> {
-        let image = if fits { image } else { image.into_tiles(&self.cache) };
         for image in image.file_levels().iter().map(|level| &**level).chain([&image]) {
             if !fits && !image.is_tiled() {
                 self.resident.fetch_add(image.texel_bytes(), Relaxed);
@@ -290,6 +306,10 @@ impl TextureStore {
         }
         Arc::new(image)
     }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A file whose size is known.

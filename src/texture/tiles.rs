@@ -5,16 +5,12 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use super::cache::{MOST_AT_HAND, Place, TileCache, mix};
-use super::pack::Packed;
+use super::cache::{MOST_AT_HAND, Row, TileCache};
+use super::pack::{self, Packed, SIDE};
+use super::ring::mix;
 use super::texels::{Depth, Texels};
 use super::transfer::Tables;
 use crate::math::Vec4;
-
-/// Texels across and down a tile. Those beyond an image's edge are zero and are never looked at.
-///
-/// Paths that have bounced ask for tiles at random, so that a small one is the better one.
-pub(super) const SIDE: u32 = 32;
 
 /// Bits of a key that number a tile within its image.
 const TILE_BITS: u32 = 20;
@@ -22,12 +18,16 @@ const TILE_BITS: u32 = 20;
 /// The number of the next image.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
-/// Tiles, each with its key.
-type AtHand = [Option<(u64, Arc<Texels>)>; MOST_AT_HAND];
+/// A tile that a thread has for itself; no bytes: none.
+struct AtHand {
+    key: u64,
+    tile: Vec<u8>,
+}
 
 thread_local! {
     /// What this thread has looked at lately, each where its key leads.
-    static AT_HAND: RefCell<AtHand> = const { RefCell::new([const { None }; MOST_AT_HAND]) };
+    static AT_HAND: RefCell<[AtHand; MOST_AT_HAND]> =
+        const { RefCell::new([const { AtHand { key: 0, tile: Vec::new() } }; MOST_AT_HAND]) };
 }
 
 /// The texels of an image, in tiles.
@@ -41,7 +41,8 @@ pub struct Tiles {
     columns: u32,
     channels: u8,
     depth: Depth,
-    places: Vec<Place>,
+    /// Its rows of tiles.
+    rows: Vec<Row>,
 }
 
 impl fmt::Debug for Tiles {
@@ -58,32 +59,27 @@ impl Tiles {
         channels: u8,
         cache: Arc<TileCache>,
     ) -> Self {
-        let (columns, rows) = (width.div_ceil(SIDE), height.div_ceil(SIDE));
+        let columns = width.div_ceil(SIDE);
         let depth = texels.depth();
         let texel = usize::from(channels) * depth.bits() as usize / 8;
-        let bytes = texels.as_bytes();
-        let mut tile = vec![0; (SIDE * SIDE) as usize * texel];
-        let mut places = Vec::with_capacity((columns * rows) as usize);
-        let mut packed = Packed::default();
-        for row in 0..rows {
+        let (bytes, stride) = (texels.as_bytes(), width as usize * texel);
+        let mut packed = Packed::new();
+        let cut_row = |row: u32| {
             for column in 0..columns {
                 let (x, y) = (column * SIDE, row * SIDE);
-                let (across, down) = (SIDE.min(width - x), SIDE.min(height - y));
-                if across < SIDE || down < SIDE {
-                    tile.fill(0);
+                let first = &bytes[y as usize * stride + x as usize * texel..];
+                let size = [SIDE.min(width - x), SIDE.min(height - y)].map(|side| side as usize);
+                if size == [SIDE as usize; 2] {
+                    packed.push(first, stride, texel);
+                } else {
+                    packed.push(&filled(first, stride, texel, size), SIDE as usize * texel, texel);
                 }
-                let across = across as usize * texel;
-                for line in 0..down {
-                    let from = ((y + line) as usize * width as usize + x as usize) * texel;
-                    let to = (line * SIDE) as usize * texel;
-                    tile[to..to + across].copy_from_slice(&bytes[from..from + across]);
-                }
-                packed.push(&tile);
             }
-            places.extend(cache.keep(&mut packed));
-        }
+            cache.keep(&mut packed)
+        };
+        let rows = (0..height.div_ceil(SIDE)).map(cut_row).collect();
         let first_key = NEXT.fetch_add(1, Relaxed) << TILE_BITS;
-        Self { cache, first_key, width, height, columns, channels, depth, places }
+        Self { cache, first_key, width, height, columns, channels, depth, rows }
     }
 
     /// Of what kind the values are.
@@ -95,56 +91,80 @@ impl Tiles {
     #[inline(never)]
     pub(super) fn gather<const K: usize>(&self, tables: Tables, at: [(u32, u32); K]) -> [Vec4; K] {
         let tile = |(x, y): (u32, u32)| y / SIDE * self.columns + x / SIDE;
-        let within = |(x, y): (u32, u32)| (y % SIDE * SIDE + x % SIDE) as usize;
+        let within = |(x, y): (u32, u32)| [x % SIDE, y % SIDE];
+        let (depth, channels) = (self.depth, self.channels);
         let first = tile(at[0]);
         if at.iter().all(|&at| tile(at) == first) {
-            return self.look(first, |texels| tables.gather(texels, self.channels, at.map(within)));
+            let at = at.map(within);
+            return self.look(first, |tile| tables.gather_packed(tile, depth, channels, at));
         }
         at.map(|at| {
+            let within = [within(at)];
             let [texel] =
-                self.look(tile(at), |texels| tables.gather(texels, self.channels, [within(at)]));
+                self.look(tile(at), |tile| tables.gather_packed(tile, depth, channels, within));
             texel
         })
     }
 
     /// All texels, row by row from the top.
     pub fn to_texels(&self) -> Texels {
-        let count = self.width as usize * self.height as usize * usize::from(self.channels);
-        let mut all = self.depth.zeros(count);
-        let texel = usize::from(self.channels) * self.depth.bits() as usize / 8;
-        let bytes = all.as_bytes_mut();
-        for number in 0..self.places.len() as u32 {
-            let tile = self.tile(number);
-            let (x, y) = (number % self.columns * SIDE, number / self.columns * SIDE);
-            let across = SIDE.min(self.width - x) as usize * texel;
-            for down in 0..SIDE.min(self.height - y) {
-                let to = ((y + down) as usize * self.width as usize + x as usize) * texel;
-                let from = (down * SIDE) as usize * texel;
-                bytes[to..to + across].copy_from_slice(&tile.as_bytes()[from..from + across]);
+        let (width, height) = (self.width as usize, self.height as usize);
+        let mut all = self.depth.zeros(width * height * usize::from(self.channels));
+        let texel = self.texel_bytes();
+        let (bytes, mut tile) = (all.as_bytes_mut(), Vec::new());
+        for number in 0..self.rows.len() as u32 * self.columns {
+            self.get(number, &mut tile);
+            let (left, top) = (number % self.columns * SIDE, number / self.columns * SIDE);
+            let across = SIDE.min(self.width - left) as usize * texel;
+            for y in 0..SIDE.min(self.height - top) {
+                let to = ((top + y) as usize * width + left as usize) * texel;
+                for (x, bytes) in bytes[to..to + across].chunks_exact_mut(texel).enumerate() {
+                    pack::texel(&tile, [x as u32, y], bytes);
+                }
             }
         }
         all
     }
 
+    /// Bytes of a texel.
+    fn texel_bytes(&self) -> usize {
+        usize::from(self.channels) * self.depth.bits() as usize / 8
+    }
+
     /// Looks into a tile. Those that the thread has at hand need no lock.
     #[inline]
-    fn look<R>(&self, number: u32, look: impl FnOnce(&Texels) -> R) -> R {
+    fn look<R>(&self, number: u32, look: impl FnOnce(&[u8]) -> R) -> R {
         let key = self.first_key | u64::from(number);
         let slot = mix(key) as usize & (self.cache.at_hand() - 1);
-        AT_HAND.with_borrow_mut(|at_hand| match &mut at_hand[slot] {
-            Some((known, tile)) if *known == key => look(tile),
-            slot => {
-                let tile = self.tile(number);
-                let found = look(&tile);
-                *slot = Some((key, tile));
-                found
+        AT_HAND.with_borrow_mut(|at_hand| {
+            let at_hand = &mut at_hand[slot];
+            if at_hand.key != key || at_hand.tile.is_empty() {
+                at_hand.key = key;
+                self.get(number, &mut at_hand.tile);
             }
+            look(&at_hand.tile)
         })
     }
 
-    fn tile(&self, number: u32) -> Arc<Texels> {
+    /// Makes `tile` the one of such a number.
+    fn get(&self, number: u32, tile: &mut Vec<u8>) {
         let key = self.first_key | u64::from(number);
-        let count = (SIDE * SIDE) as usize * usize::from(self.channels);
-        self.cache.tile(key, &self.places[number as usize], self.depth, count)
+        let (row, column) = (number / self.columns, number % self.columns);
+        self.cache.get(key, &self.rows[row as usize], column as usize, self.texel_bytes(), tile);
     }
+}
+
+/// A tile of which an image has `size` texels across and down: the last ones are there again.
+/// `first` begins with its first texel, and its rows are `stride` bytes apart.
+fn filled(first: &[u8], stride: usize, texel: usize, [across, down]: [usize; 2]) -> Vec<u8> {
+    let side = SIDE as usize;
+    let mut tile = Vec::with_capacity(side * side * texel);
+    for y in 0..side {
+        let row = &first[y.min(down - 1) * stride..][..across * texel];
+        tile.extend_from_slice(row);
+        for _ in across..side {
+            tile.extend_from_slice(&row[(across - 1) * texel..]);
+        }
+    }
+    tile
 }

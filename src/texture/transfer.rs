@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use super::pack;
 use super::texels::{Depth, Texels, Value};
 use crate::math::{Vec3, Vec4};
 
@@ -63,6 +64,44 @@ impl Tables {
             3 => at.map(|at| self.linear::<T, 3>(values, at)),
             _ => at.map(|at| self.linear::<T, 4>(values, at)),
         }
+    }
+
+    /// The same of texels in columns and rows of a packed tile.
+    #[inline]
+    pub fn gather_packed<const K: usize>(
+        self,
+        tile: &[u8],
+        depth: Depth,
+        channels: u8,
+        at: [[u32; 2]; K],
+    ) -> [Vec4; K] {
+        match depth {
+            Depth::U8 => self.unpack::<u8, K>(tile, channels, at),
+            Depth::U16 => self.unpack::<u16, K>(tile, channels, at),
+            Depth::F32 => self.unpack::<f32, K>(tile, channels, at),
+        }
+    }
+
+    #[inline]
+    fn unpack<T: Value, const K: usize>(
+        self,
+        tile: &[u8],
+        channels: u8,
+        at: [[u32; 2]; K],
+    ) -> [Vec4; K] {
+        match channels {
+            1 => at.map(|at| self.linear_packed::<T, 1>(tile, at)),
+            2 => at.map(|at| self.linear_packed::<T, 2>(tile, at)),
+            3 => at.map(|at| self.linear_packed::<T, 3>(tile, at)),
+            _ => at.map(|at| self.linear_packed::<T, 4>(tile, at)),
+        }
+    }
+
+    #[inline(always)]
+    fn linear_packed<T: Value, const N: usize>(self, tile: &[u8], at: [u32; 2]) -> Vec4 {
+        let mut values = [T::zeroed(); N];
+        pack::texel(tile, at, bytemuck::cast_slice_mut(&mut values));
+        self.linear::<T, N>(&values, 0)
     }
 
     #[inline(always)]
