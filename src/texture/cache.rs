@@ -2,7 +2,7 @@
 
 use std::io;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::pack::{self, Packed};
@@ -22,8 +22,7 @@ const USUAL_TILE: u64 = 4 << 10;
 #[derive(Debug)]
 pub(super) struct Row {
     place: Place,
-    /// Where each of its tiles ends.
-    ends: Box<[u32]>,
+    tiles: Box<[Kept]>,
 }
 
 #[derive(Debug)]
@@ -34,11 +33,20 @@ enum Place {
     Memory(Box<[u8]>),
 }
 
+/// A tile of a row.
+#[derive(Debug)]
+struct Kept {
+    /// Where it ends in its row.
+    end: u32,
+    /// Its number when it was last brought to memory; changed under its shard's lock.
+    number: AtomicU32,
+}
+
 impl Row {
-    /// Which of its bytes are the tile of such a number.
-    fn tile(&self, number: usize) -> Range<usize> {
-        let start = number.checked_sub(1).map_or(0, |before| self.ends[before]);
-        start as usize..self.ends[number] as usize
+    /// Which of its bytes are the tile in such a column.
+    fn range(&self, column: usize) -> Range<usize> {
+        let start = column.checked_sub(1).map_or(0, |before| self.tiles[before].end);
+        start as usize..self.tiles[column].end as usize
     }
 }
 
@@ -55,7 +63,7 @@ pub struct CacheFigures {
     /// The part of it that is in memory.
     pub stored_in_memory: u64,
     /// Tiles that were read.
-    pub decoded: u64,
+    pub read: u64,
     /// Tiles that were there when a thread asked for one that it did not have at hand.
     pub found: u64,
     /// Tiles that made room for others.
@@ -77,7 +85,7 @@ pub struct TileCache {
     peak: AtomicU64,
     stored: AtomicU64,
     stored_in_memory: AtomicU64,
-    decoded: AtomicU64,
+    read: AtomicU64,
     found: AtomicU64,
     evicted: AtomicU64,
 }
@@ -98,13 +106,13 @@ impl TileCache {
             peak: AtomicU64::new(0),
             stored: AtomicU64::new(0),
             stored_in_memory: AtomicU64::new(0),
-            decoded: AtomicU64::new(0),
+            read: AtomicU64::new(0),
             found: AtomicU64::new(0),
             evicted: AtomicU64::new(0),
         }
     }
 
-    /// Changes how many bytes of decoded tiles it may hold.
+    /// Changes how many bytes of tiles it may hold.
     pub fn set_limit(&self, limit: u64) {
         self.limit.store(limit, Relaxed);
     }
@@ -122,7 +130,7 @@ impl TileCache {
             peak: self.peak.load(Relaxed),
             stored: self.stored.load(Relaxed),
             stored_in_memory: self.stored_in_memory.load(Relaxed),
-            decoded: self.decoded.load(Relaxed),
+            read: self.read.load(Relaxed),
             found: self.found.load(Relaxed),
             evicted: self.evicted.load(Relaxed),
         }
@@ -146,16 +154,18 @@ impl TileCache {
                 Place::Memory(packed.bytes().into())
             }
         };
-        let ends = packed.ends().into();
+        let kept = |&end: &u32| Kept { end, number: AtomicU32::new(0) };
+        let tiles = packed.ends().iter().map(kept).collect();
         packed.clear();
-        Row { place, ends }
+        Row { place, tiles }
     }
 
-    /// Makes `tile` the one of such a key, which has such a number in its row; a texel has so many
-    /// bytes.
-    pub(super) fn get(&self, key: u64, row: &Row, number: usize, texel: usize, tile: &mut Vec<u8>) {
+    /// Makes `tile` the one of such a key, which is in such a column of its row; a texel has so
+    /// many bytes.
+    pub(super) fn get(&self, key: u64, row: &Row, column: usize, texel: usize, tile: &mut Vec<u8>) {
         let shard = &self.shards[(mix(key) >> 48) as usize % self.shards.len()];
-        if let Some(bytes) = lock(shard).find(key) {
+        let number = &row.tiles[column].number;
+        if let Some(bytes) = lock(shard).find(key, number.load(Relaxed)) {
             tile.clear();
             tile.reserve_exact(bytes.len());
             tile.extend_from_slice(bytes);
@@ -163,14 +173,18 @@ impl TileCache {
             return;
         }
         // Two threads may read one tile: that is rarer than waiting for each other would be.
-        self.decoded.fetch_add(1, Relaxed);
-        if let Err(error) = self.read(row, row.tile(number), texel, tile) {
+        self.read.fetch_add(1, Relaxed);
+        if let Err(error) = self.read(row, row.range(column), texel, tile) {
             let _ = self.failure.set(error.to_string());
             pack::clear(tile, texel);
         }
         let limit = self.limit.load(Relaxed) / self.shards.len() as u64;
         let mut shard = lock(shard);
-        let change = shard.insert(key, tile, limit as usize);
+        if shard.find(key, number.load(Relaxed)).is_some() {
+            return;
+        }
+        let (new, change) = shard.insert(key, tile, limit as usize);
+        number.store(new, Relaxed);
         // Counted under the lock, so that no more is counted than there is.
         let more = change.added.wrapping_sub(change.removed);
         let bytes = self.bytes.fetch_add(more, Relaxed).wrapping_add(more);
@@ -247,7 +261,7 @@ mod tests {
         assert_eq!(figures.limit, 16 << 10);
         assert!(figures.peak <= 16 << 10 && figures.peak > 8 << 10, "{figures:?}");
         assert_eq!(figures.stored, 64 * (16 * 4 + 2) + 32 * 1024);
-        assert_eq!(figures.decoded - figures.evicted, 16);
+        assert_eq!(figures.read - figures.evicted, 21);
         assert_eq!((cache.failure(), figures.stored_in_memory), (None, 0));
     }
 

@@ -1,17 +1,13 @@
 //! Tiles that are at hand: one after the other in a ring of bytes, the oldest first.
 //!
-//! A new one takes the place of the oldest. One that was asked for since it came, or came again,
-//! comes again as the newest: a clock (Corbató 1968) whose hand is the end of the ring. So there is
-//! nothing to allocate, and memory is what the ring has.
+//! A new one takes the place of the oldest, whether that was asked for of late or not: paths that
+//! have bounced ask at random, and those from the camera ask again at once or never. So there is
+//! nothing to allocate or to sort, and memory is what the ring has.
 
-use std::collections::{HashMap, VecDeque};
-use std::hash::{BuildHasherDefault, Hasher};
+use std::collections::VecDeque;
 
-/// Bytes of what is remembered of a tile: its [`Entry`] and its number.
-const ENTRY_BYTES: usize = 64;
-
-/// One part in so many of all memory may go to what is remembered of tiles.
-const ENTRIES_PART: usize = 16;
+/// One part in so many of all memory goes to what is remembered of tiles.
+const ENTRIES_PART: usize = 32;
 
 /// A ring of bytes, with what is remembered of its tiles.
 #[derive(Debug, Default)]
@@ -21,10 +17,8 @@ pub(super) struct Ring {
     bytes: Vec<u8>,
     /// Tiles from the oldest on.
     entries: VecDeque<Entry>,
-    /// How many have gone: the number of the oldest.
-    first: u64,
-    /// The number of each tile.
-    numbers: HashMap<u64, u64, BuildHasherDefault<KeyHasher>>,
+    /// The number of the oldest. Tiles are numbered as they come.
+    first: u32,
     /// Where the newest ends.
     end: usize,
 }
@@ -34,7 +28,6 @@ struct Entry {
     key: u64,
     start: usize,
     length: u32,
-    asked_for: bool,
 }
 
 /// What a new tile has changed.
@@ -48,26 +41,6 @@ pub(super) struct Change {
     pub evicted: u64,
 }
 
-/// Keys are numbers that [`mix`] spreads.
-#[derive(Debug, Default)]
-pub(super) struct KeyHasher(u64);
-
-impl Hasher for KeyHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.write_u64(byte.into());
-        }
-    }
-
-    fn write_u64(&mut self, key: u64) {
-        self.0 = mix(self.0 ^ key);
-    }
-}
-
 /// Spreads a key over all bits.
 #[inline]
 pub(super) fn mix(key: u64) -> u64 {
@@ -76,48 +49,46 @@ pub(super) fn mix(key: u64) -> u64 {
 }
 
 impl Ring {
-    /// The bytes of a tile, if it is here.
-    pub fn find(&mut self, key: u64) -> Option<&[u8]> {
-        let number = self.numbers.get(&key)?;
-        let entry = self.entries.get_mut((number - self.first) as usize)?;
-        entry.asked_for = true;
-        Some(&self.bytes[entry.start..][..entry.length as usize])
+    /// The bytes of a tile that came with such a number, if it is still here.
+    pub fn find(&self, key: u64, number: u32) -> Option<&[u8]> {
+        let entry = self.entries.get(number.wrapping_sub(self.first) as usize)?;
+        (entry.key == key).then(|| &self.bytes[entry.start..][..entry.length as usize])
     }
 
-    /// Adds a tile. All tiles, and what is remembered of them, take no more than `limit` bytes: one
-    /// that is larger is not kept, and all go if the limit is another than before.
-    pub fn insert(&mut self, key: u64, tile: &[u8], limit: usize) -> Change {
+    /// Adds a tile, and says its number. All tiles, and what is remembered of them, take no more
+    /// than `limit` bytes: one that is larger is not kept, and all go if the limit is another than
+    /// before.
+    pub fn insert(&mut self, key: u64, tile: &[u8], limit: usize) -> (u32, Change) {
         let mut change = Change::default();
         if self.limit != limit {
-            change = self.restart(limit);
+            self.restart(limit, &mut change);
         }
-        if tile.len() <= self.bytes.capacity() && !self.numbers.contains_key(&key) {
-            self.make_room(tile.len(), &mut change);
-            let end = self.end + tile.len();
-            if self.bytes.len() < end {
-                self.bytes.resize(end, 0);
-            }
-            self.bytes[self.end..end].copy_from_slice(tile);
-            self.push(key, tile.len());
-            change.added = tile.len() as u64;
+        let number = || self.first.wrapping_add(self.entries.len() as u32);
+        if tile.len() > self.bytes.capacity() {
+            return (number(), change);
         }
-        change
+        self.make_room(tile.len(), &mut change);
+        let start = self.end;
+        self.end += tile.len();
+        let over = self.end.min(self.bytes.len()) - start;
+        self.bytes[start..start + over].copy_from_slice(&tile[..over]);
+        self.bytes.extend_from_slice(&tile[over..]);
+        self.entries.push_back(Entry { key, start, length: tile.len() as u32 });
+        change.added = tile.len() as u64;
+        (self.first.wrapping_add(self.entries.len() as u32 - 1), change)
     }
 
     /// Empties it, and sets memory aside: none if there is too little, so that no tile is kept.
-    fn restart(&mut self, limit: usize) -> Change {
-        let removed = self.entries.iter().map(|entry| u64::from(entry.length)).sum();
-        let evicted = self.entries.len() as u64;
-        *self = Self { limit, ..Self::default() };
-        let most = limit / ENTRIES_PART / ENTRY_BYTES;
-        let is_there = most > 0
-            && self.entries.try_reserve_exact(most).is_ok()
-            && self.numbers.try_reserve(most).is_ok();
-        if is_there {
-            // Without it, its capacity is none.
-            let _ = self.bytes.try_reserve_exact(limit - most * ENTRY_BYTES);
+    fn restart(&mut self, limit: usize, change: &mut Change) {
+        while !self.entries.is_empty() {
+            self.pop(change);
         }
-        Change { added: 0, removed, evicted }
+        *self = Self { limit, first: self.first, ..Self::default() };
+        let most = limit / ENTRIES_PART / size_of::<Entry>();
+        if most > 0 && self.entries.try_reserve_exact(most).is_ok() {
+            // Without it, its capacity is none.
+            let _ = self.bytes.try_reserve_exact(limit - most * size_of::<Entry>());
+        }
     }
 
     /// Brings the end to where so many bytes are free.
@@ -135,43 +106,26 @@ impl Ring {
             }
             if free < length && oldest < self.end {
                 self.end = 0;
-                continue;
+            } else {
+                self.pop(change);
             }
-            self.pop(change);
         }
     }
 
-    /// Takes the oldest away; if it was asked for, it comes again.
+    /// Takes the oldest away.
     fn pop(&mut self, change: &mut Change) {
-        let Some(Entry { key, start, length, asked_for }) = self.entries.pop_front() else {
-            return;
-        };
-        self.first += 1;
-        let length = length as usize;
-        if !asked_for {
-            self.numbers.remove(&key);
-            change.removed += length as u64;
+        if let Some(entry) = self.entries.pop_front() {
+            self.first = self.first.wrapping_add(1);
+            change.removed += u64::from(entry.length);
             change.evicted += 1;
-            return;
         }
-        if start < self.end && self.end + length > self.bytes.len() {
-            self.end = 0;
-        }
-        self.bytes.copy_within(start..start + length, self.end);
-        self.push(key, length);
-    }
-
-    /// What lies behind the end is the newest tile.
-    fn push(&mut self, key: u64, length: usize) {
-        self.numbers.insert(key, self.first + self.entries.len() as u64);
-        let entry = Entry { key, start: self.end, length: length as u32, asked_for: false };
-        self.entries.push_back(entry);
-        self.end += length;
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashMap;
+
     use super::*;
 
     /// Bytes that tell a tile.
@@ -182,46 +136,49 @@ mod tests {
     #[test]
     fn tiles_are_as_they_came_and_within_the_limit() {
         let (mut ring, mut state, mut here) = (Ring::default(), 1_u64, 0);
-        let (mut found, mut gone) = (0, 0);
+        let (mut numbers, mut found, mut gone) = (HashMap::new(), 0, 0);
         for _ in 0..20_000 {
             state = mix(state + 1);
-            // Some are asked for often.
-            let key = if state.is_multiple_of(3) { state >> 60 } else { state >> 56 };
-            match ring.find(key) {
-                Some(bytes) => {
-                    assert_eq!(bytes, tile(key));
-                    found += 1;
-                }
-                None => {
-                    let Change { added, removed, evicted } = ring.insert(key, &tile(key), 40_000);
-                    assert_eq!(added, tile(key).len() as u64);
-                    (here, gone) = (here + added - removed, gone + evicted);
-                }
+            let key = state >> 57;
+            let number = numbers.get(&key).copied().unwrap_or(0);
+            if let Some(bytes) = ring.find(key, number) {
+                assert_eq!(bytes, tile(key));
+                found += 1;
+            } else {
+                let (number, change) = ring.insert(key, &tile(key), 40_000);
+                numbers.insert(key, number);
+                assert_eq!(change.added, tile(key).len() as u64);
+                (here, gone) = (here + change.added - change.removed, gone + change.evicted);
+                assert_eq!(ring.find(key, number), Some(&tile(key)[..]));
             }
             let all: u64 = ring.entries.iter().map(|entry| u64::from(entry.length)).sum();
             assert!(here == all && ring.bytes.len() <= ring.bytes.capacity());
-            assert!(ring.bytes.capacity() + ring.entries.len() * ENTRY_BYTES <= 40_000);
+            let remembered = ring.entries.capacity() * size_of::<Entry>();
+            assert!(ring.bytes.capacity() + remembered <= 40_000);
         }
         assert!(found > 2000 && gone > 2000, "{found} {gone}");
         let kept = ring.entries.len() as u64;
-        let change = ring.insert(1 << 40, &[1; 10], 5000);
+        let (number, change) = ring.insert(1 << 40, &[1; 10], 5000);
         assert_eq!(change, Change { added: 10, removed: here, evicted: kept });
-        assert!(ring.find(1 << 40) == Some(&[1; 10]) && ring.entries.len() == 1);
+        assert!(ring.find(1 << 40, number) == Some(&[1; 10]) && ring.entries.len() == 1);
     }
 
     #[test]
-    fn what_is_asked_for_again_stays() {
+    fn the_oldest_goes_first() {
         let mut ring = Ring::default();
         // Room for four tiles of 960 bytes.
-        (0..4).for_each(|key| assert_eq!(ring.insert(key, &[key as u8; 960], 4096).evicted, 0));
-        assert!(ring.find(0).is_some() && ring.find(2).is_some());
-        assert_eq!(ring.insert(4, &[4; 960], 4096).evicted, 1);
-        assert!(ring.find(1).is_none() && ring.find(4) == Some(&[4; 960]));
-        assert!(ring.find(0) == Some(&[0; 960]) && ring.find(2) == Some(&[2; 960]));
+        for key in 0..4 {
+            let change = Change { added: 960, ..Change::default() };
+            assert_eq!(ring.insert(key, &[key as u8; 960], 4096), (key as u32, change));
+        }
+        let change = Change { added: 960, removed: 960, evicted: 1 };
+        assert_eq!(ring.insert(4, &[4; 960], 4096), (4, change));
+        assert!(ring.find(0, 0).is_none() && ring.find(4, 4) == Some(&[4; 960]));
+        assert!(ring.find(1, 1) == Some(&[1; 960]) && ring.find(1, 2).is_none());
         // Too large for all of it, and no room at all.
-        assert_eq!(ring.insert(5, &[5; 4096], 4096), Change::default());
+        assert_eq!(ring.insert(5, &[5; 4096], 4096).1, Change::default());
         let all = Change { added: 0, removed: 4 * 960, evicted: 4 };
-        assert_eq!(ring.insert(5, &[5; 10], 1000), all);
-        assert!(ring.find(5).is_none());
+        let (number, change) = ring.insert(5, &[5; 10], 700);
+        assert!(change == all && ring.find(5, number).is_none());
     }
 }

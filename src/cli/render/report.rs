@@ -143,10 +143,10 @@ pub fn describe_textures(figures: &TextureFigures) -> String {
         bytes => format!(" ({} of it in memory: there is no room for the file)", mega(bytes)),
     };
     format!(
-        "{whole}; {tiled} in tiles, {} in a temporary file{in_memory}; tiles: {} decoded, {} \
+        "{whole}; {tiled} in tiles, {} in a temporary file{in_memory}; tiles: {} read, {} \
          found, {} evicted, {} at most of {}",
         mega(cache.stored),
-        cache.decoded,
+        cache.read,
         cache.found,
         cache.evicted,
         mega(cache.peak),
@@ -163,7 +163,7 @@ fn textures_as_json(figures: &TextureFigures) -> Value {
             "peak_bytes": cache.peak,
             "stored_bytes": cache.stored,
             "stored_in_memory_bytes": cache.stored_in_memory,
-            "decoded": cache.decoded,
+            "read": cache.read,
             "found": cache.found,
             "evicted": cache.evicted,
         })
