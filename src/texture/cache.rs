@@ -147,13 +147,14 @@ impl TileCache {
         let bytes = packed.bytes().len() as u64;
         self.stored.fetch_add(bytes, Relaxed);
         let spool = self.spool.get_or_init(|| Spool::new().ok()).as_ref();
-        let place = match spool.and_then(|spool| spool.append(packed.bytes()).ok()) {
-            Some(start) => Place::File(start),
-            None => {
+        let start = spool.and_then(|spool| spool.append(packed.bytes()).ok());
+        let place = start.map_or_else(
+            || {
                 self.stored_in_memory.fetch_add(bytes, Relaxed);
                 Place::Memory(packed.bytes().into())
-            }
-        };
+            },
+            Place::File,
+        );
         let kept = |&end: &u32| Kept { end, number: AtomicU32::new(0) };
         let tiles = packed.ends().iter().map(kept).collect();
         packed.clear();

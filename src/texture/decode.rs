@@ -93,9 +93,10 @@ impl Image {
         if ktx2::is_ktx2(bytes) {
             return ktx2::decode(bytes, MAX_SIZE, levels).map_err(ImageError::Ktx2);
         }
-        let image = match is_radiance(bytes) {
-            true => decode_radiance(bytes)?,
-            false => decode_other(room, bytes, name)?,
+        let image = if is_radiance(bytes) {
+            decode_radiance(bytes)?
+        } else {
+            decode_other(room, bytes, name)?
         };
         Ok((image, Vec::new()))
     }

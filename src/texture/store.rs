@@ -232,7 +232,7 @@ impl TextureStore {
         } else {
             None
         };
-        // New memory costs as much as a part of decoding: that of images that were cut is used again.
+        // New memory costs time as decoding does: that of images that were cut is used again.
         let spare = Mutex::new(Vec::new());
         let decode = |(source, file): (&&ImageSource, Result<SizedFile, String>)| {
             let SizedFile { bytes, decoded, .. } = file?;
