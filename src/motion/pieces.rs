@@ -20,6 +20,8 @@ use super::path::{Link, Motion};
 /// A piece of the time that the shutter is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
+    /// From when to when it goes.
+    pub span: [f64; 2],
     /// Its middle, as samples' times are told.
     pub middle: f32,
     /// No point moves further from where it is in the middle.
@@ -47,7 +49,8 @@ impl Motion {
                 let off = (f64::from(middle) - exact).abs();
                 // Where it is rounded out of the piece, no sample's time is in it.
                 let margin = way / duration * (half + off) * (1.0 + 1e-12);
-                (off <= half).then_some(Piece { middle, margin })
+                let span = [exact - half, exact + half];
+                (off <= half).then_some(Piece { span, middle, margin })
             };
             pieces.extend((0..count as u32).filter_map(piece));
         }
@@ -112,7 +115,7 @@ mod tests {
         let pieces = motion.pieces(1.0, 0.05);
         assert!(pieces.len() > 20 && pieces.len() < 5 * 256, "{}", pieces.len());
         let mut start = 0.0;
-        for Piece { middle, margin } in pieces {
+        for Piece { middle, margin, .. } in pieces {
             // But for what the rounding of the middles has added up to.
             let end = (2.0 * f64::from(middle) - start).min(1.0);
             for step in 0..8 {

@@ -198,7 +198,7 @@ impl Motions for Triangles {
         let motion = self.scene.motion.as_ref();
         match motion.and_then(|motion| motion.placement(placement.index())) {
             Some(motion) => motion.pieces(reach, margin),
-            None => vec![Piece { middle: 0.0, margin: 0.0 }],
+            None => vec![Piece { span: [0.0, 1.0], middle: 0.0, margin: 0.0 }],
         }
     }
 }

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use super::placement::{Shape, ToMesh, error_inside, world_box};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use super::spans::Spans;
-use crate::accel::Phases;
+use super::timed_boxes::TimedBoxes;
 use crate::accel::small_meshes::{MeshUse, find_small};
+use crate::accel::{Phases, PreparedRay};
 use crate::geom::{Motions, Placements, TriangleSource};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
 use crate::motion::Piece;
@@ -62,6 +63,8 @@ pub struct Levels {
     shapes: Arc<[Option<Shape>]>,
     /// The boxes of all placements if anything moves, else none; see [`find_boxes`].
     boxes: Arc<[Aabb]>,
+    /// Those of what moves at its times.
+    timed_boxes: TimedBoxes,
 }
 
 /// A mesh of fewer triangles is flattened: a placement costs as much.
@@ -126,17 +129,18 @@ impl Levels {
         let few = if copies && apart.len() <= MOST_WAYS { &*apart } else { &[] };
         let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
         let boxes = find_boxes(placements, &apart, &shapes).into();
+        let timed_boxes = TimedBoxes::new(placements, &apart, &shapes);
         let spans = Spans::new(placements);
         let flat = FlatTriangles::new(placed.clone(), flat);
         phases.end("placements");
         let (placements, shapes) = (apart.into(), shapes.into());
-        Self { placed, placements, ways, meshes, spans, flat, shapes, boxes }
+        Self { placed, placements, ways, meshes, spans, flat, shapes, boxes, timed_boxes }
     }
 
     /// Bytes of the lists of placements, and of the ways and boxes that are kept.
     pub fn bytes(&self) -> usize {
         let lists = size_of_val(&*self.placements) + size_of_val(&*self.boxes);
-        lists + size_of_val(&*self.ways)
+        lists + size_of_val(&*self.ways) + self.timed_boxes.bytes()
     }
 
     /// How many triangles and placements the structures are built over.
@@ -163,6 +167,16 @@ impl Levels {
     #[inline(always)]
     pub fn prefetch_way(&self, number: usize) {
         prefetch(&self.ways, number, size_of::<Way>());
+    }
+
+    /// Whether a ray may meet a placement at a time, before `t_max`, as far as boxes tell.
+    #[inline]
+    pub fn may_meet(&self, prim: PrimId, time: f32, world: &PreparedRay<'_>, t_max: f32) -> bool {
+        self.timed_boxes.at(prim.index(), time).is_none_or(|held| {
+            let (slab, t_min) = world.for_boxes();
+            let (enter, exit) = slab.interval(held);
+            enter.max(t_min) <= exit.min(t_max)
+        })
     }
 
     /// A placement by its number in the upper structure, and where it stands at a time.

@@ -36,7 +36,8 @@
 //!
 //! 1. *Above*, the box of a placement holds what [`placement::world_box`] holds, at all times: it
 //!    is the union over pieces of the time of the box in the middle of each, grown by how far
-//!    anything can be from there ([`crate::motion::Motion::pieces`]).
+//!    anything can be from there ([`crate::motion::Motion::pieces`]). Before a ray is taken into the
+//!    mesh's space, the box of the part of the time is asked that holds the ray's (`timed_boxes`).
 //! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
 //!    the placement at the ray's time. What vertices may be off by is looked at for that time;
 //!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.
@@ -52,6 +53,7 @@
 //! | `levels` | how a scene is divided |
 //! | `sources` | what the structures are built over |
 //! | `spans` | the structures of meshes, by pieces of the time |
+//! | `timed_boxes` | the boxes of what moves, by parts of the time |
 //! | `mesh_trees` | the trees of all meshes in one piece of memory |
 //! | `parts` | placements opened |
 //! | `verdict` | who says what is hit on each level |
@@ -65,6 +67,7 @@ mod parts;
 pub mod placement;
 mod sources;
 mod spans;
+mod timed_boxes;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod two_level;
 mod verdict;

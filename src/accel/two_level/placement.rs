@@ -84,20 +84,30 @@ impl Shape {
         motions.pieces(placement, self.reach.length(), margin)
     }
 
-    /// The box in the world of what a moving placement comes to hold; see [`world_box`].
-    pub fn box_over_time(&self, motions: &dyn Motions, placement: InstanceId) -> Aabb {
-        let of_piece = |Piece { middle, margin }: Piece| {
+    /// The boxes in the world of what a moving placement comes to hold, each with from when to when
+    /// it does; see [`world_box`].
+    pub fn boxes_over_time(
+        &self,
+        motions: &dyn Motions,
+        placement: InstanceId,
+    ) -> Vec<([f64; 2], Aabb)> {
+        let of_piece = |Piece { span, middle, margin }: Piece| {
             let held = world_box(self, &motions.to_world_at(placement, middle));
             let (min, max) = (held.min.as_dvec3() - margin, held.max.as_dvec3() + margin);
             // Rounded outwards.
             let down = |x: f64| (x - x.abs() * ROUNDING) as f32;
             let up = |x: f64| (x + x.abs() * ROUNDING) as f32;
-            Aabb {
-                min: Vec3::new(down(min.x), down(min.y), down(min.z)),
-                max: Vec3::new(up(max.x), up(max.y), up(max.z)),
-            }
+            let min = Vec3::new(down(min.x), down(min.y), down(min.z));
+            let max = Vec3::new(up(max.x), up(max.y), up(max.z));
+            (span, Aabb { min, max })
         };
-        self.pieces(motions, placement).into_iter().map(of_piece).fold(Aabb::EMPTY, Aabb::union)
+        self.pieces(motions, placement).into_iter().map(of_piece).collect()
+    }
+
+    /// What holds all of these.
+    pub fn box_over_time(&self, motions: &dyn Motions, placement: InstanceId) -> Aabb {
+        let boxes = self.boxes_over_time(motions, placement);
+        boxes.into_iter().map(|(_, held)| held).fold(Aabb::EMPTY, Aabb::union)
     }
 
     fn size(&self) -> f64 {

@@ -163,15 +163,17 @@ impl Verdict for Above<'_, '_> {
         any: bool,
     ) -> Option<ClosestHit> {
         let time = self.times.map_or(0.0, |times| times[ray]);
+        let world = &PreparedRay::new(&self.rays[ray], ray, self.filter);
+        if !self.levels.may_meet(prim, time, world, nearest.t) {
+            return None;
+        }
         let (placement, to_world) = self.levels.placement(prim, time);
         let placements = self.levels.placed.get();
         let mesh = placements.mesh(placement);
         let apart = self.levels.meshes[mesh.index()].as_ref().expect("its mesh is kept apart");
-        let world = &self.rays[ray];
         let to_mesh = self.levels.to_mesh(prim, &to_world);
-        let enter = |to_mesh: ToMesh| to_mesh.enter(&apart.grown, world, nearest.t);
+        let enter = |to_mesh: ToMesh| to_mesh.enter(&apart.grown, &world.ray, nearest.t);
         let entered = to_mesh.map_or(Entered::Far, enter);
-        let world = &PreparedRay::new(world, ray, self.filter);
         let inside = |shift| Inside::new(placement, apart.slack, shift);
         let (ray, shift) = match entered {
             Entered::Missed => return None,
