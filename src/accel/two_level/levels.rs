@@ -213,6 +213,12 @@ impl Levels {
         PlacementBoxes { placed: self.placed.clone(), placements, shapes, known }
     }
 
+    /// What holds all that is kept apart, over all of the time; `None` where that is not known.
+    pub fn bounds(&self) -> Option<Aabb> {
+        let all = || self.boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
+        (!self.boxes.is_empty()).then(all)
+    }
+
     /// Whether there is time to look at all triangles of placements that are kept apart.
     pub fn are_few_triangles(&self) -> bool {
         let placements = self.placed.get();

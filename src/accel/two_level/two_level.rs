@@ -18,8 +18,8 @@ use crate::accel::{
     Options, Phases, Steps, Tracer, Variant,
 };
 use crate::files::Meter;
-use crate::geom::TriangleSource;
-use crate::math::Ray;
+use crate::geom::{SlabRay, TriangleSource};
+use crate::math::{Aabb, Ray};
 
 /// A row of the table with its options.
 pub type Row<'a> = (&'static Variant, &'a Options);
@@ -30,6 +30,8 @@ pub struct TwoLevel {
     flat: Option<Located>,
     /// `None` without placements that are kept apart.
     above: Option<Box<dyn Accel>>,
+    /// What holds all of these, if that is known.
+    bounds: Option<Aabb>,
     /// Of each mesh, or of a piece of its time.
     below: Vec<Option<Box<dyn Accel>>>,
     level: Level,
@@ -73,8 +75,8 @@ impl TwoLevel {
         phases.end("meshes");
         let above = is_split.then(|| row(above)(Arc::new(levels.boxes()))).transpose()?;
         phases.end("tree of placements");
-        let report = BuildReport::default();
-        let mut two_level = Self { levels, flat, above, below, level, report };
+        let (bounds, report) = (levels.bounds(), BuildReport::default());
+        let mut two_level = Self { levels, flat, above, bounds, below, level, report };
         two_level.report = two_level.sum_up(phases);
         Ok(Box::new(two_level))
     }
@@ -106,6 +108,7 @@ impl TwoLevel {
             above: self.above.as_deref().map(make),
             below: RefCell::new((0..self.below.len()).map(|_| None).collect()),
             rays: Vec::new(),
+            numbers: Vec::new(),
             hits: Vec::new(),
         }
     }
@@ -177,14 +180,35 @@ struct LevelsTracer<'a> {
     flat: Option<Box<dyn Tracer + 'a>>,
     above: Option<Box<dyn Tracer + 'a>>,
     below: RefCell<Vec<Option<Box<dyn Tracer + 'a>>>>,
+    /// Those that may meet what is placed.
     rays: Vec<Ray>,
+    /// Their numbers in the batch.
+    numbers: Vec<u32>,
     hits: Vec<ClosestHit>,
 }
 
 impl<'a> LevelsTracer<'a> {
+    /// Chooses the rays that may meet what is placed, each up to where that would count.
+    fn choose(&mut self, batch: &Batch<'_>, up_to: impl Fn(usize) -> Option<f32>) {
+        let Self { two_level, rays, numbers, .. } = self;
+        rays.clear();
+        numbers.clear();
+        for (number, ray) in batch.rays().iter().enumerate() {
+            let Some(ray) = up_to(number).map(|t| ray.up_to(t)) else { continue };
+            let meets = two_level.bounds.is_none_or(|bounds| {
+                let (enter, exit) = SlabRay::new(&ray).interval(&bounds);
+                enter.max(ray.t_min()) <= exit.min(ray.t_max())
+            });
+            if meets {
+                rays.push(ray);
+                numbers.push(number as u32);
+            }
+        }
+    }
+
     /// Has the upper structure asked about `self.rays`.
     fn ask(&mut self, batch: &Batch<'_>, ask: impl FnOnce(&mut dyn Tracer, &Batch<'_>)) {
-        let Self { two_level, make, above, below, rays, .. } = self;
+        let Self { two_level, make, above, below, rays, numbers, .. } = self;
         let Some(tracer) = above else { return };
         let two_level: &'a TwoLevel = two_level;
         let make =
@@ -194,10 +218,14 @@ impl<'a> LevelsTracer<'a> {
             tracers: below,
             make: &make,
             rays,
+            numbers,
             filter: batch.filter(),
             times: batch.times(),
         };
-        ask(&mut **tracer, &batch.with_rays(rays).with_filter(None).with_verdict(&verdict));
+        // The hints are about all rays.
+        let is_whole = rays.len() == batch.rays().len();
+        let chosen = if is_whole { batch.with_rays(rays) } else { Batch::new(rays) };
+        ask(&mut **tracer, &chosen.with_filter(None).with_verdict(&verdict));
     }
 }
 
@@ -207,13 +235,13 @@ impl Tracer for LevelsTracer<'_> {
             Some(flat) => flat.closest_hits(batch, hits),
             None => hits.fill(ClosestHit::MISS),
         }
-        self.rays.clear();
-        self.rays.extend(batch.rays().iter().zip(&*hits).map(|(ray, hit)| ray.up_to(hit.t)));
+        self.choose(batch, |number| Some(hits[number].t));
         let mut found = std::mem::take(&mut self.hits);
         found.clear();
-        found.resize(hits.len(), ClosestHit::MISS);
+        found.resize(self.rays.len(), ClosestHit::MISS);
         self.ask(batch, |tracer, batch| tracer.closest_hits(batch, &mut found));
-        for (hit, found) in hits.iter_mut().zip(&found) {
+        for (&number, found) in self.numbers.iter().zip(&found) {
+            let hit = &mut hits[number as usize];
             if found.is_before(hit) {
                 *hit = *found;
             }
@@ -226,13 +254,12 @@ impl Tracer for LevelsTracer<'_> {
             Some(flat) => flat.any_hits(batch, hits),
             None => hits.fill(AnyHit(false)),
         }
-        let open = |(ray, hit): (&Ray, &AnyHit)| if hit.0 { Ray::MISS } else { *ray };
-        self.rays.clear();
-        self.rays.extend(batch.rays().iter().zip(&*hits).map(open));
-        let mut found = vec![AnyHit(false); hits.len()];
+        let rays = batch.rays();
+        self.choose(batch, |number| (!hits[number].0).then(|| rays[number].t_max()));
+        let mut found = vec![AnyHit(false); self.rays.len()];
         self.ask(batch, |tracer, batch| tracer.any_hits(batch, &mut found));
-        for (hit, found) in hits.iter_mut().zip(found) {
-            hit.0 |= found.0;
+        for (&number, found) in self.numbers.iter().zip(found) {
+            hits[number as usize].0 |= found.0;
         }
     }
 

@@ -146,11 +146,13 @@ pub struct Above<'a, 't> {
     pub tracers: &'a RefCell<Vec<Option<Box<dyn Tracer + 't>>>>,
     /// Makes one.
     pub make: &'a dyn Fn(usize) -> Box<dyn Tracer + 't>,
-    /// The rays of the batch.
+    /// The rays that are asked about.
     pub rays: &'a [Ray],
+    /// Their numbers in the batch.
+    pub numbers: &'a [u32],
     /// The batch's filter.
     pub filter: Option<&'a dyn HitFilter>,
-    /// The times of the rays.
+    /// The times of the batch's rays.
     pub times: Option<&'a [f32]>,
 }
 
@@ -162,8 +164,9 @@ impl Verdict for Above<'_, '_> {
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
-        let time = self.times.map_or(0.0, |times| times[ray]);
-        let world = &PreparedRay::new(&self.rays[ray], ray, self.filter);
+        let number = self.numbers[ray] as usize;
+        let time = self.times.map_or(0.0, |times| times[number]);
+        let world = &PreparedRay::new(&self.rays[ray], number, self.filter);
         if !self.levels.may_meet(prim, time, world, nearest.t) {
             return None;
         }
