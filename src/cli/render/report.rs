@@ -15,7 +15,7 @@ use crate::render::{LostSample, Rendered, Sight, Stage};
 use crate::texture::TextureFigures;
 
 /// The share of paths that may be cut without a word.
-const MANY_CUT: f64 = 0.01;
+const MANY_CUT: f64 = 0.002;
 
 /// Says what the scene asks for that is not honoured, and what was decided for the user.
 pub fn print_scene(job: &Job) {
