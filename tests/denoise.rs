@@ -33,6 +33,8 @@ fn cornell() -> String {
 fn a_library_that_is_not_there_is_told_before_the_render() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("empty")).expect("made");
+    let noisy = ["render", &cornell(), "-o", "noisy.exr", "--resolution", "8x8", "--spp", "1"];
+    dapple(folder.path(), None, &noisy);
     // Nobody waits for so many samples.
     let render = ["render", &cornell(), "-o", "a.exr", "--spp", "1000000000", "--denoise"];
     let denoise = ["denoise", "noisy.exr", "-o", "a.exr"];

@@ -99,7 +99,7 @@ fn hint(near: &[&'static str]) -> String {
 
 fn have(known: &[&'static str]) -> String {
     match known {
-        [] => "; it has none".to_owned(),
-        known => format!("; it has {}", known.join(", ")),
+        [] => "; it has, as all have, instances and top".to_owned(),
+        known => format!("; it has {}, and, as all have, instances and top", known.join(", ")),
     }
 }

@@ -41,8 +41,10 @@ fn to_text() -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{:width$}  {}", variant.id, variant.summary);
         for option in variant.options {
-            let (name, values) = (option.name, option.values);
-            let _ = writeln!(text, "{:width$}    {name}={values}: {}", "", option.summary);
+            let (name, values, default) = (option.name, option.values, option.default);
+            let summary = option.summary;
+            let _ =
+                writeln!(text, "{:width$}    {name}={values}: {summary} [default: {default}]", "");
         }
     }
     text + OF_ALL
@@ -51,7 +53,8 @@ fn to_text() -> String {
 /// What every structure takes besides.
 const OF_ALL: &str = "\nAll take, for meshes that are placed more than once:
   instances=auto|flat|two-level: all in one structure, or one of each mesh and one of its copies
-  top=ID: the structure of copies, if it is to be another
+    [default: auto]
+  top=ID: the structure of copies, if it is to be another [default: that of the meshes]
 ";
 
 fn to_json(variant: &Variant) -> serde_json::Value {

@@ -52,8 +52,8 @@ pub struct DenoiseArgs {
 pub fn run(args: &DenoiseArgs) -> Result<ExitCode, CliError> {
     let outputs = outputs::of_picture(args.output.as_deref(), args.png.as_deref());
     outputs::check_picture(&outputs, &[&args.picture])?;
-    let denoiser = Denoiser::find(args.threads)?;
     let mut picture = exr::read(&args.picture)?;
+    let denoiser = Denoiser::find(args.threads)?;
     let start = Instant::now();
     denoiser.denoise(&mut picture, &args.picture)?;
     let seconds = start.elapsed().as_secs_f64();

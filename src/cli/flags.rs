@@ -1,8 +1,13 @@
 //! Flags that several commands have, and values of flags.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
 use crate::accel::{AccelSpec, VARIANTS};
 use crate::cli::error::CliError;
 use crate::cli::progress::say;
+use crate::cli::settings::parse;
 
 /// A flag of commands that print little besides their results.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -19,6 +24,21 @@ impl Quiet {
             say(line);
         }
     }
+}
+
+/// Whole numbers within a range, for flags.
+pub fn whole<T>(
+    range: RangeInclusive<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Clone + Send + Sync + 'static,
+{
+    move |text| parse::whole(text, range.clone())
+}
+
+/// Any number that a generator of random numbers may begin with.
+pub fn seed(text: &str) -> Result<u64, String> {
+    parse::whole(text, 0..=u64::MAX)
 }
 
 /// Reads a list of structures. Options of one may hold commas, so a part without an id joins the

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::camera::flight;
 use crate::cli::error::CliError;
-use crate::cli::flags::Quiet;
+use crate::cli::flags::{Quiet, seed, whole};
 use crate::cli::outputs::{self, Output};
 use crate::cli::text;
 use crate::files::{self, Flush};
@@ -106,13 +106,13 @@ struct ForestArgs {
     /// Triangles of all kinds and of the ground, each counted once, exactly: 4000 to 60000000
     #[arg(
         long, value_name = "N", default_value_t = 40_000,
-        value_parser = clap::value_parser!(u64).range(FOREST_TRIANGLES)
+        value_parser = whole(FOREST_TRIANGLES)
     )]
     triangles: u64,
     /// Plants and stones: 1 to 100000000
     #[arg(
         long, value_name = "M", default_value_t = 5000,
-        value_parser = clap::value_parser!(u64).range(FOREST_COPIES)
+        value_parser = whole(FOREST_COPIES)
     )]
     copies: u64,
     /// Where a scene goes that places the forest under sun and sky (.toml), beside it
@@ -126,7 +126,7 @@ struct ForestArgs {
 #[derive(clap::Args, Debug)]
 struct SceneArgs {
     /// Triangles of the scene, exactly: 1 to 20000000
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(TRIANGLES))]
+    #[arg(long, value_name = "N", value_parser = whole(TRIANGLES))]
     triangles: u64,
     #[command(flatten)]
     common: CommonArgs,
@@ -136,7 +136,7 @@ struct SceneArgs {
 #[derive(clap::Args, Debug)]
 struct CommonArgs {
     /// Another number, another scene
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
     /// Where the scene goes: binary glTF (.glb)
     #[arg(short, long, value_name = "FILE")]

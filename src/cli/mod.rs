@@ -88,9 +88,14 @@ fn dispatch(command: Command) -> Result<ExitCode, CliError> {
     }
 }
 
+/// Either a scene or a picture is needed, and something to write.
+const RENDER_USAGE: &str = "dapple render [OPTIONS] -o <FILE> <SCENE>
+       dapple render [OPTIONS] -o <FILE> --from <FILE.exr>";
+
 /// All commands, each with the exit codes at the end of its help.
 fn all_commands() -> clap::Command {
-    exit_codes::add_to_help(Cli::command())
+    let commands = Cli::command().mut_subcommand("render", |it| it.override_usage(RENDER_USAGE));
+    exit_codes::add_to_help(commands)
 }
 
 /// Runs the command that the process was started with.
@@ -116,6 +121,21 @@ mod tests {
             check(&words, below);
             each(below, &words, check);
         }
+    }
+
+    #[test]
+    fn whoever_slips_in_a_number_is_told_what_is_expected() {
+        let mut all = all_commands();
+        all.build();
+        each(&all, "dapple", &mut |words, command| {
+            let with_values = command.get_arguments().filter(|it| it.get_action().takes_values());
+            for flag in with_values.filter_map(clap::Arg::get_long) {
+                let word = format!("--{flag}=1e5");
+                let parsed = command.clone().no_binary_name(true).try_get_matches_from([word]);
+                let said = parsed.err().map(|error| error.to_string()).unwrap_or_default();
+                assert!(!said.contains("digit"), "{words}: --{flag}: {said}");
+            }
+        });
     }
 
     #[test]

@@ -176,12 +176,13 @@ impl Form {
     }
 
     fn lines() -> Self {
-        let report = |status: Status| {
-            if let Some(line) = format_status(&status) {
+        let mut lines = Lines::default();
+        let report = move |status: Status| {
+            if let Some(line) = lines.next(&status) {
                 print(&line);
             }
         };
-        Self { every: Duration::from_secs(10), each_phase: false, report: Box::new(report) }
+        Self { every: Duration::from_secs(10), each_phase: true, report: Box::new(report) }
     }
 
     fn bar() -> Self {
@@ -198,6 +199,27 @@ impl Form {
             }
         };
         Self { every: Duration::from_millis(100), each_phase: true, report: Box::new(report) }
+    }
+}
+
+/// Lines for people. That outputs are written is the last of them, and is said once.
+#[derive(Default)]
+struct Lines {
+    /// Whether the next may be the last: there was one, and not the last.
+    under_way: bool,
+}
+
+impl Lines {
+    /// The next one, where there is something to say.
+    fn next(&mut self, status: &Status) -> Option<String> {
+        if matches!(status.phase, Phase::Write | Phase::End) {
+            // After a render of a moment it is not worth a word.
+            let is_told = std::mem::take(&mut self.under_way) && status.phase == Phase::Write;
+            return is_told.then(|| status.phase.describe().to_owned());
+        }
+        let line = format_status(status);
+        self.under_way |= line.is_some();
+        line
     }
 }
 
@@ -298,6 +320,25 @@ mod tests {
         assert_eq!(format_bar(&status), "building the structure, 1m 30s left");
         assert!(is_worth_a_bar(&status));
         assert!(!is_worth_a_bar(&Status { in_phase: MOMENT, ..status }));
+    }
+
+    #[test]
+    fn that_all_is_done_is_said_once_and_nothing_after_it() {
+        let at = |phase, done| {
+            let elapsed = Duration::from_secs(60);
+            let progress = Some(Progress { before: 0, done, total: 8, elapsed });
+            Status { phase, progress, ..Status::default() }
+        };
+        let mut lines = Lines::default();
+        assert!(lines.next(&at(Phase::Render, 2)).is_some_and(|it| it.starts_with("25.0%")));
+        assert_eq!(lines.next(&at(Phase::Write, 8)).as_deref(), Some("writing the outputs"));
+        for phase in [Phase::Write, Phase::Write, Phase::End] {
+            assert_eq!(lines.next(&at(phase, 8)), None, "{phase:?}");
+        }
+        let mut failed = Lines::default();
+        assert!(failed.next(&at(Phase::Render, 2)).is_some());
+        assert_eq!(failed.next(&at(Phase::End, 2)), None, "there is nothing to write");
+        assert_eq!(Lines::default().next(&at(Phase::Write, 8)), None, "it took a moment");
     }
 
     #[test]

@@ -37,6 +37,11 @@ pub fn format_figure(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// How many there are of something, as people say it.
+pub fn format_count(count: u64, one: &str, many: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {many}") }
+}
+
 /// A number of bytes, as people say it.
 pub fn format_bytes(count: u64) -> String {
     match count {
@@ -76,6 +81,12 @@ mod tests {
         assert_eq!(figures.map(format_figure), text);
         assert_eq!(format_figure(100.0), "100");
         assert_eq!(format_figure(100_000.0), "100000");
+    }
+
+    #[test]
+    fn one_is_not_many() {
+        let counts = [0, 1, 2].map(|count| format_count(count, "leaf", "leaves"));
+        assert_eq!(counts, ["0 leaves", "1 leaf", "2 leaves"]);
     }
 
     #[test]

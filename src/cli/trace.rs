@@ -13,7 +13,7 @@ use serde_json::json;
 use crate::accel::{Accel, AccelSpec, AnyHit, Batch, ClosestHit, Counts, Event, Tracer, build};
 use crate::bench::ray_sets::from_rows;
 use crate::cli::error::CliError;
-use crate::cli::flags::Quiet;
+use crate::cli::flags::{Quiet, whole};
 use crate::cli::outputs::{self, Output};
 use crate::cli::settings::parse::threads;
 use crate::cli::{input, memory, text};
@@ -55,14 +55,14 @@ pub struct TraceArgs {
     threads: usize,
     /// Timed passes; the median counts
     #[arg(long, value_name = "N", default_value_t = 1)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(value_parser = whole(1..=1_000_000_u32))]
     repeat: u32,
     /// Ask ray by ray, in slices of one
     #[arg(long)]
     single: bool,
     /// Width of the raster whose pixels the rays are, row by row: structures for coherent rays gain
     #[arg(long, value_name = "N", conflicts_with = "single")]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(value_parser = whole(1..=65_536_u32))]
     width: Option<u32>,
     /// Count the work of a further pass
     #[arg(long)]
@@ -293,14 +293,14 @@ impl Summary {
         }
         let mut text = format!(
             "{}: {} triangles, {bytes} bytes\n\
-             built in {:.3} s: {} nodes, {} leaves of {:.2} triangles, depth {} ({:.1} on \
+             built in {:.3} s: {}, {} of {:.2} triangles, depth {} ({:.1} on \
              average), SAH cost {:.2}\n\
              {} {query} rays, {} hits, {:.4} s, {rate:.3} Mrays/s\n",
             args.accel,
             self.triangles,
             report.seconds(),
-            report.nodes,
-            report.leaves,
+            text::format_count(report.nodes as u64, "node", "nodes"),
+            text::format_count(report.leaves as u64, "leaf", "leaves"),
             report.mean_leaf,
             report.max_depth,
             report.mean_depth,

@@ -11,7 +11,7 @@ use crate::bench::agreement::{
 };
 use crate::bench::ray_sets::{Target, to_rows};
 use crate::cli::error::CliError;
-use crate::cli::flags::{Quiet, parse_accels};
+use crate::cli::flags::{Quiet, parse_accels, seed, whole};
 use crate::cli::outputs::{self, Output};
 use crate::cli::settings::parse::threads;
 use crate::cli::{input, memory, shell, text, trace};
@@ -37,13 +37,13 @@ pub struct ValidateArgs {
     accel: String,
     /// Number of rays
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    #[arg(value_parser = whole(1..=1_000_000_000_u64))]
     rays: u64,
     /// How many of them brute force answers, too [default: as many as it can in 30 seconds]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    #[arg(long, value_name = "N", value_parser = whole(0..=1_000_000_000_u64))]
     brute_rays: Option<u64>,
     /// Another number, other rays
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed)]
     seed: u64,
     /// The instruction set
     #[arg(long, default_value_t)]

@@ -21,5 +21,5 @@ mod spool;
 
 pub use beside::{Flush, probe, remove_pending, write};
 pub use meter::{Front, Meter};
-pub use regular::{open, read, same};
+pub use regular::{open, read, same, why_unread};
 pub use spool::Spool;

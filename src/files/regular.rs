@@ -1,7 +1,7 @@
 //! Inputs that end, and which paths lead to one file.
 
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 /// Opens a regular file for reading; its length comes with it.
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// What the system says, or that it is no regular file: a pipe may never be opened or never end.
 pub fn open(path: &Path) -> io::Result<(File, u64)> {
     // Asked before it is opened: opening a pipe waits for who writes to it.
-    let metadata = fs::metadata(path)?;
+    let metadata = fs::metadata(path).map_err(simplify)?;
     if metadata.is_dir() {
         return Err(io::Error::other("is a folder, not a file"));
     }
@@ -18,6 +18,26 @@ pub fn open(path: &Path) -> io::Result<(File, u64)> {
         return Err(io::Error::other("is not a regular file"));
     }
     Ok((File::open(path)?, metadata.len()))
+}
+
+/// The words for a file that is not there.
+const MISSING: &str = "no such file";
+
+/// What the system says of a file, in plain words where there is none.
+fn simplify(error: io::Error) -> io::Error {
+    let missing = error.kind() == ErrorKind::NotFound && error.raw_os_error().is_some();
+    if missing { io::Error::new(ErrorKind::NotFound, MISSING) } else { error }
+}
+
+/// What there is to say of a file that cannot be read: that there is none, or why.
+pub fn why_unread(error: &io::Error) -> String {
+    let missing = error.kind() == ErrorKind::NotFound && error.raw_os_error().is_some();
+    let reason = error.to_string();
+    if missing || reason == MISSING {
+        MISSING.to_owned()
+    } else {
+        format!("cannot be read: {reason}")
+    }
 }
 
 /// The contents of a regular file of up to `most` bytes.
@@ -109,5 +129,15 @@ mod tests {
         fs::write(&real, []).expect("written");
         std::os::unix::fs::symlink(&real, &link).expect("linked");
         assert!(same(&real, &link));
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_told_in_one_way() {
+        let missing = open(Path::new("no/such")).expect_err("not there");
+        let folder = open(Path::new(".")).expect_err("a folder");
+        assert_eq!(missing.to_string(), "no such file");
+        assert_eq!(why_unread(&missing), "no such file");
+        assert_eq!(why_unread(&io::Error::from_raw_os_error(2)), "no such file");
+        assert_eq!(why_unread(&folder), "cannot be read: is a folder, not a file");
     }
 }

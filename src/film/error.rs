@@ -3,11 +3,13 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::files::why_unread;
+
 /// An error of this module. The message names the file; an operating system's reason is the source.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
     /// The file is not there or cannot be read.
-    #[error("{}: cannot be read", path.display())]
+    #[error("{}: {}", path.display(), why_unread(source))]
     Read {
         /// As the caller names it.
         path: PathBuf,

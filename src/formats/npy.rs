@@ -20,7 +20,7 @@ use crate::files::{self, Flush};
 #[derive(Debug, thiserror::Error)]
 pub enum NpyError {
     /// The file cannot be opened or read.
-    #[error("{path}: cannot be read")]
+    #[error("{path}: {}", files::why_unread(source))]
     Read {
         /// As the caller names it.
         path: PathBuf,

@@ -39,6 +39,9 @@ use crate::world::{Surface, World};
 /// rounding puts it on the other side.
 const NEAR: f32 = 0.99;
 
+/// A path that carries more is bright.
+const MUCH: f32 = 0.1;
+
 /// How light is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transport {
@@ -259,6 +262,13 @@ impl<'w> PathTracer<'w> {
     /// Whether paths go on beyond the end of segment number `depth`.
     pub fn goes_beyond(&self, depth: u32) -> bool {
         depth < self.transport.max_depth
+    }
+
+    /// Whether a path that ends with its segment number `depth`, at `hit`, does so for its length
+    /// alone, while much of the light that is still to be found would reach the camera.
+    pub fn cuts(&self, depth: u32, path: &Path, hit: &ClosestHit) -> bool {
+        let is_long = !self.goes_beyond(path.vertices(depth));
+        is_long && hit.is_hit() && path.throughput.max_element() > MUCH
     }
 
     pub(super) fn plays_roulette(&self, depth: u32) -> bool {

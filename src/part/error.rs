@@ -4,13 +4,14 @@ use std::fmt::{self, Write as _};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::files::why_unread;
 use crate::film::Window;
 
 /// Why a part cannot be read, or parts cannot be added up.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     /// The system's reason.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: {}", path.display(), why_unread(source))]
     Open {
         /// The file.
         path: PathBuf,
@@ -18,8 +19,8 @@ pub enum PartError {
         source: io::Error,
     },
     /// Another kind of file.
-    #[error("{}: is no part of a picture (`dapple render --partial` makes them), nor a \
-             checkpoint; remove it to start anew", .0.display())]
+    #[error("{}: is neither a part of a picture nor a checkpoint; name a file that \
+             `dapple render` wrote by --partial or --checkpoint", .0.display())]
     NotAPart(PathBuf),
     /// A kind of part that this version does not know.
     #[error("{}: is a part of format {found}; this version of dapple reads format {known}",

@@ -28,13 +28,15 @@ use crate::simd::lanes::Lanes;
 use crate::simd::{in_lanes, vectorized};
 use crate::world::BsdfClass;
 
-/// How many rays were shot.
+/// How many rays were shot, and what became of paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
     /// Segments of paths.
     pub closest: u64,
     /// Segments to lights.
     pub shadow: u64,
+    /// Paths that ended only for their length.
+    pub cut: u64,
 }
 
 impl RayCounts {
@@ -48,6 +50,7 @@ impl std::ops::AddAssign for RayCounts {
     fn add_assign(&mut self, other: Self) {
         self.closest += other.closest;
         self.shadow += other.shadow;
+        self.cut += other.cut;
     }
 }
 
@@ -340,7 +343,9 @@ impl<'w> Stream<'w> {
                 self.rays[kept] = self.rays[i];
                 kept += 1;
             } else {
-                self.segments[self.paths[i].slot as usize] = depth;
+                let path = &self.paths[i];
+                self.segments[path.slot as usize] = depth;
+                self.counts.cut += u64::from(self.integrator.cuts(depth, path, &self.hits[i]));
             }
         }
         self.paths.truncate(kept);

@@ -17,6 +17,7 @@ mod texture_ref;
 mod triangles;
 mod volume;
 
+pub use digest::are_comparable;
 pub use instance::{Instance, Transform};
 pub use material::{AlphaMode, DEFAULT_GREY, Material};
 pub use material_layers::MaterialLayers;

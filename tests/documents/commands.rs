@@ -120,6 +120,8 @@ fn reduction(words: &[String]) -> (&'static [(&'static str, &'static str)], bool
     match two[..] {
         ["render", ..] if has("--debug-sample") => (&[], false),
         ["render", ..] if has("--crop") => (&[("--spp", "1")], false),
+        // As many as four parts need.
+        ["render", ..] if has("--part") => (&[("--spp", "64"), ("--resolution", "16x12")], false),
         ["render", ..] if has("--shutter") => (&[("--spp", "2"), ("--resolution", "32x24")], false),
         ["render", ..] => (&[("--spp", "2"), ("--resolution", "32x24")], false),
         ["golden", _] if words.get(2).is_some_and(|word| word == "golden") => {

@@ -7,7 +7,7 @@ use super::output::{OutputArgs, Results};
 use super::scenes::{BenchScene, KITCHEN};
 use crate::bench::structures::{self, AccelsBenchSettings};
 use crate::cli::error::CliError;
-use crate::cli::flags::Quiet;
+use crate::cli::flags::{Quiet, whole};
 use crate::cli::{input, text};
 use crate::generate::Generator;
 
@@ -15,8 +15,9 @@ use crate::generate::Generator;
 ///
 /// On one thread: nearest hits of random rays by slices of 4096, and of a picture by tiles of 64 by
 /// 64 pixels, the median of the rounds. One structure is built and measured after the other: on a
-/// machine that does other things besides, only `bench kd`, `mbvh` and `coherent`, where structures
-/// take turns, compare well. First all answers are compared to those of bvh2.
+/// machine that does other things besides, only `bench kd`, `mbvh`, `coherent` and `render`, where
+/// structures take turns, compare well. Before one is timed, its answers are compared to those of
+/// bvh2.
 ///
 /// Without a file, the scene is the kitchen of 103,000 triangles that `dapple generate` makes.
 /// --markdown prints the table of docs/structures.md.
@@ -31,11 +32,11 @@ pub struct BenchAccelsArgs {
     file: Option<PathBuf>,
     /// Rays of each kind; brute force gets a few of them
     #[arg(long, value_name = "N", default_value_t = 250_000)]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    #[arg(value_parser = whole(1..=100_000_000_u64))]
     rays: u64,
     /// Timed passes of each structure
     #[arg(long, value_name = "N", default_value_t = 3)]
-    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    #[arg(value_parser = whole(1..=1000_usize))]
     rounds: usize,
     #[command(flatten)]
     machine: MachineArgs,

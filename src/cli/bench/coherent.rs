@@ -10,9 +10,10 @@ use super::scenes::BenchScene;
 use crate::bench::fly_through::{self, FlyThroughBenchSettings, paper};
 use crate::camera::flight::{self, Pose};
 use crate::cli::error::CliError;
-use crate::cli::flags::Quiet;
+use crate::cli::flags::{Quiet, whole};
 use crate::cli::settings::parse::resolution;
 use crate::cli::{input, memory};
+use crate::files;
 use crate::generate::Generator;
 use crate::geom::TriangleSource;
 
@@ -50,11 +51,11 @@ pub struct CoherentArgs {
     resolution: (u32, u32),
     /// Cameras of a flight that are taken, evenly along it, at most
     #[arg(long, value_name = "N", default_value_t = 12)]
-    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=100_000))]
+    #[arg(value_parser = whole(1..=100_000_usize))]
     frames: usize,
     /// Timed passes of each structure over each picture
     #[arg(long, value_name = "N", default_value_t = 3)]
-    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    #[arg(value_parser = whole(1..=1000_usize))]
     rounds: usize,
     /// How trees are built; see the option `build` in `dapple accels`
     #[arg(long, default_value = "binned", value_parser = parse_builder)]
@@ -142,6 +143,6 @@ fn plan_scenes(args: &CoherentArgs) -> Vec<Box<dyn Fn() -> Result<Loaded, CliErr
 fn read_flight(path: &Path) -> Result<Vec<Pose>, CliError> {
     let shown = path.display();
     let text = fs::read_to_string(path)
-        .map_err(|error| CliError::Input(format!("{shown}: cannot be read: {error}")))?;
+        .map_err(|error| CliError::Input(format!("{shown}: {}", files::why_unread(&error))))?;
     flight::parse(&text).map_err(|error| CliError::Input(format!("{shown}: {error}")))
 }

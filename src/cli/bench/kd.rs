@@ -13,7 +13,7 @@ use crate::bench::kd_growth::{self, Growth};
 use crate::bench::measure::Measured;
 use crate::bench::ray_sets::RaySet;
 use crate::cli::error::CliError;
-use crate::cli::flags::Quiet;
+use crate::cli::flags::{Quiet, whole};
 use crate::cli::{input, memory};
 use crate::generate::Generator;
 
@@ -31,7 +31,7 @@ pub struct KdArgs {
     scene: Option<PathBuf>,
     /// Rays of each set; primary ones are the largest square picture of no more
     #[arg(long, value_name = "N", default_value_t = 100_000)]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    #[arg(value_parser = whole(1..=1_000_000_000_u64))]
     rays: u64,
     #[command(flatten)]
     machine: MachineArgs,

@@ -7,7 +7,7 @@ use super::output::{OutputArgs, Results};
 use super::scenes::choose_scenes;
 use crate::bench::mbvh::{self, MbvhBenchSettings};
 use crate::cli::error::CliError;
-use crate::cli::flags::Quiet;
+use crate::cli::flags::{Quiet, whole};
 use crate::cli::{input, memory};
 
 /// bvh2, mbvh4, mbvh8, mbvh16 and auto: the tables of Ernst and Greiner's paper, next to its
@@ -32,11 +32,11 @@ pub struct MbvhArgs {
     files: Vec<PathBuf>,
     /// Rays of each kind; a tenth of them at each point of figure 4
     #[arg(long, value_name = "N", default_value_t = 10_000_000)]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    #[arg(value_parser = whole(1..=1_000_000_000_u64))]
     rays: u64,
     /// Timed passes of each structure
     #[arg(long, value_name = "N", default_value_t = 3)]
-    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    #[arg(value_parser = whole(1..=1000_usize))]
     rounds: usize,
     /// How trees are built; see the option `build` in `dapple accels`
     #[arg(long, default_value = "binned", value_parser = parse_builder)]

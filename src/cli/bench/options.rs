@@ -2,6 +2,7 @@
 
 use crate::accel::bvh::BUILD;
 use crate::accel::{BuildError, ClosestHit, Values};
+use crate::cli::settings::parse_size::size;
 use crate::files;
 use crate::math::Ray;
 use crate::simd::Isa;
@@ -12,9 +13,10 @@ pub struct MachineArgs {
     /// The instruction set
     #[arg(long, default_value_t)]
     isa: Isa,
-    /// Megabytes that rays and structures may take; 0: three quarters of the machine's memory
-    #[arg(long, value_name = "MB", default_value_t = 0)]
-    memory: u64,
+    /// What rays and structures may take: 4GB, 512MiB, or a number of megabytes [default: three
+    /// quarters of the machine's memory]
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    memory: Option<u64>,
 }
 
 impl MachineArgs {
@@ -30,9 +32,17 @@ impl MachineArgs {
     /// The most bytes that rays and structures may take.
     pub fn memory_limit(self) -> u64 {
         match self.memory {
-            0 => files::memory::limit() / 4 * 3,
-            megabytes => megabytes.saturating_mul(1_000_000),
+            None | Some(0) => files::memory::limit() / 4 * 3,
+            Some(bytes) => bytes,
         }
+    }
+}
+
+/// A size in bytes; a number alone is megabytes, and 0 as if nothing was said.
+fn memory(text: &str) -> Result<u64, String> {
+    match text.parse::<u64>() {
+        Ok(megabytes) => Ok(megabytes.saturating_mul(1_000_000)),
+        Err(_) => size(text).map_err(|error| format!("{error}, or a number of megabytes")),
     }
 }
 
@@ -46,4 +56,21 @@ pub fn parse_builder(text: &str) -> Result<&'static str, String> {
 /// Bytes of some sets of rays and their answers.
 pub fn ray_bytes(rays: u64, sets: u64) -> u64 {
     rays * sets * (size_of::<Ray>() + size_of::<ClosestHit>()) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_has_a_unit_or_is_megabytes() {
+        let sizes = [("4GB", 4_000_000_000), ("512MiB", 512 << 20), ("300", 300_000_000), ("0", 0)];
+        for (text, bytes) in sizes {
+            assert_eq!(memory(text), Ok(bytes), "{text}");
+        }
+        for wrong in ["4 apples", "", "-1"] {
+            let error = memory(wrong).expect_err(wrong);
+            assert!(error.ends_with("2GB or 2G, or a number of megabytes"), "{error}");
+        }
+    }
 }

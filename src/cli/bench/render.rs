@@ -13,7 +13,7 @@ use crate::bench::bars::draw_bars;
 use crate::bench::breakdown::{self, Breakdown};
 use crate::bench::renders::{self, Rendered, Scene};
 use crate::cli::error::CliError;
-use crate::cli::flags::{Quiet, parse_accels};
+use crate::cli::flags::{Quiet, parse_accels, whole};
 use crate::cli::job::Job;
 use crate::cli::settings::parse::threads;
 use crate::cli::settings::resolve_words;
@@ -47,11 +47,11 @@ pub struct BenchRenderArgs {
     resolution: String,
     /// Samples per pixel
     #[arg(long, value_name = "N", default_value_t = 16)]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    #[arg(value_parser = whole(1..=1_u64 << 32))]
     spp: u64,
     /// Renders of each structure
     #[arg(long, value_name = "N", default_value_t = 3)]
-    #[arg(value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    #[arg(value_parser = whole(1..=1000_usize))]
     rounds: usize,
     /// Threads to build and render with; 0: one per core
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]

@@ -5,9 +5,13 @@ use std::fs;
 use std::path::Path;
 
 use crate::cli::error::CliError;
+use crate::cli::flags::whole;
 use crate::cli::settings::frames::{Frames, find_number};
+use crate::cli::settings::parse_long::Share;
 use crate::cli::settings::pose::require_numbers;
-use crate::cli::settings::{self, RenderArgs, Typed};
+use crate::cli::settings::{self, RenderArgs, Table, Typed};
+use crate::cli::text::format_count;
+use crate::files::why_unread;
 use crate::sampling::BLOCK;
 
 /// How a picture is cut into tasks.
@@ -16,7 +20,7 @@ use crate::sampling::BLOCK;
 pub struct Cut {
     /// Cuts each picture into so many parts, a task each
     #[arg(long, value_name = "N", default_value = "1",
-          value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+          value_parser = whole(1..=1_000_000_u64))]
     parts: u64,
     /// The folder of parts, checkpoints and logs, which all machines see [default: named after the
     /// output]
@@ -82,7 +86,7 @@ impl Plan {
         {
             return Err(CliError::Usage(format!("--{name} has no place here: {why}")));
         }
-        let args = settings::resolve(typed)?.args;
+        let args = settings::resolve(&with_checkpoint(typed))?.args;
         require_numbers(&args)?;
         check(&args, cut.parts)?;
         let output = args.output.as_deref().or(args.png.as_deref()).unwrap_or(Path::new(""));
@@ -125,16 +129,21 @@ impl Plan {
     /// What there is to do, in words.
     pub fn describe(&self) -> String {
         let outputs: Vec<&str> = self.outputs.iter().map(|(_, file)| file.as_str()).collect();
-        let of = |count: u64, what: &str| match count {
-            1 => format!("1 {what}"),
-            count => format!("{count} {what}s"),
-        };
-        let pictures = self.frames.map(|frames| format!(", {}", of(frames.count(), "frame")));
+        let frames = |count| format!(", {}", format_count(count, "frame", "frames"));
+        let pictures = self.frames.map(|it| frames(it.count()));
         let parts = (self.parts > 1).then(|| format!(", in {} parts", self.parts));
-        let tasks = of(self.tasks(), "task");
+        let tasks = format_count(self.tasks(), "task", "tasks");
         let (pictures, parts) = (pictures.unwrap_or_default(), parts.unwrap_or_default());
         format!("{}{pictures}{parts}: {tasks}", outputs.join(" and "))
     }
+}
+
+/// The same with a checkpoint, which each task has.
+fn with_checkpoint(typed: &Typed) -> Typed {
+    let mut typed = typed.clone();
+    let setting = Table::default().find("checkpoint");
+    typed.given.extend(setting.and_then(|it| Some((it, it.parse("".as_ref()).ok()?))));
+    typed
 }
 
 /// Makes sure that there is a scene, something to write, and enough samples for all parts.
@@ -142,7 +151,7 @@ fn check(args: &RenderArgs, parts: u64) -> Result<(), CliError> {
     if args.output.is_none() && args.png.is_none() {
         return Err(CliError::Usage("nowhere to put the picture: give -o FILE.exr".to_owned()));
     }
-    let most = args.spp.div_ceil(BLOCK);
+    let most = Share::most(args.spp);
     if parts > most {
         let spp = args.spp;
         let message =
@@ -150,7 +159,7 @@ fn check(args: &RenderArgs, parts: u64) -> Result<(), CliError> {
         return Err(CliError::Usage(message));
     }
     fs::metadata(&args.scene_file).map(drop).map_err(|error| {
-        CliError::Input(format!("{}: cannot be read: {error}", args.scene_file.display()))
+        CliError::Input(format!("{}: {}", args.scene_file.display(), why_unread(&error)))
     })
 }
 
@@ -232,6 +241,7 @@ mod tests {
         }
         assert!(refused("").is_some_and(|told| told.contains("-o")));
         assert!(refused("-o a.exr --spp 32 --parts 3").is_some_and(|told| told.contains("make 2")));
+        assert!(refused("-o a.exr --every 30s").is_none(), "each task has a checkpoint");
         assert!(refused("-o a\u{7}.exr").is_some_and(|told| told.contains("a script")));
         assert!(refused("-o a.exr --frames 1..2").is_some_and(|told| told.contains("####")));
     }

@@ -48,6 +48,7 @@ fn to_text(part: &Part) -> String {
     let (samples, (width, height)) = (head.samples(), head.resolution);
     let (fewest, most) = part.sample_counts();
     let there = match part.is_complete() {
+        true if samples.is_empty() => "none: a merge does without it".to_owned(),
         true if fewest == most => "all there".to_owned(),
         true => format!("all there: {fewest} to {most} a pixel"),
         // A checkpoint is one, too. A part beside which there was none goes on as well, but not by
@@ -58,7 +59,7 @@ fn to_text(part: &Part) -> String {
         ),
     };
     let mut text = format!(
-        "{}: part of a picture, {:.1} MB, whole\n\
+        "{}: part of a picture, {:.1} MB, undamaged\n\
          scene     {} (digest {})\n\
          pixels    {} of {width}x{height}\n\
          samples   {}..{} of {}, {there}\n\

@@ -13,6 +13,7 @@ use crate::film::Tonemap;
 /// Parts are what `dapple render --partial` writes: some of the samples, or some of the pixels, of
 /// one scene with the same settings. A part that is given twice counts once.
 #[derive(Args, Clone, Debug)]
+#[command(override_usage = "dapple merge [OPTIONS] -o <FILE> <PART>...")]
 #[command(after_help = "\
 Examples:
   dapple render scene.gltf --spp 256 --part 0/2 --partial a.part

@@ -18,6 +18,7 @@ use crate::cli::error::CliError;
 use crate::cli::input::run_on_threads;
 use crate::cli::outputs;
 use crate::cli::progress::say;
+use crate::cli::text::format_count;
 use crate::files::{self, Flush};
 use crate::part::{Merge, PartError};
 pub use args::MergeArgs;
@@ -49,8 +50,9 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, CliError> {
     })??;
     if !args.quiet {
         let made: Vec<String> = outputs.iter().map(|it| it.path.display().to_string()).collect();
-        let (count, spp) = (merge.parts().len(), merge.head().spp);
-        say(&format!("{}: {count} parts of a picture of {spp} spp", made.join(", ")));
+        let count = format_count(merge.parts().len() as u64, "part", "parts");
+        let spp = merge.head().spp;
+        say(&format!("{}: {count} of a picture of {spp} spp", made.join(", ")));
     }
     Ok(ExitCode::SUCCESS)
 }

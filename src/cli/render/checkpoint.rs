@@ -12,7 +12,9 @@ use crate::cli::progress::say;
 use crate::cli::settings::parse_long::{Every, Resume};
 use crate::cli::settings::{RenderArgs, Table};
 use crate::files::{self, Flush};
-use crate::part::{Difference, EncodedTile, Head, Part, PartError, PartWriter, list_differences};
+use crate::part::{
+    Difference, EncodedTile, Head, Part, PartError, PartWriter, is_part, list_differences,
+};
 use crate::render::{Film, Tile};
 
 /// Between checkpoints, if no one says.
@@ -49,7 +51,7 @@ pub fn range(args: &RenderArgs) -> Range<u64> {
 pub fn head(job: &Job) -> Head {
     let (settings, table) = (&job.settings, Table::default());
     let mut head = Head::new(settings.resolution, settings.crop, &range(&job.args), settings.spp);
-    head.scene_digest = format!("{:016x}", job.staged.world.scene.digest());
+    head.scene_digest = job.staged.world.scene.digest_text();
     head.identity = table.identity(&job.args);
     head.settings = table.to_toml(&job.args);
     head.scene = job.args.scene_file.display().to_string();
@@ -98,6 +100,7 @@ impl Checkpoint {
         let head = head(job);
         let restored = match (path.exists(), job.args.resume) {
             (true, Some(_)) => Some(Restored::read(&path, &head)?),
+            (true, None) if !is_part(&path) => return Err(no_checkpoint(&path)),
             (true, None) => {
                 let shown = path.display();
                 return Err(CliError::Usage(format!(
@@ -164,6 +167,12 @@ impl Checkpoint {
     }
 }
 
+/// The error about a file that is something else, which may be dear to someone.
+fn no_checkpoint(path: &Path) -> CliError {
+    let message = "is no checkpoint; name another file by --checkpoint";
+    CliError::Input(format!("{}: {message}", path.display()))
+}
+
 /// What is in a checkpoint.
 pub struct Restored {
     /// The tiles, in their order.
@@ -175,7 +184,10 @@ pub struct Restored {
 impl Restored {
     /// Reads a checkpoint of the render that `head` is about.
     fn read(path: &Path, head: &Head) -> Result<Self, CliError> {
-        let part = Part::open(path)?;
+        let part = Part::open(path).map_err(|error| match error {
+            PartError::NotAPart(path) => no_checkpoint(&path),
+            error => error.into(),
+        })?;
         let differences = differences(&part.head, head);
         if !differences.is_empty() {
             let lines = list_differences(&differences);

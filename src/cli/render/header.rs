@@ -47,7 +47,7 @@ impl Header {
         Self {
             settings: parse(&Table::default().to_toml(&job.args)),
             scene: job.args.scene_file.display().to_string(),
-            scene_digest: format!("{:016x}", job.staged.world.scene.digest()),
+            scene_digest: job.staged.world.scene.digest_text(),
             lost_samples: 0,
             render_s: 0.0,
             reached: None,

@@ -94,6 +94,9 @@ impl Publisher<'_> {
         if job.args.json {
             text::print(&format!("{}\n", report::summarize_as_json(job, outcome)))?;
         }
+        if !job.args.quiet {
+            report::print_cut(job, outcome);
+        }
         let is_incomplete = report::is_incomplete(outcome);
         if outcome.rendered.cancelled {
             report::print_unfinished(job, outcome);

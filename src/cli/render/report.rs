@@ -6,11 +6,16 @@ use super::checkpoint;
 use super::expose::{Outcome, Took};
 use crate::cli::job::{Job, percent};
 use crate::cli::progress::{note, say};
+use crate::cli::settings::Table;
 use crate::cli::shell;
+use crate::cli::text::format_count;
 use crate::files::memory;
 use crate::geom::TriangleSource;
 use crate::render::{LostSample, Rendered, Sight, Stage};
 use crate::texture::TextureFigures;
+
+/// The share of paths that may be cut without a word.
+const MANY_CUT: f64 = 0.002;
 
 /// Says what the scene asks for that is not honoured, and what was decided for the user.
 pub fn print_scene(job: &Job) {
@@ -18,16 +23,16 @@ pub fn print_scene(job: &Job) {
     staged.notices.iter().for_each(note);
     if job.args.verbose > 0 {
         let (world, scene) = (&staged.world, &staged.world.scene);
+        let of = |count: usize, one: &str, many: &str| format_count(count as u64, one, many);
         say(&format!(
-            "{}: {} triangles, {} instances of {} meshes, {} materials, {} textures, {} lights; \
-             {:.2} s",
+            "{}: {}, {} of {}, {}, {}, {}; {:.2} s",
             job.args.scene_file.display(),
-            world.triangles.len(),
-            scene.instances.len(),
-            scene.meshes.len(),
-            scene.materials.len(),
-            scene.textures.len(),
-            world.lights.len(),
+            of(world.triangles.len(), "triangle", "triangles"),
+            of(scene.instances.len(), "instance", "instances"),
+            of(scene.meshes.len(), "mesh", "meshes"),
+            of(scene.materials.len(), "material", "materials"),
+            of(scene.textures.len(), "texture", "textures"),
+            of(world.lights.len(), "light", "lights"),
             staged.elapsed.as_secs_f64(),
         ));
     }
@@ -88,6 +93,22 @@ pub fn print_noisy(outcome: &Outcome) {
     say(&format!("note: {percent:.1} % of the tiles have --max-spp samples, and more noise"));
 }
 
+/// Says that many paths were cut, if they were, and no one asked for short ones.
+pub fn print_cut(job: &Job, outcome: &Outcome) {
+    let Outcome { rendered, .. } = outcome;
+    let share = rendered.rays.cut as f64 / rendered.paths.max(1) as f64;
+    let depth = job.args.max_depth;
+    if share < MANY_CUT || depth < Table::default().defaults().max_depth {
+        return;
+    }
+    let percent = 100.0 * share;
+    say(&format!(
+        "note: {percent:.1} % of the paths were cut at --max-depth {depth} and might have found \
+         light: what is clear may be black there; --max-depth {} cuts fewer",
+        depth.saturating_mul(2).min(1 << 16)
+    ));
+}
+
 /// The last line: what it took.
 pub fn summarize(job: &Job, outcome: &Outcome) -> String {
     let Outcome { rendered, took: Took { loaded, built, denoised, .. } } = outcome;
@@ -134,7 +155,8 @@ pub fn summarize(job: &Job, outcome: &Outcome) -> String {
 pub fn describe_textures(figures: &TextureFigures) -> String {
     let mega = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
     let TextureFigures { images, tiled, resident, cache } = figures;
-    let whole = format!("textures: {images} images, {} in memory", mega(*resident));
+    let images = format_count(*images, "image", "images");
+    let whole = format!("textures: {images}, {} in memory", mega(*resident));
     if *tiled == 0 {
         return whole;
     }
@@ -180,6 +202,7 @@ pub fn summarize_as_json(job: &Job, outcome: &Outcome) -> String {
         "spp": rendered.samples.0,
         "accel": job.args.accel.to_string(),
         "paths": rendered.paths,
+        "cut_paths": rendered.rays.cut,
         "rays": rendered.rays.total(),
         "shadow_rays": rendered.rays.shadow,
         "breakdown_s": Stage::ALL.map(|stage| (stage.name(), rendered.breakdown.seconds(stage)))

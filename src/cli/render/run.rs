@@ -100,7 +100,7 @@ fn run_watched(
     if !job.args.quiet {
         report::print_scene(&job);
         if let Some(from) = &from {
-            from.list_changes(job.staged.world.scene.digest()).iter().for_each(note);
+            from.list_changes(&job.staged.world.scene.digest_text()).iter().for_each(note);
         }
     }
     if let Some(sample) = job.args.debug_sample {

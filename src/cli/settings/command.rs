@@ -19,7 +19,7 @@ Render a scene.
 
 Each sample is a function of the scene and of the settings under Image, Light, Camera and Input \
 alone: any structure, any number of threads and any instruction set give the same bytes. Only the \
-layer `cost` differs.";
+layers `cost` and `denoised` may differ.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -56,7 +56,7 @@ impl Table {
     pub fn add_to(&self, command: Command) -> Command {
         let scene = Arg::new(SCENE)
             .value_name("SCENE")
-            .help("The scene: .gltf, .glb, .obj, .ply or .toml")
+            .help("The scene: .gltf, .glb, .obj, .ply or .toml; with --from it may be left out")
             .value_parser(clap::value_parser!(PathBuf))
             .required_unless_present("from");
         command

@@ -70,7 +70,7 @@ pub static INPUT: &[Setting] = &[
         role: Role::Run,
         value: "A..B",
         example: "1..240",
-        help: "Renders the frames from A up to B, one after the other, to out.####.exr",
+        help: "Renders the frames from A to B, both included, to out.####.exr",
         details: "Frame N is posed at N / --fps seconds, as by --time. The last row of # in the \
                   names after -o, --png, --partial and --checkpoint becomes its number. With \
                   --resume auto, frames that are there already are left out.",

@@ -14,7 +14,7 @@ pub static LONG: &[Setting] = &[
         name: "samples",
         value: "A..B",
         example: "64..128",
-        help: "Takes only these samples of each pixel, from A, a multiple of 16, up to B, excluded",
+        help: "Takes only these samples of each pixel, from A, a multiple of 16, to before B",
         details: "With --partial, the samples go to a file, and `dapple merge` adds up such files: \
                   the picture has the bytes of one render. B may be beyond --spp: so a finished \
                   picture gets more samples.",
@@ -27,6 +27,7 @@ pub static LONG: &[Setting] = &[
         value: "I/N",
         example: "3/64",
         help: "Takes only the samples of part I, from 0, of N nearly equal ones",
+        details: "They are cut at multiples of 16 samples: --spp 64 makes 4 parts at most.",
         read: Reader::Text(|word| assign(share(word), |args| &mut args.part)),
         ..RUN
     },
@@ -68,7 +69,8 @@ pub static LONG: &[Setting] = &[
         value: "TIME|Nspp",
         otherwise: "5m for a checkpoint, 5s for a preview",
         example: "100spp",
-        help: "How often the checkpoint, and a preview, is written: 30s, 5m, 100spp",
+        help: "How often the checkpoint, and a preview, is written: seconds, 5m, 100spp",
+        requires: &["checkpoint", "resume", "preview", "show"],
         read: Reader::Text(|word| assign(every(word), |args| &mut args.every)),
         ..RUN
     },
@@ -97,9 +99,9 @@ pub static LONG: &[Setting] = &[
         example: "0.02",
         help: "Samples until the relative error of every part of the picture is below ERROR, in \
                place of --spp",
-        details: "Tiles of 16x16 pixels stop at 16, 32, 64, … samples, once the error that their \
-                  variance tells, and that of their neighbours, is below it. The layer `samples` \
-                  shows where they went.",
+        details: "At doublings of their samples, tiles of 16x16 pixels stop once their error, and \
+                  that of their neighbours, is below it. It is told by how far pixels have moved \
+                  since they had half as many. The layer `samples` shows where they went.",
         conflicts: &["samples", "part", "shutter"],
         read: Reader::Text(|word| assign(positive(word), |args| &mut args.noise)),
         write: |args| args.noise.to_toml(),

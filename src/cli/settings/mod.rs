@@ -35,7 +35,7 @@ mod origin;
 mod output;
 pub mod parse;
 pub mod parse_long;
-mod parse_size;
+pub mod parse_size;
 pub mod parse_watch;
 pub mod pose;
 mod resolve;

@@ -6,7 +6,7 @@ use super::table::Table;
 use crate::cli::error::CliError;
 use crate::film::exr;
 use crate::formats::toml::{self, Setting as Line, SettingValue};
-use crate::scene::Notice;
+use crate::scene::{Notice, are_comparable};
 
 /// A picture, and what is to be the same when it is made again.
 #[derive(Clone, Debug)]
@@ -65,12 +65,17 @@ fn locate(file: &Path, picture: &Path) -> PathBuf {
 
 impl Origin {
     /// What is not as it was when the picture was made; `digest` is that of the scene now.
-    pub fn list_changes(&self, digest: u64) -> Vec<Notice> {
+    /// Whether a scene has changed cannot be told by digests that were made in two ways.
+    pub fn list_changes(&self, digest: &str) -> Vec<Notice> {
         let place = || self.picture.display().to_string();
         let mut notices = Vec::new();
-        if self.digest.as_ref().is_some_and(|then| *then != format!("{digest:016x}")) {
-            let message = "the scene is not what it was when this was made".to_owned();
-            notices.push(Notice { place: place(), message });
+        if let Some(then) = self.digest.as_ref().filter(|then| *then != digest) {
+            let message = if are_comparable(then, digest) {
+                "the scene is not what it was when this was made"
+            } else {
+                "whether the scene is what it was cannot be told: its digest was made otherwise"
+            };
+            notices.push(Notice { place: place(), message: message.to_owned() });
         }
         let now = env!("CARGO_PKG_VERSION");
         if let Some(then) = self.version.as_ref().filter(|then| *then != now) {
@@ -78,5 +83,24 @@ impl Origin {
             notices.push(Notice { place: place(), message });
         }
         notices
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_scene_is_told_from_a_digest_that_was_made_otherwise() {
+        let said = |then: &str| {
+            let digest = Some(then.to_owned());
+            let origin = Origin { picture: PathBuf::from("a.exr"), digest, version: None };
+            origin.list_changes("0a0b-01").first().map(|notice| notice.message.clone())
+        };
+        assert_eq!(said("0a0b-01"), None);
+        assert!(said("0a0b-02").is_some_and(|it| it.contains("is not what it was")));
+        for early in ["0a0c-01", "01"] {
+            assert!(said(early).is_some_and(|it| it.contains("cannot be told")), "{early}");
+        }
     }
 }

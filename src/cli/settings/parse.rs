@@ -158,7 +158,7 @@ pub(super) fn switch(text: &str) -> Result<bool, String> {
 }
 
 /// A whole number within a range.
-pub(super) fn whole<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
+pub fn whole<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
 where
     T: FromStr + PartialOrd + Display,
 {

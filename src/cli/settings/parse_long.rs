@@ -36,11 +36,16 @@ pub struct Share {
 }
 
 impl Share {
+    /// Into how many shares so many samples can be cut, each with at least one.
+    pub fn most(spp: u64) -> u64 {
+        spp.div_ceil(BLOCK)
+    }
+
     /// The samples of a share of the samples `0..spp`, cut at blocks: as even as whole subtrees of
-    /// their sums allow if there is room for that, else as blocks do. Empty if there are more
-    /// shares than blocks.
+    /// their sums allow if there is room for that, else as blocks do. Some are empty if there are
+    /// more than [`Share::most`].
     pub fn range(self, spp: u64) -> Range<u64> {
-        let blocks = spp.div_ceil(BLOCK);
+        let blocks = Self::most(spp);
         // Cuts at multiples of a power of two leave few nodes to keep; at least eight such pieces a
         // share keep the shares within an eighth of each other.
         let mut piece = 1_u64;
@@ -91,9 +96,9 @@ pub(super) fn samples(text: &str) -> Result<Range<u64>, String> {
     Ok(first..end)
 }
 
-/// A time above zero with its units, as in `90s`, `5m` or `1h30m`; a number alone is seconds.
+/// A time above zero: seconds, or with units, as in `90s`, `5m` or `1h30m`.
 pub(super) fn duration(text: &str) -> Result<Duration, String> {
-    let form = || format!("`{text}` is no time: expected one as in 90s, 5m or 1h30m");
+    let form = || format!("`{text}` is no time: expected seconds, or units as in 90s, 5m or 1h30m");
     let (mut seconds, mut rest) = (0.0, text);
     while !rest.is_empty() {
         let end = rest.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(rest.len());
@@ -124,7 +129,9 @@ pub(super) fn every(text: &str) -> Result<Every, String> {
             Ok(samples) if samples > 0 => Ok(Every::Samples(samples)),
             _ => Err(format!("`{text}`: expected a number of samples, as in 100spp")),
         },
-        None => duration(text).map(Every::Time),
+        None => duration(text)
+            .map(Every::Time)
+            .map_err(|error| format!("{error}, or samples as in 100spp")),
     }
 }
 
@@ -146,7 +153,10 @@ mod tests {
         }
         assert_eq!(every("100spp"), Ok(Every::Samples(100)));
         assert_eq!(every("30s"), Ok(Every::Time(Duration::from_secs(30))));
+        assert_eq!(every("5"), Ok(Every::Time(Duration::from_secs(5))));
         assert!(every("0spp").is_err() && every("spp").is_err());
+        let said = every("5x").expect_err("no such unit");
+        assert!(said.contains("expected seconds, or units") && said.ends_with("100spp"), "{said}");
     }
 
     #[test]
@@ -169,6 +179,8 @@ mod tests {
                 prop_assert_eq!(pair[0].end, pair[1].start);
                 prop_assert!(pair[0].end == spp || pair[0].end % BLOCK == 0);
             }
+            let has_empty = ranges.iter().any(std::ops::Range::is_empty);
+            prop_assert_eq!(has_empty, count > Share::most(spp));
             let blocks = ranges.iter().map(|it| (it.end - it.start).div_ceil(BLOCK));
             let most = blocks.max().unwrap_or(0);
             prop_assert!(most <= spp.div_ceil(BLOCK).div_ceil(count) * 9 / 8 + 1);

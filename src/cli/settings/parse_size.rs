@@ -19,7 +19,7 @@ const UNITS: [(&str, u64); 13] = [
 
 /// A number of bytes with its unit, as in `512MiB`, `2GB` or `1.5g`; `K`, `M` and `G` alone are
 /// powers of 1024, as for other programs.
-pub(super) fn size(text: &str) -> Result<u64, String> {
+pub fn size(text: &str) -> Result<u64, String> {
     let form = || format!("`{text}` is no size: expected one as in 512MiB, 2GB or 2G");
     let end = text.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(text.len());
     let (number, unit) = (&text[..end], text[end..].trim().to_ascii_lowercase());

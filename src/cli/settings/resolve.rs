@@ -10,12 +10,15 @@ use std::path::{Path, PathBuf};
 use super::args::RenderArgs;
 use super::command::Typed;
 use super::origin::{self, Origin};
+use super::parse_long::Share;
 use super::pose;
 use super::setting::{Assignment, Form, Role, Setting};
 use super::table::Table;
 use crate::cli::error::CliError;
+use crate::cli::text::format_count;
 use crate::formats::LoadError;
 use crate::formats::toml::{self, Setting as Line, SettingValue};
+use crate::sampling::BLOCK;
 
 /// What is asked for.
 #[derive(Debug)]
@@ -76,10 +79,25 @@ pub(super) fn resolve_by(table: &Table, typed: &Typed) -> Result<Request, CliErr
         value.assignment.apply(&mut args);
     }
     pose::pose_first(&mut args, typed)?;
-    match table.find_useless(&args) {
-        Some(setting) => Err(source.blame(setting, explain_useless(setting))),
-        None => Ok(Request { args, from }),
+    if let Some(setting) = table.find_useless(&args, typed) {
+        return Err(source.blame(setting, explain_useless(setting)));
     }
+    require_samples(&args)?;
+    Ok(Request { args, from })
+}
+
+/// Makes sure that each part has samples: a picture of none would take the place of a better one.
+fn require_samples(args: &RenderArgs) -> Result<(), CliError> {
+    let (Some(share), spp) = (args.part, args.spp) else { return Ok(()) };
+    let most = Share::most(spp);
+    if share.count <= most {
+        return Ok(());
+    }
+    let parts = format_count(most, "part", "parts");
+    Err(CliError::Usage(format!(
+        "--part {share}: {spp} samples a pixel make {parts} at most, for they are cut at multiples \
+         of {BLOCK}; ask for fewer parts, or for a --spp of {BLOCK} for each"
+    )))
 }
 
 /// The error about a setting that is of no use.

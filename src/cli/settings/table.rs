@@ -4,6 +4,7 @@ use toml::Table as TomlTable;
 
 use super::args::RenderArgs;
 use super::camera::CAMERA;
+use super::command::Typed;
 use super::image::IMAGE;
 use super::input::INPUT;
 use super::light::LIGHT;
@@ -78,13 +79,21 @@ impl Table {
 
     /// Whether one of the settings that a setting needs is set, if it needs any.
     pub(super) fn is_useful(&self, setting: &Setting, args: &RenderArgs) -> bool {
-        let mut needed = setting.requires.iter().filter_map(|name| self.find(name));
-        setting.requires.is_empty() || needed.any(|needed| self.is_set(needed, args))
+        Self::has_needed(setting, &|name| self.find(name).is_some_and(|it| self.is_set(it, args)))
     }
 
-    /// The first setting that is of no use, for it needs another one, which is not set.
-    pub fn find_useless(&self, args: &RenderArgs) -> Option<&'static Setting> {
-        self.settings().find(|it| self.is_set(it, args) && !self.is_useful(it, args))
+    /// Whether one of the settings that a setting needs is set, as `is_set` says of a name.
+    fn has_needed(setting: &Setting, is_set: &dyn Fn(&str) -> bool) -> bool {
+        setting.requires.is_empty() || setting.requires.iter().any(|name| is_set(name))
+    }
+
+    /// The first setting that is of no use, for it needs another one, which is not set. What is
+    /// recorded nowhere is set if it is among the `typed`.
+    pub fn find_useless(&self, args: &RenderArgs, typed: &Typed) -> Option<&'static Setting> {
+        let is_typed = |name: &str| typed.given.iter().any(|(it, _)| it.name == name);
+        let is_set = |it: &Setting| self.is_set(it, args) || is_typed(it.name);
+        let is_name_set = |name: &str| self.find(name).is_some_and(is_set);
+        self.settings().find(|it| is_set(it) && !Self::has_needed(it, &is_name_set))
     }
 
     /// All recorded settings by their names, as TOML. What has no value, or is of no use, is left

@@ -217,3 +217,31 @@ fn the_settings_of_a_picture_are_as_toml_has_them() {
     }
     assert_eq!((plain["strict"].as_bool(), plain["threads"].as_integer()), (Some(false), Some(0)));
 }
+
+#[test]
+fn what_is_of_no_use_is_refused_even_if_no_file_records_it() {
+    let refused = |words: &str| {
+        let words: Vec<&str> = words.split_whitespace().collect();
+        args("", &words).err().map(|error| error.to_string())
+    };
+    let said = refused("--every 5m").expect("nothing is written now and then");
+    assert!(said.starts_with("--every is of no use without --checkpoint or"), "{said}");
+    assert!(refused("--fail-incomplete").is_some_and(|it| it.contains("--noise or --time-limit")));
+    for flag in ["--checkpoint c", "--resume auto", "--preview p.png", "--show"] {
+        assert_eq!(refused(&format!("--every 5m {flag}")), None, "{flag}");
+    }
+    assert_eq!(refused("--fail-incomplete --time-limit 5m"), None);
+}
+
+#[test]
+fn there_is_no_part_without_samples() {
+    let words = |spp: &str, part: &str| args("", &["--spp", spp, "--part", part]).map(|_| ());
+    assert!(words("32", "1/2").is_ok() && words("17", "1/2").is_ok());
+    for (spp, part) in [("16", "0/2"), ("16", "1/2"), ("64", "0/5")] {
+        let error = words(spp, part).expect_err("too many parts");
+        assert_eq!(error.exit_code(), 2);
+        let most = spp.parse::<u64>().expect("a number") / 16;
+        let most = format!("{spp} samples a pixel make {most} part");
+        assert!(error.to_string().contains(&most), "{error}");
+    }
+}

@@ -161,7 +161,7 @@ mod tests {
         let error = decode(b"#?RADIANCE\n", Path::new("sky.exr")).expect_err("not EXR");
         assert!(error.to_string().starts_with("sky.exr: not a sound EXR file"), "{error}");
         let error = read(Path::new("no/such.exr")).expect_err("not there");
-        assert_eq!(error.to_string(), "no/such.exr: cannot be read");
+        assert_eq!(error.to_string(), "no/such.exr: no such file");
     }
 
     proptest! {

@@ -87,12 +87,15 @@ impl Outcome {
     }
 }
 
-/// An error and its sources, in one line.
+/// An error and its sources, in a line, those left out that it has named itself.
 fn describe_chain(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(error) = source {
-        text = format!("{text}: {error}");
+        let reason = error.to_string();
+        if !text.contains(&reason) {
+            text = format!("{text}: {reason}");
+        }
         source = error.source();
     }
     text

@@ -49,7 +49,7 @@ pub fn read(folder: &Path) -> Result<Vec<Kept>, CliError> {
 fn read_file(bench: Bench, path: PathBuf) -> Result<Kept, CliError> {
     let shown = path.display();
     let bytes = files::read(&path, MAX_BYTES)
-        .map_err(|error| CliError::Input(format!("{shown}: cannot be read: {error}")))?;
+        .map_err(|error| CliError::Input(format!("{shown}: {}", files::why_unread(&error))))?;
     let json: Value = serde_json::from_slice(&bytes)
         .map_err(|error| CliError::Input(format!("{shown}: is not JSON: {error}")))?;
     let about = read_about(bench, &Member::root(&json)).map_err(|error| wrong(&path, &error))?;

@@ -21,8 +21,7 @@ const MAX_BYTES: u64 = 16 << 20;
 pub fn fill(path: &Path, kept: &[Kept]) -> Result<(), CliError> {
     let shown = path.display();
     let input = |why: String| CliError::Input(format!("{shown}: {why}"));
-    let bytes =
-        files::read(path, MAX_BYTES).map_err(|error| input(format!("cannot be read: {error}")))?;
+    let bytes = files::read(path, MAX_BYTES).map_err(|error| input(files::why_unread(&error)))?;
     let text = String::from_utf8(bytes).map_err(|_| input("is not text".to_owned()))?;
     let mut tables = vec![("measured", list_measured(kept))];
     for file in kept {
