@@ -238,3 +238,63 @@ fn an_obj_file_is_converted_as_it_is_rendered() {
     let (code, told) = dapple(&["convert", path(&obj), "-o", path(&made)]);
     assert!(code == Some(3) && told.contains("--missing-texture magenta goes on"), "{told}");
 }
+
+/// A square a tenth of a millimetre before a camera whose sight begins nearer still.
+fn near_camera(animated: bool) -> File {
+    let mut file = File::square();
+    file.document["nodes"][0]["scale"] = json!([1e-4, 1e-4, 1e-4]);
+    file.document["nodes"][0]["translation"] = json!([-5e-5, -5e-5, -5e-4]);
+    let lens = json!({"yfov": 0.5, "znear": 1e-4, "zfar": 7.5, "aspectRatio": 1});
+    file.push("cameras", json!({"type": "perspective", "perspective": lens}));
+    file.push("nodes", json!({"camera": 0}));
+    if animated {
+        let times = file.floats(&[[0.0], [2.0]], "SCALAR");
+        let places = file.floats(&[[-5e-5, -5e-5, -5e-4], [0.0, 0.0, -5e-4]], "VEC3");
+        let channel = json!({"sampler": 0, "target": {"node": 0, "path": "translation"}});
+        let samplers = json!([{"input": times, "output": places}]);
+        file.push("animations", json!({"samplers": samplers, "channels": [channel]}));
+    }
+    file
+}
+
+/// What render is asked to refuse it must find in the original alone.
+#[test]
+fn planes_of_cameras_are_kept_or_cut_nothing() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("a.gltf"), near_camera(false).text()).expect("written");
+    // One of a TOML scene has no planes: such are chosen.
+    let toml = "[[place]]\nfile = \"a.gltf\"\n[[camera]]\nlook-from = [0, 0, 0]\n\
+                look-at = [0, 0, -1]\nfov = 30\n";
+    fs::write(at("b.toml"), toml).expect("written");
+    for scene in ["a.gltf", "b.toml"] {
+        convert(&at(scene), &at("c.glb"));
+        let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+        let made = load(&at("c.glb"), &strict).expect("nothing is cut");
+        let planes = made.cameras[0].planes.expect("glTF has them");
+        if scene == "a.gltf" {
+            assert_eq!((planes.near, planes.far), (1e-4, Some(7.5)));
+        } else {
+            assert!(planes.near < 5e-4 && planes.near > 1e-4 && planes.far.is_none(), "{planes:?}");
+        }
+    }
+}
+
+#[test]
+fn animations_are_left_out_and_named_unless_a_time_is_given() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let (scene, made) = (at("a.gltf"), at("a.glb"));
+    fs::write(&scene, near_camera(true).text()).expect("written");
+    let told = convert(&scene, &made);
+    let said = "left out: ";
+    assert!(told.contains(said) && told.contains("/animations: all is in its rest pose"), "{told}");
+    fs::remove_file(&made).expect("is there");
+    let words = ["convert", path(&scene), "-o", path(&made), "--strict"];
+    let (code, told) = dapple(&words);
+    assert!(code == Some(3) && told.contains("would be left out") && !made.exists(), "{told}");
+    let (code, told) = dapple(&[&words[..], &["--time", "1"]].concat());
+    assert!(code == Some(0) && !told.contains(said), "{told}");
+    let place = read(&made).instances[0].transform.to_world().translation;
+    assert!((place.x + 2.5e-5).abs() < 1e-9, "{place}");
+}

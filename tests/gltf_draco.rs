@@ -109,3 +109,35 @@ fn broken_meshes_name_their_primitive() {
     }
     assert!(refused > 50, "{refused}");
 }
+
+/// A container whose document is changed.
+fn changed(glb: &[u8], change: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
+    let word = |at: usize| u32::from_le_bytes([glb[at], glb[at + 1], glb[at + 2], glb[at + 3]]);
+    let end = 20 + word(12) as usize;
+    let mut document = serde_json::from_slice(&glb[20..end]).expect("is JSON");
+    change(&mut document);
+    let mut text = serde_json::to_vec(&document).expect("serialises");
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let length = (glb.len() - end + 20 + text.len()) as u32;
+    let mut made = [&glb[..8], &length.to_le_bytes()].concat();
+    made.extend((text.len() as u32).to_le_bytes());
+    made.extend(&glb[16..20]);
+    made.extend(text);
+    made.extend(&glb[end..]);
+    made
+}
+
+/// What is packed and none of the primitive's attributes is left out, and named.
+#[test]
+fn packed_attributes_that_the_primitive_does_not_have_are_named() {
+    let bytes = corpus("ok-draco-edgebreaker.glb");
+    assert!(load(&changed(&bytes, |_| ())).expect("loads").notices.is_empty());
+    let packed = "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/attributes";
+    let odd = changed(&bytes, |document| {
+        document.pointer_mut(packed).expect("is there")["_FOO"] = 77.into();
+    });
+    let [notice] = &load(&odd).expect("loads").notices[..] else { panic!("one notice") };
+    assert_eq!(notice.place, format!("a.glb: {packed}/_FOO"));
+    assert!(notice.message.contains("no attribute of the primitive: it is left out"));
+    assert!(notice.is_refused());
+}

@@ -125,7 +125,9 @@ fn images_of_light_stand_around_the_scene() {
 #[test]
 fn pointers_animate_materials_transforms_of_textures_and_visibility() {
     let mut file = with_sets(&[0]);
-    file.push("nodes", json!({"mesh": 0}));
+    file.push("nodes", json!({"mesh": 0, "extensions": {"KHR_node_visibility": {}}}));
+    file.document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
+        json!({"KHR_texture_transform": {}});
     let times = file.floats(&[[0.0], [2.0]], "SCALAR");
     let colors = file.floats(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.5, 0.0, 1.0]], "VEC4");
     let offsets = file.floats(&[[0.0, 0.0], [1.0, 3.0]], "VEC2");
@@ -161,14 +163,84 @@ fn pointers_animate_materials_transforms_of_textures_and_visibility() {
     assert_eq!(scene.materials[0].base_color.truncate(), Vec3::new(0.5, 0.25, 0.0));
     assert_eq!(at(2.0).instances.len(), 1);
 
-    let nowhere = json!({"KHR_animation_pointer": {"pointer": "/nodes/9/scale"}});
-    file.document["animations"][0]["channels"][0]["target"]["extensions"] = nowhere;
-    let options = LoadOptions { time: Some(1.0), ..LoadOptions::default() };
-    let said = message(file.load_with(&options));
-    assert_eq!(
-        said,
-        "a.gltf: /animations/0/samplers/0: animates \"/nodes/9/scale\", which leads nowhere"
+    // Undeclared it is honoured as all extensions are, and said.
+    file.document["extensionsUsed"] = json!(["KHR_texture_transform", "KHR_node_visibility"]);
+    let mut scene = file.load_with(&options(1.0)).expect("loads");
+    let notices = &scene.notices;
+    assert!(notices[0].message.contains("KHR_animation_pointer is used without being declared"));
+    assert_eq!(notices.len(), 1, "{notices:?}");
+    assert_eq!(scene.materials[0].base_color.truncate(), Vec3::new(0.5, 0.25, 0.0));
+    assert_eq!(scene.materials[0].textures_mut().next().expect("one").offset, Vec2::new(0.5, 1.5));
+}
+
+fn options(time: f32) -> LoadOptions {
+    LoadOptions { time: Some(time), ..LoadOptions::default() }
+}
+
+/// What is no number of the object model cannot be animated, nor can objects that are not there.
+#[test]
+fn pointers_to_what_cannot_be_animated_are_named() {
+    let mut file = File::square();
+    let times = file.floats(&[[0.0], [2.0]], "SCALAR");
+    let colors = file.floats(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.5, 0.0, 1.0]], "VEC4");
+    let numbers = file.floats(&[[0.0], [1.0]], "SCALAR");
+    let sampler = |output: usize| json!({"input": times, "output": output});
+    file.document["materials"][0] = json!({"pbrMetallicRoughness": {"metallicFactor": 0}});
+    let samplers = [sampler(colors), sampler(numbers)];
+    file.push("animations", json!({"samplers": samplers, "channels": []}));
+    file.document["extensionsUsed"] = json!(["KHR_animation_pointer"]);
+    for (sampler, pointer) in [
+        (0, "/materials/0/pbrMetallicRoughness/baseColourFactor"),
+        (0, "/materials/0/extensions/KHR_materials_sheen/sheenRoughnessFactor"),
+        (1, "/materials/0/alphaMode"),
+        (1, "/materials/0/doubleSided"),
+        (1, "/nodes/0/foo"),
+        (1, "/nodes/0/mesh"),
+        (1, "/nodes/0/children/0"),
+        (1, "/nodes/9/scale"),
+        (1, "/meshes/0/primitives/0/material"),
+        (1, "/extensions/KHR_lights_punctual/lights/0/intensity"),
+    ] {
+        let extensions = json!({"KHR_animation_pointer": {"pointer": pointer}});
+        let target = json!({"path": "pointer", "extensions": extensions});
+        file.document["animations"][0]["channels"] =
+            json!([{"sampler": sampler, "target": target}]);
+        let scene = file.load_with(&options(1.0)).expect("loads");
+        let [notice] = &scene.notices[..] else { panic!("{pointer}: {:?}", scene.notices) };
+        let place = "a.gltf: /animations/0/channels/0/target/extensions/KHR_animation_pointer";
+        assert_eq!(notice.place, format!("{place}/pointer"));
+        let said = notice.message.split_once("which ").map_or("", |it| it.1);
+        let wanted = if pointer.ends_with("scale") {
+            "takes 3 numbers and not 1"
+        } else {
+            "leads to nothing that can be animated"
+        };
+        assert_eq!(said, wanted, "{pointer}");
+        assert!(notice.message.contains(pointer) && notice.is_refused(), "{notice:?}");
+        assert_eq!((scene.instances.len(), scene.materials.len()), (1, 1));
+    }
+}
+
+/// A node that has a matrix is moved by a pointer as by a channel of its own.
+#[test]
+fn a_pointer_moves_a_node_of_a_matrix() {
+    let mut file = File::square();
+    file.document["nodes"][0]["matrix"] = json!([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 5, 6, 7, 1]);
+    let times = file.floats(&[[0.0], [2.0]], "SCALAR");
+    let places = file.floats(&[[0.0; 3], [4.0, 0.0, 0.0]], "VEC3");
+    let extensions = json!({"KHR_animation_pointer": {"pointer": "/nodes/0/translation"}});
+    let target = json!({"path": "pointer", "extensions": extensions});
+    file.push(
+        "animations",
+        json!({"samplers": [{"input": times, "output": places}],
+            "channels": [{"sampler": 0, "target": target}]}),
     );
+    file.document["extensionsUsed"] = json!(["KHR_animation_pointer"]);
+    let scene = file.load_with(&options(1.0)).expect("loads");
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+    let at = |x| scene.instances[0].transform.point(Vec3::new(x, 0.0, 0.0));
+    assert!(at(0.0).distance(Vec3::new(2.0, 0.0, 0.0)) < 1e-6, "{}", at(0.0));
+    assert!(at(1.0).distance(Vec3::new(4.0, 0.0, 0.0)) < 1e-6, "{}", at(1.0));
 }
 
 /// A texture of KTX2, and of AVIF, which is not read, beside a plain one.

@@ -148,3 +148,39 @@ fn a_smaller_level_stands_in_for_one_that_is_too_large() {
     assert_eq!((image.width(), image.height()), (10000, 5));
     assert_eq!(notes, ["has more than 16384 texels a side: its level 1, of 10000 by 5, is used"]);
 }
+
+/// A file whose one key and value, of 36 bytes, are these.
+fn with_key(key: &str, value: &str) -> Vec<u8> {
+    let mut bytes = read("ok-uastc.ktx2");
+    let word =
+        |at: usize| u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+    let (start, length) = (word(56) as usize, word(60) as usize);
+    let pair = format!("{key}\0{value}\0");
+    let mut data = (pair.len() as u32).to_le_bytes().to_vec();
+    data.extend(pair.as_bytes());
+    data.resize(data.len().next_multiple_of(4), 0);
+    assert!(data.len() <= length, "it has room");
+    bytes[60..64].copy_from_slice(&(data.len() as u32).to_le_bytes());
+    bytes[start..start + data.len()].copy_from_slice(&data);
+    bytes
+}
+
+/// Texels stay as they are; that they should be seen otherwise is said.
+#[test]
+fn orientations_and_swizzles_are_named() {
+    let plain = Image::decode(&read("ok-uastc.ktx2"), "a.ktx2").expect("decodes");
+    for (key, value, said) in [
+        ("KTXorientation", "rd", None),
+        ("KTXswizzle", "rgba", None),
+        ("KTXorientation", "ru", Some("its KTXorientation \"ru\" is not honoured")),
+        ("KTXorientation", "ld", Some("its KTXorientation \"ld\" is not honoured")),
+        ("KTXswizzle", "rrr1", Some("its KTXswizzle \"rrr1\" is not honoured")),
+    ] {
+        let bytes = with_key(key, value);
+        let (image, notes) =
+            Image::decode_noting(&bytes, "a.ktx2", FileLevels::First).expect("decodes");
+        assert!(image == plain, "{key} {value}");
+        assert_eq!(notes.len(), usize::from(said.is_some()), "{notes:?}");
+        assert!(notes.iter().all(|note| note.starts_with(said.unwrap_or("-"))), "{notes:?}");
+    }
+}

@@ -22,8 +22,9 @@ use crate::formats::{self, LoadOptions};
 /// and sparse numbers, copies by extension, variants and poses are resolved. A picture of it is
 /// that of the original, to the bit where numbers can be written exactly.
 ///
-/// glTF has no place for some things: what shines from all around, apertures, maps of heights. Each
-/// that is left out is named; with --strict that is an error.
+/// glTF has no place for some things: what shines from all around, apertures, maps of heights.
+/// Animations are left out, too: without --time all is in its rest pose. Each that is left out is
+/// named; with --strict that is an error.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -98,7 +99,7 @@ pub fn run(args: &ConvertArgs) -> Result<ExitCode, CliError> {
     .map_err(|error| match refused.take() {
         Some(what) => {
             let file = args.scene_file.display();
-            CliError::Input(format!("{file}: --strict, and glTF has no place for: {what}"))
+            CliError::Input(format!("{file}: --strict, and this would be left out: {what}"))
         }
         None => CliError::not_written(&args.output, &error),
     })?;

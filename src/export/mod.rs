@@ -3,7 +3,8 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `scene` | meshes and where they are placed, cameras, lights |
+//! | `scene` | meshes and where they are placed, lights |
+//! | `camera` | cameras and their planes |
 //! | `material` | materials, with the extensions that tell how they answer to light |
 //! | `image` | textures and their images, as PNG |
 //! | `baked` | images that are made for what glTF has no texture for |
@@ -12,6 +13,7 @@
 
 mod baked;
 mod binary;
+mod camera;
 mod image;
 mod material;
 mod object;

@@ -6,14 +6,14 @@ use std::io::{self, Write};
 use serde_json::{Value, json};
 
 use super::binary::{Binary, Chunk};
+use super::camera;
 use super::image::Images;
 use super::material::write_material;
 use super::object::{named, next_power_of_two};
-use crate::camera::{Camera, Projection};
 use crate::geom::Mesh;
 use crate::light::{Punctual, PunctualKind};
 use crate::math::{Aabb, Affine3A, Frame, Mat3, MeshId, Vec2};
-use crate::scene::{NamedCamera, Scene, TextureRef};
+use crate::scene::{Scene, TextureRef};
 
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
@@ -26,7 +26,7 @@ pub struct Exported {
     pub images: u64,
     /// Of the file.
     pub bytes: u64,
-    /// What glTF has no place for and was left out.
+    /// What glTF has no place for, and animations: what was left out.
     pub left_out: Vec<String>,
 }
 
@@ -64,7 +64,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
     }
     leave_out_meshes(scene, &mut left_out);
     for camera in &scene.cameras {
-        match lens(camera) {
+        match camera::lens(scene, camera) {
             Some(lens) => {
                 let camera_number = binary.document.push("cameras", named(&camera.name, lens));
                 let node = json!({ "camera": camera_number });
@@ -94,6 +94,9 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Exported> {
 
 /// Names what is around or between things, and how they move.
 fn leave_out_surroundings(scene: &Scene, left_out: &mut Vec<String>) {
+    for notice in scene.notices.iter().filter(|notice| notice.is_rest_pose()) {
+        left_out.push(format!("{}: all is in its rest pose (--time poses them)", notice.place));
+    }
     if scene.environment.is_some() {
         left_out.push("what shines from all around: render with --env or --sky".to_owned());
     }
@@ -211,25 +214,6 @@ fn at(to_world: Affine3A, mut node: Value) -> Value {
         node["matrix"] = json!([columns[0], columns[1], columns[2], last].concat());
     }
     node
-}
-
-/// glTF's camera; `None` for what it has none.
-fn lens(NamedCamera { camera, aspect, .. }: &NamedCamera) -> Option<Value> {
-    let Camera { projection, .. } = camera;
-    match *projection {
-        Projection::Perspective { yfov } => {
-            let mut view = json!({ "yfov": yfov, "znear": 0.01 });
-            if let Some(aspect) = aspect {
-                view["aspectRatio"] = json!(aspect);
-            }
-            Some(json!({ "type": "perspective", "perspective": view }))
-        }
-        Projection::Orthographic { xmag, ymag } => {
-            let view = json!({ "xmag": xmag, "ymag": ymag, "znear": 0.0, "zfar": 1e6 });
-            Some(json!({ "type": "orthographic", "orthographic": view }))
-        }
-        Projection::Panorama => None,
-    }
 }
 
 /// glTF's light.

@@ -175,6 +175,11 @@ impl Picture {
                  XYZ; convert the file to R, G and B",
             );
         }
+        if self.channel("X").is_some() {
+            return invalid(
+                "has X and Y and no Z: its colours cannot be told; convert the file to R, G and B",
+            );
+        }
         match (self.channel("RY"), self.channel("BY")) {
             (None, None) => Ok(grey.iter().map(|&y| [y; 3]).collect()),
             (Some(red), Some(blue)) => {

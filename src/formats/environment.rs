@@ -15,7 +15,7 @@ use crate::scene::Notice;
 pub enum EnvironmentSource {
     /// The same linear radiance from everywhere.
     Constant(Vec3),
-    /// An image, of any format that textures may have.
+    /// An image, of any format that textures may have but KTX2.
     File(PathBuf),
 }
 

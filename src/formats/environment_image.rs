@@ -1,4 +1,5 @@
-//! Latitude-longitude images of surroundings, from files of any format that textures may have.
+//! Latitude-longitude images of surroundings, from files of any format that textures may have but
+//! KTX2.
 
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
@@ -11,7 +12,7 @@ use crate::files::{self, memory};
 use crate::film::radiance::{self, RadianceError, is_radiance};
 use crate::film::{FilmError, exr};
 use crate::scene::Notice;
-use crate::texture::{FileLevels, Image, ImageError, Texels, Value, spread, srgb_to_linear};
+use crate::texture::{FileLevels, Image, Texels, Value, spread, srgb_to_linear};
 
 /// The most pixels of an image of floats: 16384 by 8192.
 const MAX_PIXELS: u64 = 1 << 27;
@@ -22,6 +23,10 @@ const MAX_LOW_RANGE_BYTES: u64 = 1 << 30;
 
 /// Colours, twice while they are decoded, and tables to choose pixels by.
 const BYTES_A_PIXEL: u64 = 48;
+
+/// What is said of a file of no such format. KTX2, which textures may be, is none of them.
+const NOT_READ: &str = "not an image that dapple reads as surroundings (png, jpeg, webp, tga, bmp, \
+                        gif, tiff, hdr, exr)";
 
 /// Linear radiance by rows from the top, all finite and not negative.
 #[derive(Debug, PartialEq)]
@@ -71,7 +76,7 @@ impl EnvironmentImage {
         let format = format(&mut source).map_err(|source| LoadError::read(path, source))?;
         let mut image = match format {
             Format::Exr => exr(source, length, path, &mut notice)?,
-            Format::Hdr => hdr(source, length, path)?,
+            Format::Hdr => hdr(source, length, path, &mut notice)?,
             Format::Other => {
                 let image = low_range(source, length, path, &mut notice)?;
                 notice("is an image of low dynamic range: it cannot hold the sun".to_owned());
@@ -184,7 +189,12 @@ fn exr(
     Ok(EnvironmentImage { width, height, pixels })
 }
 
-fn hdr(mut source: impl BufRead, length: u64, path: &Path) -> Result<EnvironmentImage, LoadError> {
+fn hdr(
+    mut source: impl BufRead,
+    length: u64,
+    path: &Path,
+    notice: &mut impl FnMut(String),
+) -> Result<EnvironmentImage, LoadError> {
     let failed = |error| match error {
         RadianceError::Read(source) => LoadError::read(path, source),
         other => LoadError::invalid(path, "", other.to_string()),
@@ -193,6 +203,7 @@ fn hdr(mut source: impl BufRead, length: u64, path: &Path) -> Result<Environment
     let (width, height) = (header.width, header.height);
     check_size(path, width as u64, height as u64, MAX_PIXELS)?;
     let pixels = radiance::read_pixels(&mut source, &header, length).map_err(failed)?;
+    header.notes().into_iter().for_each(notice);
     Ok(EnvironmentImage { width, height, pixels })
 }
 
@@ -209,7 +220,7 @@ fn low_range(
     let mut bytes = Vec::new();
     source.read_to_end(&mut bytes).map_err(|source| LoadError::read(path, source))?;
     let known = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
-    let known = known.map_err(|_| failed(ImageError::UnknownFormat.to_string()))?;
+    let known = known.map_err(|_| failed(NOT_READ.to_owned()))?;
     let size = ImageReader::with_format(io::Cursor::new(&bytes), known).into_dimensions();
     let (width, height) = size.map_err(|error| failed(error.to_string()))?;
     check_size(path, width.into(), height.into(), MAX_LOW_RANGE_PIXELS)?;
@@ -352,6 +363,20 @@ mod tests {
         exr::write(&path, &picture).expect("the folder is writable");
         let error = EnvironmentImage::read(&path, NotFinite::Repair).expect_err("nothing is left");
         assert!(error.to_string().ends_with("too close together to be repaired"), "{error}");
+    }
+
+    #[test]
+    fn formats_and_pixels_that_are_not_honoured_are_named() {
+        let decode = |bytes: &[u8], name: &str| {
+            let (source, length) = (io::Cursor::new(bytes), bytes.len() as u64);
+            EnvironmentImage::decode(source, length, Path::new(name), NotFinite::Refuse)
+        };
+        let wide = b"#?RADIANCE\nPIXASPECT=2\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x80\x80\x80\x81";
+        let (_, notices) = decode(wide, "a.hdr").expect("it is sound");
+        assert!(notices[0].message.starts_with("PIXASPECT is 2"), "{notices:?}");
+        let error = decode(b"\xabKTX 20\xbb\r\n\x1a\n", "a.ktx2").expect_err("is no panorama");
+        let said = error.to_string();
+        assert!(said.contains("reads as surroundings (png") && !said.contains("ktx2,"), "{said}");
     }
 
     /// What is seen in the frame is where the file says, and around it is nothing.

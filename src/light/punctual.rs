@@ -53,6 +53,9 @@ impl Punctual {
         }
         let towards = self.position - point;
         let distance2 = towards.length_squared();
+        if !distance2.is_normal() {
+            return self.illuminate_extreme(point);
+        }
         let direction = towards.try_normalize()?;
         let strength = self.cone(-direction) * self.window(distance2) / distance2;
         (strength > 0.0).then(|| Illumination {
@@ -62,9 +65,48 @@ impl Punctual {
         })
     }
 
+    /// The same where the square of the distance is beyond the range of f32.
+    #[cold]
+    fn illuminate_extreme(&self, point: Vec3) -> Option<Illumination> {
+        let towards = self.position.as_dvec3() - point.as_dvec3();
+        let distance2 = towards.length_squared();
+        let direction = towards.try_normalize()?.as_vec3();
+        let window = match self.range {
+            Some(range) => {
+                let ratio2 = distance2 / (f64::from(range) * f64::from(range));
+                (1.0 - ratio2 * ratio2).clamp(0.0, 1.0)
+            }
+            None => 1.0,
+        };
+        let strength = f64::from(self.cone(-direction)) * window / distance2;
+        let irradiance = (self.intensity.as_dvec3() * strength).as_vec3();
+        (strength > 0.0).then_some(Illumination {
+            direction,
+            origin: Some(self.position),
+            irradiance,
+        })
+    }
+
     /// The flux that it sends into a scene of the given bounding radius (metres), by which lights
-    /// are sampled.
-    pub fn power(&self, scene_radius: f32) -> f32 {
+    /// are sampled. Scenes are as small and as large as f32 holds, their squares are not.
+    pub fn power(&self, scene_radius: f32) -> f64 {
+        let power = f64::from(self.narrow_power(scene_radius));
+        if power.is_finite() && power >= f64::from(f32::MIN_POSITIVE) {
+            return power;
+        }
+        let shape = Self { intensity: Vec3::ONE, ..*self };
+        let mean = self.intensity.as_dvec3().element_sum() / 3.0;
+        mean * match self.kind {
+            PunctualKind::Directional => {
+                std::f64::consts::PI * f64::from(scene_radius) * f64::from(scene_radius)
+            }
+            PunctualKind::Point | PunctualKind::Spot { .. } => {
+                f64::from(shape.narrow_power(scene_radius))
+            }
+        }
+    }
+
+    fn narrow_power(&self, scene_radius: f32) -> f32 {
         use std::f32::consts::PI;
         let mean = (self.intensity.x + self.intensity.y + self.intensity.z) / 3.0;
         mean * match self.kind {
@@ -113,6 +155,32 @@ mod tests {
         assert_eq!(lit.direction, Vec3::Y);
         assert_eq!(lit.irradiance, Vec3::new(2.0, 1.0, 0.5));
         assert!(POINT.illuminate(POINT.position).is_none());
+    }
+
+    /// Where squares of distances and sums of strengths leave the range of f32.
+    #[test]
+    fn lights_of_extreme_scenes_shine() {
+        for scale in [1e-25_f32, 1e-20, 1e20, 1e30] {
+            // Eight candela at two metres, all scaled.
+            let intensity = Vec3::new(8.0, 4.0, 2.0) * (scale * 1e-6);
+            let position = Vec3::new(0.0, 2.0 * scale, 0.0);
+            let light = Punctual { position, intensity, ..POINT };
+            let lit = light.illuminate(Vec3::ZERO).expect("it shines");
+            assert_eq!(lit.direction, Vec3::Y);
+            let expected = 2e-6 / f64::from(scale);
+            assert!((f64::from(lit.irradiance.x) / expected - 1.0).abs() < 1e-5, "{scale}");
+            let range = Some(scale);
+            assert_eq!(Punctual { range, ..light }.illuminate(Vec3::ZERO), None);
+        }
+        let sun = Punctual { kind: PunctualKind::Directional, ..POINT };
+        for radius in [1e-25_f32, 1e-10, 1.0, 1e25] {
+            let expected =
+                14.0 / 3.0 * std::f64::consts::PI * f64::from(radius) * f64::from(radius);
+            assert!((sun.power(radius) / expected - 1.0).abs() < 1e-5, "{radius}");
+        }
+        let strong = Punctual { intensity: Vec3::splat(3e38), ..POINT };
+        assert!((strong.power(1.0) / (12e38 * std::f64::consts::PI) - 1.0).abs() < 1e-5);
+        assert_eq!(Punctual { intensity: Vec3::ZERO, ..POINT }.power(1.0), 0.0);
     }
 
     #[test]

@@ -56,6 +56,8 @@ pub struct Sight {
     pub behind: f32,
     /// Half of those surfaces are nearer, metres; zero if there is none.
     pub distance: f32,
+    /// The share of the frame in which there are triangles, whether they are cut away or not.
+    pub in_view: f32,
 }
 
 impl Sight {
@@ -94,7 +96,7 @@ pub fn look_ahead(world: &World, camera: &MovingCamera, accel: &dyn Accel, aspec
             sums.black += there_is;
         }
     }
-    let (behind, distance) = look_at_firsts(world, camera, accel, &settings);
+    let Firsts { behind, distance, in_view } = look_at_firsts(world, camera, accel, &settings);
     let share = |part: f64, whole: f64| if whole > 0.0 { (part / whole) as f32 } else { 0.0 };
     let Sums { seen, glows, reached, black } = sums;
     Sight {
@@ -105,6 +107,7 @@ pub fn look_ahead(world: &World, camera: &MovingCamera, accel: &dyn Accel, aspec
         black: share(black, seen),
         behind,
         distance,
+        in_view,
     }
 }
 
@@ -140,14 +143,22 @@ fn settings(aspect: f32) -> Settings {
     }
 }
 
-/// Of the surfaces in the middle of each pixel: the share that is seen from behind, and the median
-/// of their distances.
+/// What is in the middle of each pixel.
+struct Firsts {
+    /// Of the surfaces: the share that is seen from behind.
+    behind: f32,
+    /// The median of their distances.
+    distance: f32,
+    /// The share of pixels in which there is a triangle, whatever its alpha.
+    in_view: f32,
+}
+
 fn look_at_firsts(
     world: &World,
     camera: &MovingCamera,
     accel: &dyn Accel,
     settings: &Settings,
-) -> (f32, f32) {
+) -> Firsts {
     let (width, height) = settings.resolution;
     let camera = camera.rays(settings.aspect());
     let size = Vec2::new(width as f32, height as f32);
@@ -165,7 +176,14 @@ fn look_at_firsts(
     let mut distances: Vec<f32> = met().map(|(_, hit)| hit.t).collect();
     distances.sort_by(f32::total_cmp);
     let behind = behind as f32 / distances.len().max(1) as f32;
-    (behind, distances.get(distances.len() / 2).copied().unwrap_or(0.0))
+    let mut count = distances.len();
+    if filter.is_some() {
+        accel.tracer().closest_hits(&Batch::new(&rays), &mut hits);
+        count = hits.iter().filter(|hit| hit.is_hit()).count();
+    }
+    let in_view = count as f32 / rays.len().max(1) as f32;
+    let distance = distances.get(distances.len() / 2).copied().unwrap_or(0.0);
+    Firsts { behind, distance, in_view }
 }
 
 #[cfg(test)]
@@ -179,7 +197,7 @@ mod tests {
     use crate::light::{Environment, Punctual, PunctualKind};
     use crate::material::BsdfForm;
     use crate::math::{Affine3A, MaterialId, MeshId, Vec3, Vec4};
-    use crate::scene::{Instance, Material, Scene, Transform};
+    use crate::scene::{AlphaMode, Instance, Material, Scene, Transform};
     use crate::simd::Isa;
 
     /// Two squares side by side, one metre each, facing +Z; the right one of `color`.
@@ -240,6 +258,17 @@ mod tests {
         scene.environment = Some(Environment::constant(Vec3::ONE));
         let sight = look(scene, 2.0 * Vec3::Z, "brute");
         assert!((sight.black - 0.5).abs() < 0.02 && sight.lit == 1.0, "{sight:?}");
+    }
+
+    /// The right square is cut away: it is in view all the same.
+    #[test]
+    fn what_is_cut_away_is_in_view_and_not_seen() {
+        let mut scene = squares(Vec4::ONE);
+        scene.materials[1].base_color.w = 0.0;
+        scene.materials[1].alpha_mode = AlphaMode::Mask(0.5);
+        let sight = look(scene, 2.0 * Vec3::Z, "brute");
+        assert!((sight.in_view - 0.5).abs() < 0.03, "{sight:?}");
+        assert!((sight.seen - 0.25).abs() < 0.02, "{sight:?}");
     }
 
     #[test]

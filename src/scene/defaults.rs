@@ -40,7 +40,12 @@ impl Scene {
         }
         if self.cameras.is_empty() {
             let (camera, notice) = automatic_camera(self, Vec3::Y, aspect, "");
-            self.cameras.push(NamedCamera { name: String::new(), aspect: None, camera });
+            self.cameras.push(NamedCamera {
+                name: String::new(),
+                aspect: None,
+                camera,
+                planes: None,
+            });
             self.notices.push(notice);
         }
     }

@@ -3,6 +3,7 @@
 mod at_times;
 pub mod defaults;
 mod digest;
+pub(crate) mod frustum;
 mod instance;
 mod material;
 mod material_layers;
@@ -24,7 +25,7 @@ pub use material_layers::MaterialLayers;
 pub use memory::SceneMemory;
 pub use motion::{MovingLight, SceneMotion};
 pub use scattering::{ScatterColor, Scattering};
-pub use scene::{Contents, NamedCamera, Notice, Scene, UsedExtension};
+pub use scene::{ClipPlanes, Contents, NamedCamera, Notice, Scene, UsedExtension};
 pub use survey::Survey;
 pub use texture_ref::TextureRef;
 pub use triangles::{TooManyPlacements, Triangles};

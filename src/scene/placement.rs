@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3};
 use super::Instance;
 use crate::files::memory::{self, TooMuch};
 use crate::light::{Punctual, PunctualKind};
-use crate::math::{Aabb, Affine3A};
+use crate::math::{Aabb, Affine3A, Vec3};
 pub use crate::motion::rigid;
 
 /// The most placed meshes: as many as ids tell apart.
@@ -50,7 +50,8 @@ pub fn narrow(to_world: &DAffine3) -> Affine3A {
 }
 
 /// A light at its node; its strength is not scaled with it. None if it has a direction and the
-/// node's transform has none, as with a scale of 0; a point light needs but the position.
+/// node's transform has none, as with a scale of 0, or a place beyond all numbers; a point light
+/// needs but the position.
 pub fn light_at_node(light: &Punctual, to_world: &DAffine3) -> Option<Punctual> {
     let rigid = rigid(to_world);
     let translation = to_world.translation;
@@ -62,7 +63,7 @@ pub fn light_at_node(light: &Punctual, to_world: &DAffine3) -> Option<Punctual> 
     };
     let position = to_world.translation.as_vec3();
     let direction = -to_world.matrix3.z_axis.as_vec3();
-    Some(Punctual { position, direction, ..*light })
+    stands(Punctual { position, direction, ..*light })
 }
 
 /// A light moved as all that is placed with it; none if it has a direction and that leaves it none.
@@ -75,7 +76,17 @@ pub fn light_moved(light: &Punctual, to_world: &DAffine3) -> Option<Punctual> {
     };
     let position = to_world.transform_point3(light.position.as_dvec3()).as_vec3();
     let direction = turned.transform_vector3(light.direction.as_dvec3()).as_vec3();
-    Some(Punctual { position, direction, ..*light })
+    stands(Punctual { position, direction, ..*light })
+}
+
+/// A light, unless it is farther away than there are places; where that does not matter it stands
+/// in the middle.
+fn stands(light: Punctual) -> Option<Punctual> {
+    match light.kind {
+        _ if light.position.is_finite() => Some(light),
+        PunctualKind::Directional => Some(Punctual { position: Vec3::ZERO, ..light }),
+        PunctualKind::Point | PunctualKind::Spot { .. } => None,
+    }
 }
 
 /// Whether all of a box can be placed without overflow, with room for what follows.
@@ -94,7 +105,6 @@ pub fn stays_finite(to_world: &DAffine3, bounds: Aabb) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
 
     #[test]
     fn what_has_no_size_loses_scale_and_mirroring() {

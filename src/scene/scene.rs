@@ -1,5 +1,6 @@
 //! A scene: everything that a picture is made of.
 
+use std::fmt;
 use std::sync::Arc;
 
 use super::{Instance, Material, SceneMotion};
@@ -9,8 +10,17 @@ use crate::light::{Environment, Punctual};
 use crate::medium::Medium;
 use crate::texture::Texture;
 
+/// Between which depths a file says that a camera sees. Nothing is cut there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipPlanes {
+    /// Metres.
+    pub near: f32,
+    /// Metres; none: no end.
+    pub far: Option<f32>,
+}
+
 /// A camera and what the file calls it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct NamedCamera {
     /// The file's name for it, or empty.
     pub name: String,
@@ -18,6 +28,17 @@ pub struct NamedCamera {
     pub aspect: Option<f32>,
     /// The camera.
     pub camera: Camera,
+    /// Where its file says that its sight begins and ends, for who writes it again.
+    pub planes: Option<ClipPlanes>,
+}
+
+impl fmt::Debug for NamedCamera {
+    /// Without the planes: a scene's digest is that of its picture, which they have no say in.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, aspect, camera, planes: _ } = self;
+        let mut fields = formatter.debug_struct("NamedCamera");
+        fields.field("name", name).field("aspect", aspect).field("camera", camera).finish()
+    }
 }
 
 /// Something that the file asks for and that is not honoured, or that looks like a mistake.
@@ -36,7 +57,12 @@ impl Notice {
     /// Whether something was asked for and not done, so that strictness refuses the scene. That a
     /// rest pose is shown, as the format has it, is none.
     pub fn is_refused(&self) -> bool {
-        !self.message.starts_with(Self::REST_POSE)
+        !self.is_rest_pose()
+    }
+
+    /// Whether it says that a file's animations are left as they rest.
+    pub fn is_rest_pose(&self) -> bool {
+        self.message.starts_with(Self::REST_POSE)
     }
 }
 

@@ -93,12 +93,10 @@ impl Image {
         if ktx2::is_ktx2(bytes) {
             return ktx2::decode(bytes, MAX_SIZE, levels).map_err(ImageError::Ktx2);
         }
-        let image = if is_radiance(bytes) {
-            decode_radiance(bytes)?
-        } else {
-            decode_other(room, bytes, name)?
-        };
-        Ok((image, Vec::new()))
+        if is_radiance(bytes) {
+            return decode_radiance(bytes);
+        }
+        Ok((decode_other(room, bytes, name)?, Vec::new()))
     }
 
     /// The memory that the texels of a file would take, by its header alone; for OpenEXR files the
@@ -210,7 +208,7 @@ fn radiance_size(header: &radiance::Header) -> Result<(u64, u64), ImageError> {
     Ok((width, height))
 }
 
-fn decode_radiance(bytes: &[u8]) -> Result<Image, ImageError> {
+fn decode_radiance(bytes: &[u8]) -> Result<(Image, Vec<String>), ImageError> {
     let mut source = bytes;
     let header = radiance::Header::read(&mut source)?;
     let (width, height) = radiance_size(&header)?;
@@ -219,7 +217,7 @@ fn decode_radiance(bytes: &[u8]) -> Result<Image, ImageError> {
     let pixels = radiance::read_pixels(&mut source, &header, bytes.len() as u64)?;
     let image = Image::of(width as u32, height as u32, pixels);
     check_finite(&image.texels(), image.channels(), image.width())?;
-    Ok(image)
+    Ok((image, header.notes()))
 }
 
 /// A decoder within the limits, and what it decodes.

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
 use super::image::{FileLevels, Image};
+use super::ktx2_keys;
 use super::zstandard;
 use crate::files::{guard, memory};
 
@@ -78,6 +79,8 @@ struct Container<'a> {
     packing: Packing,
     /// What tells the kind of texels, as it is in the file.
     descriptor: &'a [u8],
+    /// Keys and values.
+    keys: &'a [u8],
     /// What levels share, for ETC1S.
     shared: &'a [u8],
     /// Texels of the image itself.
@@ -105,7 +108,7 @@ pub fn decode(
     let claimed = claimed + container.texel_bytes(levels);
     memory::claim(claimed).map_err(|error| error.to_string())?;
     let image = container.decode(first)?;
-    let mut notes = Vec::new();
+    let mut notes = ktx2_keys::notes(container.keys);
     if first.number > 0 {
         let Level { number, width, height, .. } = first;
         notes.push(format!(
@@ -169,8 +172,9 @@ impl<'a> Container<'a> {
         })?;
         let long = |at: usize| long_word(bytes, at).unwrap_or(0);
         let descriptor = range(bytes, field(48).into(), field(52).into(), "format descriptor")?;
+        let keys = range(bytes, field(56).into(), field(60).into(), "list of keys and values")?;
         let shared = range(bytes, long(64), long(72), "data that levels share")?;
-        Ok(Self { bytes, packing, descriptor, shared, size, levels, first })
+        Ok(Self { bytes, packing, descriptor, keys, shared, size, levels, first })
     }
 
     /// Columns and rows of a level.

@@ -15,6 +15,7 @@ mod cache;
 mod decode;
 mod image;
 mod ktx2;
+mod ktx2_keys;
 mod levels;
 mod pack;
 mod range;

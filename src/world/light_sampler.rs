@@ -123,6 +123,9 @@ impl LightSampler {
     }
 }
 
+/// The most power of a light that the tree is told of: sums of many are within the range of f32.
+const MOST: f32 = 1e33;
+
 /// What the tree has to know of punctual lights; of those infinitely far away, and of those that
 /// move, it knows nothing.
 pub(super) fn punctual_bounds(scene: &Scene, weights: &[f64]) -> Vec<LightBounds> {
@@ -133,11 +136,11 @@ pub(super) fn punctual_bounds(scene: &Scene, weights: &[f64]) -> Vec<LightBounds
         }
         let of = |angle, power| LightBounds::point(light.position, light.direction, angle, power);
         match light.kind {
-            PunctualKind::Point => of(std::f32::consts::PI, weight as f32),
+            PunctualKind::Point => of(std::f32::consts::PI, (weight as f32).min(MOST)),
             // By its intensity, as the others: within its cone it is as bright as they are.
             PunctualKind::Spot { inner, outer } => {
                 let cosines = libm::cosf(inner) + libm::cosf(outer);
-                of(outer, weight as f32 * 2.0 / (1.0 - 0.5 * cosines).max(1e-4))
+                of(outer, (weight as f32 * 2.0 / (1.0 - 0.5 * cosines).max(1e-4)).min(MOST))
             }
             PunctualKind::Directional => of(std::f32::consts::PI, 0.0),
         }

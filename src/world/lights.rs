@@ -68,7 +68,7 @@ impl Lights {
         most_alone: u64,
     ) -> Self {
         let mut weights: Vec<f64> =
-            scene.lights.iter().map(|light| weight(light.power(radius))).collect();
+            scene.lights.iter().map(|light| punctual_weight(light.power(radius))).collect();
         let environment = scene.environment.as_ref().map(|_| {
             weights.push(0.0); // once the others are known
             weights.len() - 1
@@ -198,6 +198,11 @@ impl Lights {
             }
         }
     }
+}
+
+/// As [`weight`], of a power that f32 may not hold.
+fn punctual_weight(power: f64) -> f64 {
+    if power.is_finite() { power.max(0.0) } else { 0.0 }
 }
 
 /// How often the environment is chosen where there are other lights. Its power is no measure: what

@@ -36,8 +36,9 @@
 //!
 //! 1. *Above*, the box of a placement holds what [`placement::world_box`] holds, at all times: it
 //!    is the union over pieces of the time of the box in the middle of each, grown by how far
-//!    anything can be from there ([`crate::motion::Motion::pieces`]). Before a ray is taken into the
-//!    mesh's space, the box of the part of the time is asked that holds the ray's (`timed_boxes`).
+//!    anything can be from there ([`crate::motion::Motion::pieces`]). Before a ray is taken into
+//!    the mesh's space, the box of the part of the time is asked that holds the ray's
+//!    (`timed_boxes`).
 //! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
 //!    the placement at the ray's time. What vertices may be off by is looked at for that time;
 //!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.

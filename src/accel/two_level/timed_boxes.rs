@@ -1,8 +1,8 @@
 //! The boxes of what moves, by equal parts of the time that the shutter is open.
 //!
-//! Over all of the time a blade that turns is as large as the disc of its way: a ray that meets that
-//! box would have to look for where the blade is at its time, which takes as long as a walk through
-//! a tree. A box for each part of the time tells most such rays that they pass by.
+//! Over all of the time a blade that turns is as large as the disc of its way: a ray that meets
+//! that box would have to look for where the blade is at its time, which takes as long as a walk
+//! through a tree. A box for each part of the time tells most such rays that they pass by.
 
 use rayon::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use crate::cli::settings::RenderArgs;
 use crate::cli::settings::parse::LightArg;
-use crate::math::Vec3;
+use crate::math::{DVec3, Vec3};
 use crate::render::Sight;
 use crate::scene::defaults::{automatic_camera, describe_empty_scene};
 use crate::scene::{Notice, Scene};
@@ -37,15 +37,21 @@ fn describe_void(args: &RenderArgs, scene: &Scene, sight: &Sight) -> String {
         0.0 => "no surface is in sight".to_owned(),
         _ => format!("no more than {seen} of the frame shows a surface"),
     };
+    if sight.in_view >= LEAST_SEEN.max(2.0 * sight.seen) {
+        return format!("{shown}: what lies in view is invisible, as its alpha cuts it away");
+    }
     let is_own_camera = args.look_from.is_some() || !scene.cameras.is_empty();
     if !is_own_camera {
         return format!("{shown}: what is there is invisible, or too thin");
     }
-    let (camera, _) = automatic_camera(scene, Vec3::Y, 1.0, "");
+    let up = args.up.and_then(|up| up.as_dvec3().try_normalize()).map(DVec3::as_vec3);
+    let aspect = args.resolution.map_or(1.0, |(width, height)| width as f32 / height as f32);
+    let (camera, _) = automatic_camera(scene, up.unwrap_or(Vec3::Y), aspect, "");
     let eye = camera.to_world.translation;
+    let upright = up.map_or(String::new(), |up| format!(" --up {},{},{}", up.x, up.y, up.z));
     format!(
         "{shown}: the camera looks past the scene, or it is too small (all of it is seen with \
-         --look-from {},{},{})",
+         --look-from {},{},{}{upright})",
         eye.x, eye.y, eye.z
     )
 }

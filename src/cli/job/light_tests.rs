@@ -151,6 +151,16 @@ fn a_picture_that_will_be_black_or_empty_has_its_reason_in_words() {
     let (job, _, said) = look(&path, "--look-from 0,0,5 --look-at 0,0,9");
     assert!(said.contains("no surface is in sight: the camera looks past"), "{said}");
     assert_eq!(job.sight.expect("it was looked at").seen, 0.0);
+    // The place that is advised is that of the automatic camera of the same upright.
+    let away = "--look-from 0,0,5 --look-at 0,0,9.5";
+    let (_, _, advice) = look(&path, &format!("{away} --up 0,1,0.5"));
+    let (_, _, automatic) = look(&path, "--up 0,1,0.5");
+    let eye = |said: &str| -> Option<String> {
+        let (_, after) = said.split_once("--look-from ")?;
+        Some(after.split([' ', ')', '\n', ';']).next()?.to_owned())
+    };
+    assert!(advice.contains(" --up 0,0.8944272,0.4472136"), "{advice}");
+    assert!(eye(&advice).is_some() && eye(&advice) == eye(&automatic), "{advice} {automatic}");
     let (_, _, said) = look(&path, "--look-from 0,0,100 --look-at 0,0,0");
     assert!(said.contains("of the frame shows a surface"), "{said}");
     // Shadows of an absorber.
@@ -166,7 +176,12 @@ fn a_picture_that_will_be_black_or_empty_has_its_reason_in_words() {
     let (job, _, said) = look(&path, "");
     assert!(said.contains("taken as opaque") && job.sight.expect("looked at").lit > 0.9);
     let (_, _, said) = look(&path, "--mtl-transparency file");
-    assert!(said.contains("no surface is in sight: what is there is invisible"), "{said}");
+    assert!(said.contains("no surface is in sight: what lies in view is invisible"), "{said}");
+    // So it is before a camera of one's own, which looks at it.
+    let view = "--look-from 0,0,5 --look-at 0,0,0 --mtl-transparency file";
+    let (job, _, said) = look(&path, view);
+    assert!(said.contains("invisible, as its alpha cuts it away"), "{said}");
+    assert!(!said.contains("looks past") && job.sight.expect("looked at").in_view > 0.01);
 }
 
 #[test]

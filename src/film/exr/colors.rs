@@ -94,6 +94,12 @@ fn frame<T: Copy + Default>(
     if meaning.is_cube {
         notes.push("says that it is a cube of directions, which is not honoured".to_owned());
     }
+    if (meaning.pixel_aspect - 1.0).abs() > 1e-4 {
+        let aspect = meaning.pixel_aspect;
+        notes.push(format!(
+            "its pixelAspectRatio is {aspect} and is not honoured: pixels count as square"
+        ));
+    }
     let (crop, frame) = (picture.crop, picture.frame);
     let shared = Window {
         x0: crop.x0.max(frame.x0),
@@ -178,6 +184,10 @@ mod tests {
         let xyz = [("X", 0.9), ("Y", 1.0), ("Z", 1.1)];
         let error = decoded(&one_pixel(&xyz)).expect_err("is no RGB").to_string();
         assert!(error.starts_with("a.exr: the channels X, Y and Z are not supported"), "{error}");
+        let error = decoded(&one_pixel(&xyz[..2])).expect_err("is no grey").to_string();
+        assert!(error.starts_with("a.exr: has X and Y and no Z: its colours cannot"), "{error}");
+        // A depth goes with grey.
+        assert_eq!(decoded(&one_pixel(&xyz[1..])).expect("is grey").pixels, [[1.0; 3]]);
         // Beside colours they are something else.
         let both = [("X", 0.9), ("Y", 1.0), ("Z", 1.1), ("R", 0.1), ("G", 0.2), ("B", 0.3)];
         assert_eq!(decoded(&one_pixel(&both)).expect("has colours").pixels, [[0.1, 0.2, 0.3]]);
@@ -204,6 +214,22 @@ mod tests {
         picture.set_channel("Y", vec![1.0, 2.0]);
         let framed = decoded(&picture).expect("it is sound");
         assert_eq!((framed.pixels, framed.notes.len()), (vec![[1.0; 3], [2.0; 3]], 1));
+    }
+
+    #[test]
+    fn pixels_that_are_not_square_are_said() {
+        use ::exr::prelude::*;
+        let channels = SpecificChannels::rgb(|_| (1.0_f32, 0.5_f32, 0.25_f32));
+        let mut image = ::exr::prelude::Image::from_channels((1, 1), channels);
+        image.attributes.pixel_aspect = 2.0;
+        let mut bytes = Cursor::new(Vec::new());
+        image.write().to_buffered(&mut bytes).expect("written");
+        let bytes = bytes.into_inner();
+        let found = decode_rgb(Cursor::new(&bytes), bytes.len() as u64, Path::new("a.exr"));
+        let found = found.expect("it is sound");
+        let said = "its pixelAspectRatio is 2 and is not honoured: pixels count as square";
+        assert_eq!(found.notes, [said]);
+        assert_eq!(found.pixels, [[1.0, 0.5, 0.25]]);
     }
 
     /// A file that says to be in Rec. 2020, as other programs write it.

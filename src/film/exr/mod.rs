@@ -1,8 +1,11 @@
 //! OpenEXR files: one part of ZIP-compressed float32 scanlines out; any flat file in.
 
 mod colors;
+mod piz;
+mod plane;
 mod read;
 mod subsampled;
+mod unpack;
 mod write;
 
 pub use colors::read_rgb;

@@ -40,6 +40,8 @@ pub(super) struct Meaning {
     pub primaries: Option<Primaries>,
     /// Whether the picture holds the six sides of a cube of directions.
     pub is_cube: bool,
+    /// How many times as wide as high its pixels are.
+    pub pixel_aspect: f32,
 }
 
 impl Meaning {
@@ -53,7 +55,7 @@ impl Meaning {
         });
         let primaries = primaries.filter(|it| !it.is_rec_709());
         let is_cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
-        Self { primaries, is_cube }
+        Self { primaries, is_cube, pixel_aspect: header.shared_attributes.pixel_aspect }
     }
 }
 

@@ -1,20 +1,19 @@
 //! OpenEXR files in which channels have fewer values than there are pixels, as chroma often has;
 //! the crate `exr` refuses them.
 //!
-//! One part of scanlines, without compression or with ZIP. Between the values of a channel that are
-//! there, others are interpolated linearly. OpenEXR's own library smooths over 27 values, which
-//! differs at edges alone.
+//! One part of scanlines, without compression or with RLE, ZIP or PIZ. Between the values of a
+//! channel that are there, others are interpolated linearly. OpenEXR's own library smooths over 27
+//! values, which differs at edges alone.
 
 use std::io::{Read, Seek, SeekFrom};
 
-use ::exr::compression::Compression;
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{ChannelDescription, SampleType};
+use ::exr::meta::attribute::ChannelDescription;
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
-use ::exr::prelude::f16;
-use flate2::read::ZlibDecoder;
 
+use super::plane::Plane;
+use super::unpack::unpacker;
 use crate::film::Window;
 
 /// A file's only part, and where its pixels begin.
@@ -49,96 +48,6 @@ impl<R: Read> Read for Counted<'_, R> {
     }
 }
 
-/// A channel's values, which stand at the pixels whose coordinates are multiples of its sampling.
-struct Plane {
-    kind: SampleType,
-    /// Along x and y.
-    sampling: [i64; 2],
-    /// The first multiples in the data window.
-    first: [i64; 2],
-    /// How many there are.
-    size: [usize; 2],
-    /// None if nobody wants them.
-    values: Option<Vec<f32>>,
-}
-
-impl Plane {
-    fn new(channel: &ChannelDescription, crop: Window, is_wanted: bool) -> Result<Self, String> {
-        let sampling = [channel.sampling.x() as i64, channel.sampling.y() as i64];
-        let bounds = [(crop.x0, crop.x1), (crop.y0, crop.y1)];
-        let (mut first, mut size) = ([0; 2], [0; 2]);
-        for axis in 0..2 {
-            let (low, high) = (i64::from(bounds[axis].0), i64::from(bounds[axis].1));
-            let step = sampling[axis];
-            if step < 1 {
-                return Err(format!("channel {} has a sampling of 0", channel.name));
-            }
-            first[axis] = (low + step - 1).div_euclid(step);
-            let count = (high - 1).div_euclid(step) - first[axis] + 1;
-            size[axis] =
-                usize::try_from(count).ok().filter(|&count| count > 0).ok_or_else(|| {
-                    format!("channel {} has no value in the data window", channel.name)
-                })?;
-        }
-        let values = is_wanted.then(|| Vec::with_capacity(size[0] * size[1]));
-        Ok(Self { kind: channel.sample_type, sampling, first, size, values })
-    }
-
-    /// Bytes of its values in a line of pixels.
-    fn line_bytes(&self, y: i64) -> usize {
-        if y.rem_euclid(self.sampling[1]) == 0 {
-            self.size[0] * self.kind.bytes_per_sample()
-        } else {
-            0
-        }
-    }
-
-    fn push(&mut self, line: &[u8]) {
-        let Some(values) = &mut self.values else { return };
-        match self.kind {
-            SampleType::F16 => {
-                values.extend(line.as_chunks().0.iter().map(|it| f16::from_le_bytes(*it).to_f32()));
-            }
-            SampleType::F32 => {
-                values.extend(line.as_chunks().0.iter().map(|it| f32::from_le_bytes(*it)));
-            }
-            SampleType::U32 => {
-                values.extend(line.as_chunks().0.iter().map(|it| u32::from_le_bytes(*it) as f32));
-            }
-        }
-    }
-
-    /// A value for every pixel.
-    fn enlarge(self, crop: Window) -> Option<Vec<f32>> {
-        let Self { sampling, first, size, values, .. } = self;
-        let values = values?;
-        if sampling == [1, 1] {
-            return Some(values);
-        }
-        // Before and after a pixel, and how far it is from the first of them.
-        let around = |at: i32, axis: usize| {
-            let (at, step) = (i64::from(at), sampling[axis]);
-            let before = at.div_euclid(step) - first[axis];
-            let clamp = |index: i64| index.clamp(0, size[axis] as i64 - 1) as usize;
-            let share = at.rem_euclid(step) as f32 / step as f32;
-            (clamp(before), clamp(before + 1), share)
-        };
-        let columns: Vec<_> = (crop.x0..crop.x1).map(|x| around(x, 0)).collect();
-        let mut all = Vec::with_capacity(crop.area());
-        for y in crop.y0..crop.y1 {
-            let (above, below, down) = around(y, 1);
-            let [above, below] = [above, below].map(|row| &values[row * size[0]..][..size[0]]);
-            let mix =
-                |a: f32, b: f32, share: f32| if share == 0.0 { a } else { a + (b - a) * share };
-            all.extend(columns.iter().map(|&(left, right, across)| {
-                let [a, b] = [above, below].map(|row| mix(row[left], row[right], across));
-                mix(a, b, down)
-            }));
-        }
-        Some(all)
-    }
-}
-
 impl Part {
     /// The wanted channels in full size, in the header's order, of a file of `length` bytes.
     /// Callers have checked the picture's size.
@@ -153,15 +62,7 @@ impl Part {
         wanted: impl Fn(&str) -> bool,
     ) -> Result<Vec<Option<Vec<f32>>>, String> {
         let Header { compression, channels, .. } = &self.header;
-        if !matches!(
-            compression,
-            Compression::Uncompressed | Compression::ZIP1 | Compression::ZIP16
-        ) {
-            return Err(format!(
-                "{compression} compression of channels with fewer values than pixels is not \
-                 supported; convert the file to ZIP, or to R, G and B"
-            ));
-        }
+        let unpack = unpacker(*compression)?;
         let planes = channels
             .list
             .iter()
@@ -182,7 +83,11 @@ impl Part {
             let rows = i64::from(top)..bottom;
             let of_line = |y: i64| planes.iter().map(|plane| plane.line_bytes(y)).sum::<usize>();
             let size = rows.clone().map(of_line).sum();
-            let block = read_block(source, top, size)?;
+            let damaged = || format!("damaged: the block at line {top} cannot be decompressed");
+            let block = match read_block(source, top, size)? {
+                plain if plain.len() == size => plain,
+                packed => unpack(&packed, &planes, rows.clone(), size).ok_or_else(damaged)?,
+            };
             let mut rest = &block[..];
             for y in rows {
                 for plane in &mut planes {
@@ -196,7 +101,8 @@ impl Part {
     }
 }
 
-/// The bytes of a block, of which there are `size` once they are decompressed.
+/// The bytes of a block as they are in the file, of which there are `size` once they are
+/// decompressed.
 fn read_block(source: &mut impl Read, top: i32, size: usize) -> Result<Vec<u8>, String> {
     let cut = |error: std::io::Error| format!("cut short: {error}");
     let mut head = [[0; 4]; 2];
@@ -206,20 +112,7 @@ fn read_block(source: &mut impl Read, top: i32, size: usize) -> Result<Vec<u8>, 
     let packed = packed.ok_or_else(|| format!("damaged: the block at line {top} is not there"))?;
     let mut bytes = vec![0; packed];
     source.read_exact(&mut bytes).map_err(cut)?;
-    if packed == size {
-        return Ok(bytes);
-    }
-    let mut plain = Vec::new();
-    let unpacked = ZlibDecoder::new(&bytes[..]).take(size as u64).read_to_end(&mut plain);
-    if unpacked.is_err() || plain.len() != size {
-        return Err(format!("damaged: the block at line {top} cannot be decompressed"));
-    }
-    // Differences to bytes, and the two halves of them between one another.
-    for at in 1..size {
-        plain[at] = plain[at - 1].wrapping_add(plain[at]).wrapping_sub(128);
-    }
-    let (even, odd) = plain.split_at(size.div_ceil(2));
-    Ok((0..size).map(|at| if at % 2 == 0 { even[at / 2] } else { odd[at / 2] }).collect())
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -311,6 +204,26 @@ mod tests {
         }
     }
 
+    /// The same pixels as OpenEXR's own library packs them.
+    #[test]
+    fn packed_files_hold_the_same_as_one_another() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/image");
+        let read = |name: &str| {
+            let bytes = std::fs::read(folder.join(name)).expect("is part of the project");
+            colours(&bytes).expect(name)
+        };
+        let plain = read("ok-chroma-plain.exr");
+        assert_eq!(plain.len(), 20 * 12);
+        // Its first value of luminance is .25, its chroma -.25 and .125.
+        let [r, g, b] = plain[0];
+        let luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        assert!((luminance - 0.25).abs() < 1e-4, "{luminance}");
+        assert!((r - 0.1875).abs() < 1e-4 && (b - 0.28125).abs() < 1e-4, "{r} {b}");
+        for name in ["ok-chroma-piz.exr", "ok-chroma-rle.exr", "ok-chroma-zip.exr"] {
+            assert!(read(name) == plain, "{name}");
+        }
+    }
+
     #[test]
     fn between_values_they_are_interpolated() {
         let mut values = [[0.0; 16]; 3];
@@ -348,7 +261,7 @@ mod tests {
                 }
             }
         }
-        let error = colours(&file(4, &values)).expect_err("PIZ");
-        assert!(error.contains("compression of channels with fewer values"), "{error}");
+        let error = colours(&file(5, &values)).expect_err("PXR24");
+        assert!(error.contains("a.exr: pxr24 compression of channels with fewer"), "{error}");
     }
 }

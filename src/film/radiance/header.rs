@@ -27,6 +27,8 @@ pub struct Header {
     pub(super) to_rec_709: Option<DMat3>,
     /// From scanline to scanline, and within one.
     axes: [Axis; 2],
+    /// How many times as high as wide pixels are; not a number where the file has none there.
+    pixel_aspect: f64,
 }
 
 /// Along what pixels follow one another.
@@ -56,7 +58,7 @@ impl Header {
         if !is_radiance(&lines.next()?) {
             return Err(lines.error("is not that of a Radiance picture, which begins with #?"));
         }
-        let (mut exposure, mut to_rec_709) = (DVec3::ONE, None);
+        let (mut exposure, mut to_rec_709, mut pixel_aspect) = (DVec3::ONE, None, 1.0);
         loop {
             let line = lines.next()?;
             let text = String::from_utf8_lossy(&line);
@@ -74,6 +76,9 @@ impl Header {
                     let factors = positive::<3>(value).map_err(|it| lines.fault(key, it))?;
                     exposure *= DVec3::from_array(factors);
                 }
+                "PIXASPECT" => {
+                    pixel_aspect *= positive::<1>(value).map_or(f64::NAN, |it| it[0]);
+                }
                 "PRIMARIES" => {
                     to_rec_709 = primaries(value).map_err(|it| lines.fault(key, it))?;
                 }
@@ -88,7 +93,16 @@ impl Header {
             .ok_or_else(|| lines.error("is not the size of the picture, as in -Y 512 +X 1024"))?;
         let [width, height] =
             if axes[0].is_x { axes } else { [axes[1], axes[0]] }.map(|it| it.count);
-        Ok(Self { width, height, exposure: exposure.to_array(), to_rec_709, axes })
+        let exposure = exposure.to_array();
+        Ok(Self { width, height, exposure, to_rec_709, axes, pixel_aspect })
+    }
+
+    /// What it asks for that is not honoured.
+    pub fn notes(&self) -> Vec<String> {
+        let aspect = self.pixel_aspect;
+        let is_square = (aspect - 1.0).abs() <= 1e-4;
+        let note = || format!("PIXASPECT is {aspect} and is not honoured: pixels count as square");
+        (!is_square).then(note).into_iter().collect()
     }
 
     /// How many scanlines there are, and how long each is.

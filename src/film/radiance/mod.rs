@@ -123,6 +123,19 @@ mod tests {
     }
 
     #[test]
+    fn pixels_that_are_not_square_are_said() {
+        let notes = |lines: &str| {
+            let header = format!("#?RADIANCE\n{lines}\n-Y 1 +X 1\n");
+            Header::read(&mut header.as_bytes()).expect("it is well-formed").notes()
+        };
+        let said = "PIXASPECT is 2 and is not honoured: pixels count as square";
+        assert_eq!(notes("PIXASPECT=2\n"), [said]);
+        assert_eq!(notes("PIXASPECT=4\nPIXASPECT= .5\n"), [said]);
+        assert_eq!(notes("PIXASPECT=x\n").len(), 1);
+        assert!(notes("").is_empty() && notes("PIXASPECT=1.0\n\tPIXASPECT=2\n").is_empty());
+    }
+
+    #[test]
     fn primaries_are_taken_to_rec_709() {
         let pixel = |line: &str| {
             let header = format!("#?RADIANCE\nPRIMARIES={line}\n\n-Y 1 +X 1\n");

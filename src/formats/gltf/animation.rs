@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
 
+use super::animatable::{self, Kind};
 use super::curve::{Curve, Interpolation};
 use super::json::{Fault, Object};
 use super::nodes::{Node, Parts};
@@ -20,7 +21,7 @@ pub struct Animation {
 
 /// What a pointer leads to, at a time.
 pub struct Pointed<'a> {
-    /// The pointer to the sampler.
+    /// The pointer to what tells it, in its channel.
     pub place: String,
     /// What is animated (KHR_animation_pointer).
     pub pointer: &'a str,
@@ -45,8 +46,8 @@ struct Channel {
 enum Target {
     /// A property of a node.
     Node(usize, Property),
-    /// Whatever a pointer into the document leads to.
-    Pointer(String),
+    /// Whatever a pointer into the document leads to; and the pointer to that pointer.
+    Pointer(String, String),
 }
 
 /// What a channel changes of a node.
@@ -95,11 +96,16 @@ pub fn read(
                 let pointer = extension.text("pointer")?;
                 let pointer = pointer.ok_or_else(|| extension.absent("pointer"))?.to_owned();
                 let (place, interpolation, times, values) = samplers[sampler].clone();
-                let target = Target::Pointer(pointer);
+                let target = Target::Pointer(pointer, extension.at("pointer"));
                 channels.push(Channel { place, target, interpolation, times, values });
                 continue;
             }
-            let Some(node) = target.reference("node", "node", nodes)? else { continue };
+            let Some(node) = target.reference("node", "node", nodes)? else {
+                if target.text("path")? == Some("pointer") {
+                    notices.add(target.place(), "goes by a pointer and has none");
+                }
+                continue;
+            };
             let property = match target.text("path")?.ok_or_else(|| target.absent("path"))? {
                 "translation" => Property::Translation,
                 "rotation" => Property::Rotation,
@@ -169,8 +175,8 @@ impl Animation {
         notices: &mut Notices,
     ) -> Result<(), Fault> {
         for channel in &self.channels {
-            let Target::Pointer(pointer) = &channel.target else { continue };
-            if channel.target.of_node().is_some() {
+            let Target::Pointer(pointer, _) = &channel.target else { continue };
+            if channel.target.of_node().is_some() || animatable::kind(pointer).is_none() {
                 continue;
             }
             let keys = channel.curve(storage)?.straight_pieces(shutter);
@@ -188,12 +194,12 @@ impl Animation {
     /// As [`Animation::pose`].
     pub fn pointed(&self, time: f64, storage: &Storage) -> Result<Vec<Pointed<'_>>, Fault> {
         let pointed = self.channels.iter().filter_map(|channel| match &channel.target {
-            Target::Pointer(pointer) => Some((channel, pointer)),
+            Target::Pointer(pointer, place) => Some((channel, pointer, place)),
             Target::Node(..) => None,
         });
         pointed
-            .map(|(channel, pointer)| {
-                let (place, numbers) = (channel.place.clone(), channel.at(time, storage)?);
+            .map(|(channel, pointer, place)| {
+                let (place, numbers) = (place.clone(), channel.at(time, storage)?);
                 Ok(Pointed { place, pointer, numbers })
             })
             .collect()
@@ -240,7 +246,7 @@ impl Target {
     fn of_node(&self) -> Option<(usize, Property)> {
         match self {
             Self::Node(node, property) => Some((*node, *property)),
-            Self::Pointer(pointer) => Property::of_pointer(pointer),
+            Self::Pointer(pointer, _) => Property::of_pointer(pointer),
         }
     }
 }
@@ -250,16 +256,16 @@ impl Channel {
     fn property(&self) -> Property {
         match &self.target {
             Target::Node(_, property) => *property,
-            Target::Pointer(to) if to.starts_with("/nodes/") && to.ends_with("/rotation") => {
+            Target::Pointer(to, _) if animatable::kind(to) == Some(Kind::Turn) => {
                 Property::Rotation
             }
-            Target::Pointer(_) => Property::Weights,
+            Target::Pointer(..) => Property::Weights,
         }
     }
 
     /// The numbers of all its keys.
     fn values(&self, storage: &Storage) -> Result<Vec<f32>, Fault> {
-        let is_pointed = matches!(self.target, Target::Pointer(_));
+        let is_pointed = matches!(self.target, Target::Pointer(..));
         let width = match self.property() {
             Property::Translation | Property::Scale => 3,
             Property::Rotation => 4,
@@ -310,7 +316,7 @@ impl Channel {
 
 impl Property {
     /// The property of a node that a pointer leads to, if it leads to one.
-    fn of_pointer(pointer: &str) -> Option<(usize, Self)> {
+    pub fn of_pointer(pointer: &str) -> Option<(usize, Self)> {
         let (node, name) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
         let property = match name {
             "translation" => Self::Translation,

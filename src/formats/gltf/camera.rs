@@ -6,7 +6,7 @@ use super::json::{Fault, Object};
 use super::notices::Notices;
 use super::planes::Planes;
 use crate::camera::{Camera, Projection};
-use crate::scene::{NamedCamera, placement};
+use crate::scene::{ClipPlanes, NamedCamera, placement};
 
 /// A camera without its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,10 +27,12 @@ impl CameraDeclaration {
     pub fn place(&self, to_world: &DAffine3, node: &str) -> Option<NamedCamera> {
         let to_world = placement::narrow(&placement::rigid(to_world)?);
         let name = if self.name.is_empty() { node } else { &self.name };
+        let Planes { near, far, .. } = self.planes;
         Some(NamedCamera {
             name: name.to_owned(),
             aspect: self.aspect,
             camera: Camera { projection: self.projection, to_world, lens: None },
+            planes: Some(ClipPlanes { near, far }),
         })
     }
 }

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use super::accessor::{Accessor, Component, Part, Shape};
 use super::json::{Fault, Object};
 use super::mesh::{MeshDeclaration, Mode, Primitive};
+use super::notices::Notices;
 
 /// The name of the extension.
 const NAME: &str = "KHR_draco_mesh_compression";
@@ -22,6 +23,7 @@ pub fn link(
     meshes: &mut [MeshDeclaration],
     accessors: &mut Vec<Accessor>,
     views: usize,
+    notices: &mut Notices,
 ) -> Result<(), Fault> {
     let mut linker = Linker { accessors, known: BTreeMap::new() };
     for (object, mesh) in root.objects("meshes")?.iter().zip(meshes) {
@@ -31,11 +33,24 @@ pub fn link(
             let Some(packed) = primitive.extension(NAME)? else { continue };
             let view = packed.required_reference("bufferView", "buffer view", views)?;
             let ids = packed.object("attributes")?.ok_or_else(|| packed.absent("attributes"))?;
+            note_extra(&primitive, &ids, notices)?;
             let Some(found) = found else { continue };
             if found.geometry.mode == Mode::Fan {
                 return Err(packed.fault("a fan of triangles cannot be packed"));
             }
             linker.primitive(found, view, &packed, &ids)?;
+        }
+    }
+    Ok(())
+}
+
+/// Notes what is packed that the primitive does not have: its attributes tell what it consists of.
+fn note_extra(primitive: &Object, ids: &Object, notices: &mut Notices) -> Result<(), Fault> {
+    let attributes = primitive.object("attributes")?;
+    for (name, _) in ids.members() {
+        if !attributes.as_ref().is_some_and(|attributes| attributes.has(name)) {
+            let message = "is packed, but no attribute of the primitive: it is left out";
+            notices.add(ids.at(name), message);
         }
     }
     Ok(())

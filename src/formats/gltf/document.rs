@@ -117,7 +117,7 @@ impl Document {
         let choice = Variants { count: variants.len(), materials: materials.len(), shown };
         let declared = accessors.len();
         let mut meshes = mesh::read(&root, declared, choice, notices)?;
-        compressed::link(&root, &mut meshes, &mut accessors, views.len())?;
+        compressed::link(&root, &mut meshes, &mut accessors, views.len(), notices)?;
         let cameras = camera::read(&root, notices)?;
         let lights = light::read(&root, notices)?;
         let nodes_count = root.array("nodes")?.len();

@@ -1,6 +1,6 @@
 //! Lights of KHR_lights_punctual.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::json::{Fault, Object};
 use super::notices::Notices;
@@ -28,6 +28,20 @@ impl LightDeclaration {
         let light = Punctual { kind, position, direction, intensity, range };
         placement::light_at_node(&light, to_world)
     }
+}
+
+/// The most that anything shines by: what reaches a pixel from it is within the range of f32, if
+/// it is not nearer than some tenths of a millimetre.
+const STRONGEST: f32 = 1e30;
+
+/// A colour times a strength in f32, of the [`STRONGEST`] at most; `say` hears of one that is more.
+pub fn strength(wanted: DVec3, say: impl FnOnce(String)) -> Vec3 {
+    let most = wanted.max_element();
+    if most <= f64::from(STRONGEST) {
+        return wanted.as_vec3();
+    }
+    say(format!("shines by {most:.2e}, more than can be reckoned with: {STRONGEST:e} is used"));
+    (wanted * (f64::from(STRONGEST) / most)).as_vec3()
 }
 
 /// Reads all lights.
@@ -59,7 +73,11 @@ fn light(object: &Object, notices: &mut Notices) -> Result<LightDeclaration, Fau
     if range.is_some_and(|range| range <= 0.0) {
         return Err(object.fault_at("range", "must be above 0"));
     }
-    let intensity = (color.max(Vec3::ZERO) * intensity.max(0.0)).min(Vec3::MAX);
+    let intensity = color.max(Vec3::ZERO).as_dvec3() * f64::from(intensity.max(0.0));
+    let name = object.name()?;
+    let intensity = strength(intensity, |message| {
+        notices.add(object.place(), format!("{name:?} {message}"));
+    });
     Ok(LightDeclaration { kind, intensity, range })
 }
 
@@ -92,6 +110,17 @@ mod tests {
         read(&root, &mut Notices::default()).map(|mut all| all.remove(0))
     }
 
+    /// A light and what is said of it.
+    fn noted(text: &str) -> (LightDeclaration, String) {
+        let text =
+            format!("{{\"extensions\": {{\"KHR_lights_punctual\": {{\"lights\": [{text}]}}}}}}");
+        let value = json::parse(text.as_bytes()).expect("valid JSON");
+        let root = Object::new(&value, String::new()).expect("an object");
+        let mut notices = Notices::default();
+        let light = read(&root, &mut notices).expect("valid").remove(0);
+        (light, notices.finish(std::path::Path::new("a")).remove(0).message)
+    }
+
     #[test]
     fn colours_scale_the_intensity() {
         let light = light_of(r#"{"type": "point", "color": [1, 0.5, 0], "intensity": 10}"#);
@@ -112,14 +141,8 @@ mod tests {
     #[test]
     fn negative_light_is_taken_as_none_and_said() {
         let said = |text: &str| {
-            let text = format!(
-                "{{\"extensions\": {{\"KHR_lights_punctual\": {{\"lights\": [{text}]}}}}}}"
-            );
-            let value = json::parse(text.as_bytes()).expect("valid JSON");
-            let root = Object::new(&value, String::new()).expect("an object");
-            let mut notices = Notices::default();
-            let light = read(&root, &mut notices).expect("valid").remove(0);
-            (light.intensity, notices.finish(std::path::Path::new("a")).remove(0).message)
+            let (light, message) = noted(text);
+            (light.intensity, message)
         };
         let (intensity, message) = said(r#"{"type": "point", "color": [2, 1, -1]}"#);
         assert_eq!(intensity, Vec3::new(2.0, 1.0, 0.0));
@@ -127,6 +150,26 @@ mod tests {
         let (intensity, message) = said(r#"{"type": "point", "intensity": -1}"#);
         assert_eq!(intensity, Vec3::ZERO);
         assert!(message.ends_with("it is off"), "{message}");
+    }
+
+    /// It shines, in its colour, as bright as anything can, and that is said.
+    #[test]
+    fn what_is_too_strong_shines_by_less_and_is_named() {
+        for (text, expected, value) in [
+            (r#"{"type": "point", "name": "sun", "intensity": 1e38}"#, [1.0, 1.0, 1.0], "1.00e38"),
+            (
+                r#"{"type": "directional", "color": [1e20, 5e19, 0], "intensity": 1e20}"#,
+                [1.0, 0.5, 0.0],
+                "1.00e40",
+            ),
+        ] {
+            let (light, said) = noted(text);
+            let off = light.intensity / STRONGEST - Vec3::from_array(expected);
+            assert!(off.abs().max_element() < 1e-6, "{text}: {}", light.intensity);
+            assert!(said.contains(&format!("shines by {value},")), "{said}");
+            assert!(said.contains(": 1e30 is used"), "{said}");
+        }
+        assert!(noted(r#"{"type": "point", "name": "sun", "intensity": 1e38}"#).1.contains("sun"));
     }
 
     #[test]

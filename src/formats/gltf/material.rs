@@ -1,6 +1,7 @@
 //! Materials: metallic-roughness and the extensions that are honoured (glTF 2.0, 3.9).
 
 use super::json::{Fault, Object};
+use super::light;
 use super::notices::Notices;
 use super::texture::Slots;
 use crate::math::{Vec2, Vec3, Vec4};
@@ -91,12 +92,15 @@ impl Reader<'_, '_> {
 
     fn extensions(&mut self, material: &mut Material) -> Result<(), Fault> {
         let object = self.object;
-        if let Some(emissive) = object.extension("KHR_materials_emissive_strength")? {
-            let strength = emissive.number("emissiveStrength")?.unwrap_or(1.0);
+        if let Some(shining) = object.extension("KHR_materials_emissive_strength")? {
+            let strength = shining.number("emissiveStrength")?.unwrap_or(1.0);
             if strength < 0.0 {
-                self.notices.add(emissive.at("emissiveStrength"), "is negative; 0 is used");
+                self.notices.add(shining.at("emissiveStrength"), "is negative; 0 is used");
             }
-            material.emissive *= strength.max(0.0);
+            let emissive = material.emissive.as_dvec3() * f64::from(strength.max(0.0));
+            material.emissive = light::strength(emissive, |message| {
+                self.notices.add(shining.at("emissiveStrength"), message);
+            });
         }
         if let Some(ior) = object.extension("KHR_materials_ior")? {
             material.ior = self.ior(&ior)?;

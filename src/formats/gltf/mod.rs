@@ -9,6 +9,7 @@
 //! What the file asks for and does not get becomes a notice of the scene.
 
 mod accessor;
+mod animatable;
 mod animation;
 mod assemble;
 mod build;
@@ -88,7 +89,7 @@ pub fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Scene, 
         (bytes, None)
     };
     let value = json::parse(json).map_err(in_file)?;
-    let value = pointers::pose(value, binary, path, options)?;
+    let value = pointers::pose(value, binary, path, options, &mut notices)?;
     let wanted = options.variant.as_deref();
     let document =
         Document::read(&value, wanted, &mut notices).map_err(|refusal| match refusal {

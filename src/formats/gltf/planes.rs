@@ -2,10 +2,10 @@
 //! away that the camera frames, that is said.
 
 use super::notices::Notices;
-use crate::camera::{Camera, Projection};
-use crate::geom::Mesh;
-use crate::math::{Aabb, Affine3A, Vec3};
+use crate::camera::Camera;
+use crate::math::Vec3;
 use crate::scene::Scene;
+use crate::scene::frustum::{Side, sides, touches};
 
 /// Where a file says that a camera's sight begins and ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +17,6 @@ pub struct Planes {
     /// Metres; none: no end.
     pub far: Option<f32>,
 }
-
-/// Beyond this many triangles it is not looked at more closely, and said that something is cut.
-const MOST_TRIANGLES: usize = 1 << 26;
 
 /// What is nearer than a plane by less than this share is not told from what is on it.
 const SLACK: f32 = 1e-4;
@@ -48,106 +45,14 @@ impl Planes {
     }
 }
 
-/// The half of space where `normal . p + offset` is above 0.
-#[derive(Clone, Copy, Debug)]
-struct Side {
-    normal: Vec3,
-    offset: f32,
-}
-
-impl Side {
-    fn distance(&self, point: Vec3) -> f32 {
-        self.normal.dot(point) + self.offset
-    }
-}
-
-/// What bounds a camera's frame, in its own space.
-fn sides(camera: &Camera, aspect: f32) -> Option<Vec<Side>> {
-    let side = |normal: Vec3, offset: f32| Side { normal, offset };
-    Some(match camera.projection {
-        Projection::Perspective { yfov } => {
-            let up = libm::tanf(0.5 * yfov);
-            let (x, y) = (up * aspect, up);
-            [(1.0, 0.0, x), (-1.0, 0.0, x), (0.0, 1.0, y), (0.0, -1.0, y)]
-                .map(|(a, b, tangent)| side(Vec3::new(a, b, -tangent), 0.0))
-                .to_vec()
-        }
-        Projection::Orthographic { xmag, ymag } => {
-            [(Vec3::X, xmag), (Vec3::NEG_X, xmag), (Vec3::Y, ymag), (Vec3::NEG_Y, ymag)]
-                .map(|(normal, reach)| side(normal, reach))
-                .to_vec()
-        }
-        Projection::Panorama => return None,
-    })
-}
-
-/// Whether any triangle is in part within all sides.
-fn touches(sides: &[Side], camera: &Camera, scene: &Scene) -> bool {
-    let from_world = camera.to_world.inverse();
-    let boxes: Vec<Aabb> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
-    let mut looked_at = 0;
-    scene.instances.iter().any(|instance| {
-        let to_camera = from_world * instance.transform.to_world();
-        let bounds = boxes[instance.mesh.index()];
-        let corners = corners(bounds).map(|corner| to_camera.transform_point3(corner));
-        if is_beyond(sides, &corners) {
-            return false;
-        }
-        let mesh = &scene.meshes[instance.mesh.index()];
-        looked_at += mesh.indices.len();
-        looked_at > MOST_TRIANGLES || mesh_touches(sides, mesh, &to_camera)
-    })
-}
-
-fn corners(bounds: Aabb) -> [Vec3; 8] {
-    std::array::from_fn(|k| {
-        let pick = |axis: usize| if k >> axis & 1 == 0 { bounds.min } else { bounds.max }[axis];
-        Vec3::new(pick(0), pick(1), pick(2))
-    })
-}
-
-/// Whether all points are on the other side of one of the sides.
-fn is_beyond(sides: &[Side], points: &[Vec3]) -> bool {
-    sides.iter().any(|side| points.iter().all(|&point| side.distance(point) <= 0.0))
-}
-
-fn mesh_touches(sides: &[Side], mesh: &Mesh, to_camera: &Affine3A) -> bool {
-    mesh.indices.iter().any(|triangle| {
-        let points =
-            triangle.map(|vertex| to_camera.transform_point3(mesh.positions[vertex as usize]));
-        if is_beyond(sides, &points) {
-            return false;
-        }
-        let mut left = points.to_vec();
-        for side in sides {
-            left = cut(side, &left);
-        }
-        left.len() >= 3
-    })
-}
-
-/// What of a convex polygon is on a side (Sutherland and Hodgman, 1974).
-fn cut(side: &Side, polygon: &[Vec3]) -> Vec<Vec3> {
-    let mut left = Vec::with_capacity(polygon.len() + 1);
-    for (k, &b) in polygon.iter().enumerate() {
-        let a = polygon[(k + polygon.len() - 1) % polygon.len()];
-        let (of_a, of_b) = (side.distance(a), side.distance(b));
-        if (of_a > 0.0) != (of_b > 0.0) {
-            left.push(a + (b - a) * (of_a / (of_a - of_b)));
-        }
-        if of_b > 0.0 {
-            left.push(b);
-        }
-    }
-    left
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::math::{MaterialId, MeshId};
+    use crate::camera::Projection;
+    use crate::geom::Mesh;
+    use crate::math::{Affine3A, MaterialId, MeshId};
     use crate::scene::{Instance, Transform};
 
     /// A triangle across the view, of that size, in that depth before a camera at the origin.

@@ -5,34 +5,34 @@
 
 use std::path::Path;
 
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::accessor::Accessor;
-use super::animation::{Animation, Pointed};
+use super::animatable::{self, Kind};
+use super::animation::{Animation, Pointed, Property};
 use super::document::Document;
-use super::json::{Fault, Object};
+use super::json::Fault;
 use super::notices::Notices;
 use super::read::Storage;
 use super::resources;
 use crate::formats::{LoadError, LoadOptions, find_by_name_or_number};
 
-/// The lists and objects that may be animated.
-const ROOTS: [&str; 5] = ["cameras", "extensions", "materials", "meshes", "nodes"];
-
-/// The most steps of a pointer: the longest that mean something have nine.
-const MOST_STEPS: usize = 16;
+/// What is said of a pointer that is not followed.
+const NOWHERE: &str = "leads to nothing that can be animated";
 
 /// The document as the chosen animation's pointers have it at the time that `options` ask for;
 /// `binary` is the container's second chunk. Where there is no such animation, or the document is
-/// wrong, it is left as it is, for the reader to say so.
+/// wrong, it is left as it is, for the reader to say so. Pointers that lead to nothing that can be
+/// animated are not followed, which is among `notices`.
 ///
 /// # Errors
-/// Buffers that are missing, curves that are wrong, pointers that lead nowhere.
+/// Buffers that are missing, curves that are wrong.
 pub fn pose(
     mut value: Value,
     binary: Option<&[u8]>,
     path: &Path,
     options: &LoadOptions,
+    notices: &mut Notices,
 ) -> Result<Value, LoadError> {
     let Some(time) = options.time.filter(|_| may_point(&value)) else { return Ok(value) };
     let read = Document::read(&value, None, &mut Notices::default());
@@ -48,18 +48,18 @@ pub fn pose(
     for Pointed { place, pointer, numbers } in
         animation.pointed(f64::from(time), &storage).map_err(in_file)?
     {
-        set(&mut value, pointer, &numbers).map_err(|message| {
-            in_file(Fault::new(place, format!("animates {pointer:?}, which {message}")))
-        })?;
+        if let Err(message) = set(&mut value, pointer, &numbers) {
+            notices.add(place, format!("animates {pointer:?}, which {message}"));
+        }
     }
     Ok(value)
 }
 
-/// Whether the document says that it has such animations.
+/// Whether any animation goes by pointers, whatever extensions the document declares.
 fn may_point(value: &Value) -> bool {
-    let root = Object::new(value, String::new());
-    let used = root.and_then(|root| root.array("extensionsUsed")).unwrap_or_default();
-    used.iter().any(|name| name == "KHR_animation_pointer")
+    let animations = value.get("animations").and_then(Value::as_array);
+    let channels = animations.into_iter().flatten().filter_map(|it| it.get("channels")?.as_array());
+    channels.flatten().any(|it| it.pointer("/target/extensions/KHR_animation_pointer").is_some())
 }
 
 /// What an animation's curves are made of, in memory.
@@ -88,52 +88,65 @@ fn storage<'a>(
     Ok(storage)
 }
 
-/// Sets what a pointer leads to. Objects on the way that are not there are made: all that is left
-/// out has a value.
-fn set(root: &mut Value, pointer: &str, numbers: &[f64]) -> Result<(), &'static str> {
-    const NOWHERE: &str = "leads nowhere";
-    let steps: Vec<String> =
-        pointer.split('/').skip(1).map(|step| step.replace("~1", "/").replace("~0", "~")).collect();
-    let Some((last, way)) = steps.split_last() else { return Err(NOWHERE) };
-    if steps.len() > MOST_STEPS || !ROOTS.contains(&steps[0].as_str()) {
-        return Err("is nothing that is animated");
+/// Sets what a pointer leads to. Properties that are left out have a value and can be set, but
+/// the object that they are of must be there.
+fn set(root: &mut Value, pointer: &str, numbers: &[f64]) -> Result<(), String> {
+    let kind = animatable::kind(pointer).ok_or(NOWHERE)?;
+    let (count, given) = (kind.numbers().unwrap_or(numbers.len()), numbers.len());
+    if given != count {
+        return Err(format!("takes {count} numbers and not {given}"));
     }
-    let mut at = root;
-    for step in way {
-        at = match at {
-            Value::Array(list) => {
-                step.parse().ok().and_then(|i: usize| list.get_mut(i)).ok_or(NOWHERE)?
-            }
-            Value::Object(members) => {
-                members.entry(step.as_str()).or_insert_with(|| Value::Object(Map::new()))
-            }
-            _ => return Err(NOWHERE),
-        };
+    if given == 0 || !numbers.iter().all(|number| number.is_finite()) {
+        return Err("is given no finite value".to_owned());
     }
-    let all: Value = numbers.to_vec().into();
-    let first = all.get(0).cloned().filter(Value::is_number).ok_or("has no finite value")?;
-    match at {
-        Value::Array(list) => {
-            let element = last.parse().ok().and_then(|i: usize| list.get_mut(i)).ok_or(NOWHERE)?;
-            if !element.is_number() {
-                return Err("is no number");
-            }
-            *element = first;
-        }
+    let (way, last) = pointer.rsplit_once('/').ok_or(NOWHERE)?;
+    if kind == Kind::Weight {
+        make_weights(root, way).ok_or(NOWHERE)?;
+    }
+    let parent = root.pointer_mut(way).ok_or(NOWHERE)?;
+    if Property::of_pointer(pointer).is_some() {
+        // The nodes are posed once they are read.
+        return if parent.is_object() { Ok(()) } else { Err(NOWHERE.to_owned()) };
+    }
+    let value = match kind {
+        Kind::Switch => Value::Bool(numbers[0] != 0.0),
+        Kind::Numbers(1) | Kind::Weight => numbers[0].into(),
+        Kind::Numbers(_) | Kind::Turn | Kind::Weights => numbers.to_vec().into(),
+    };
+    match parent {
         Value::Object(members) => {
-            let made = match members.get(last) {
-                Some(Value::Bool(_)) => Value::Bool(numbers[0] != 0.0),
-                None if last == "visible" => Value::Bool(numbers[0] != 0.0),
-                Some(Value::Number(_)) if numbers.len() == 1 => first,
-                None if numbers.len() == 1 && last != "weights" => first,
-                Some(Value::Array(_)) | None => all,
-                _ => return Err("is nothing that is animated"),
-            };
-            members.insert(last.clone(), made);
+            members.insert(last.to_owned(), value);
         }
-        _ => return Err(NOWHERE),
+        Value::Array(list) => {
+            *last.parse().ok().and_then(|at: usize| list.get_mut(at)).ok_or(NOWHERE)? = value;
+        }
+        _ => return Err(NOWHERE.to_owned()),
     }
     Ok(())
+}
+
+/// Gives a mesh the weights that it has where the document leaves them out, all 0, or a node those
+/// of its mesh; `way` leads to them. None if there is nothing to be weighed.
+fn make_weights(root: &mut Value, way: &str) -> Option<()> {
+    let owner = way.strip_suffix("/weights")?;
+    let object = root.pointer(owner)?;
+    if object.get("weights").is_some() {
+        return Some(());
+    }
+    let mesh = match object.get("mesh") {
+        Some(mesh) if owner.starts_with("/nodes/") => {
+            root.get("meshes")?.get(usize::try_from(mesh.as_u64()?).ok()?)?
+        }
+        _ => object,
+    };
+    let weights = if let Some(weights) = mesh.get("weights") {
+        weights.clone()
+    } else {
+        let targets = mesh.pointer("/primitives/0/targets")?.as_array()?;
+        vec![0.0; targets.len()].into()
+    };
+    root.pointer_mut(owner)?.as_object_mut()?.insert("weights".to_owned(), weights);
+    Some(())
 }
 
 #[cfg(test)]
@@ -143,33 +156,70 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_pointed_at_is_set_or_made() {
-        let mut root = json!({"nodes": [{"extensions": {"KHR_node_visibility": {"visible": true}}}],
-            "materials": [{"emissiveFactor": [0, 0, 0]}]});
+    fn what_is_pointed_at_is_set() {
+        let transform = json!({"index": 0, "extensions": {"KHR_texture_transform": {}}});
+        let mut root = json!({
+            "nodes": [{"extensions": {"KHR_node_visibility": {"visible": true}}}, {"mesh": 0}],
+            "meshes": [{"primitives": [{"targets": [{}, {}]}]}],
+            "materials": [{"emissiveFactor": [0, 0, 0], "normalTexture": transform}],
+        });
         let visible = "/nodes/0/extensions/KHR_node_visibility/visible";
+        let offset = "/materials/0/normalTexture/extensions/KHR_texture_transform/offset";
         assert_eq!(set(&mut root, visible, &[0.0]), Ok(()));
         assert_eq!(set(&mut root, "/materials/0/emissiveFactor", &[1.0, 0.5, 0.25]), Ok(()));
         assert_eq!(set(&mut root, "/materials/0/alphaCutoff", &[0.25]), Ok(()));
-        assert_eq!(set(&mut root, "/nodes/0/weights", &[0.75]), Ok(()));
-        assert_eq!(set(&mut root, "/nodes/0/weights/0", &[1.0]), Ok(()));
-        let offset = "/materials/0/normalTexture/extensions/KHR_texture_transform/offset";
+        assert_eq!(set(&mut root, "/meshes/0/weights/1", &[0.75]), Ok(()));
+        assert_eq!(set(&mut root, "/nodes/1/weights/0", &[1.0]), Ok(()));
         assert_eq!(set(&mut root, offset, &[0.5, 0.5]), Ok(()));
         assert_eq!(root.pointer(visible), Some(&json!(false)));
         assert_eq!(root.pointer("/materials/0/emissiveFactor"), Some(&json!([1.0, 0.5, 0.25])));
         assert_eq!(root.pointer("/materials/0/alphaCutoff"), Some(&json!(0.25)));
-        assert_eq!(root.pointer("/nodes/0/weights"), Some(&json!([1.0])));
+        assert_eq!(root.pointer("/meshes/0/weights"), Some(&json!([0.0, 0.75])));
+        assert_eq!(root.pointer("/nodes/1/weights"), Some(&json!([1.0, 0.75])));
         assert_eq!(root.pointer(offset), Some(&json!([0.5, 0.5])));
     }
 
+    /// What is wrong with a document must not be said of what is not in it.
     #[test]
-    fn what_is_no_property_is_refused() {
-        let mut root = json!({"nodes": [{"name": "a", "children": [{}]}], "buffers": [{}]});
-        let long = format!("/nodes/0{}", "/a".repeat(1000));
-        for pointer in ["", "/", "/buffers/0/byteLength", "/nodes/1/scale", "/nodes/0/name", &long]
-        {
-            assert!(set(&mut root, pointer, &[1.0]).is_err(), "{pointer}");
+    fn no_object_is_made() {
+        let before = json!({"nodes": [{"name": "a", "children": [1]}, {"mesh": 0}],
+            "meshes": [{"primitives": [{}]}], "materials": [{}, {"extensions": {}}],
+            "buffers": [{}]});
+        let sheen = "extensions/KHR_materials_sheen/sheenRoughnessFactor";
+        for pointer in [
+            "",
+            "/",
+            "/buffers/0/byteLength",
+            "/nodes/2/scale",
+            "/nodes/0/name",
+            "/nodes/0/children/0",
+            "/nodes/0/extensions/KHR_node_visibility/visible",
+            "/nodes/1/weights/0",
+            "/meshes/0/weights/0",
+            "/materials/0/pbrMetallicRoughness/metallicFactor",
+            &format!("/materials/0/{sheen}"),
+            &format!("/materials/1/{sheen}"),
+            "/extensions/KHR_lights_punctual/lights/0/intensity",
+            &format!("/nodes/0{}", "/a".repeat(1000)),
+        ] {
+            let mut root = before.clone();
+            let numbers = if pointer.ends_with("scale") { &[1.0; 3][..] } else { &[1.0] };
+            assert_eq!(set(&mut root, pointer, numbers), Err(NOWHERE.to_owned()), "{pointer}");
+            assert_eq!(root, before, "{pointer}");
         }
-        assert!(set(&mut root, "/nodes/0/extensions/a", &[]).is_err());
-        assert!(set(&mut root, "/nodes/0/scale", &[f64::NAN]).is_err());
+    }
+
+    #[test]
+    fn as_many_numbers_are_needed_as_a_property_has() {
+        let mut root = json!({"nodes": [{}], "materials": [{}]});
+        for (pointer, numbers, said) in [
+            ("/nodes/0/scale", &[1.0][..], "takes 3 numbers and not 1"),
+            ("/materials/0/emissiveFactor", &[1.0; 4], "takes 3 numbers and not 4"),
+            ("/materials/0/alphaCutoff", &[], "takes 1 numbers and not 0"),
+            ("/materials/0/alphaCutoff", &[f64::NAN], "is given no finite value"),
+            ("/nodes/0/weights", &[], "is given no finite value"),
+        ] {
+            assert_eq!(set(&mut root, pointer, numbers), Err(said.to_owned()), "{pointer}");
+        }
     }
 }

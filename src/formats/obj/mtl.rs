@@ -264,7 +264,7 @@ mod tests {
         assert_eq!(message("newmtl a\nKd -1\n"), "a.mtl:2: a colour is negative");
         assert_eq!(message("newmtl a\nNs\n"), "a.mtl:2: expected 1 numbers, found 0");
         assert_eq!(message("newmtl a\nNs nan\n"), "a.mtl:2: 'nan' is not finite");
-        assert_eq!(message("newmtl a\nmap_Kd -bm\n"), "a.mtl:2: a texture option lacks its value");
+        assert_eq!(message("newmtl a\nbump -bm x a.png\n"), "a.mtl:2: 'x' is not a number");
     }
 
     #[test]
@@ -274,7 +274,20 @@ mod tests {
             "map_Ps", "map_Pc", "map_Pcr", "map_Ka",
         ];
         for keyword in maps {
-            for rest in ["", "  ", " -clamp on", " \"\""] {
+            let rests = [
+                "",
+                "  ",
+                " -clamp on",
+                " -clamp",
+                " -bm",
+                " -bm 1",
+                " -s 1 1 1",
+                " -o 0 0 0",
+                " -s 1 1 -o 0 0",
+                " \"\"",
+                " \"",
+            ];
+            for rest in rests {
                 let (materials, remarks) =
                     parsed(&format!("newmtl a\n{keyword}{rest}\nKd 1\n")).expect("it is no error");
                 assert_eq!(remarks, [format!("{keyword} names no file and is skipped")]);

@@ -45,7 +45,8 @@ const OTHERS: [(&str, usize, bool); 8] = [
 ];
 
 /// Reads what follows the keyword; options may also follow the name. `remark` hears of options that
-/// are not honoured. None where no name is given, as exporters leave it that lost a picture.
+/// are not honoured. None where no name is given, as exporters leave it that lost a picture: then
+/// all numbers are those of options.
 ///
 /// # Errors
 /// What is malformed.
@@ -65,6 +66,7 @@ pub(super) fn parse(
         bump: 1.0,
         channel: None,
     };
+    let mut lacking = None;
     while let Some(word) = rest.peek() {
         if !is_option(word) {
             if !map.name.is_empty() {
@@ -74,33 +76,62 @@ pub(super) fn parse(
             continue;
         }
         rest.next();
-        match word {
-            "-s" => map.scale = rest.vector(map.scale)?,
-            "-o" => map.offset = rest.vector(map.offset)?,
-            "-t" => {
-                rest.vector(Vec2::ZERO)?;
-                remark("texture option -t (turbulence) is not honoured".to_owned());
+        if option(word, &mut rest, &mut map, &mut remark)?.is_none() {
+            lacking = Some(word);
+        }
+    }
+    if map.name.is_empty() {
+        return Ok(None);
+    }
+    if let Some(word) = lacking {
+        remark(format!("texture option {word} lacks its value and is skipped"));
+    }
+    Ok(Some(map))
+}
+
+/// Reads the values of an option. None if the statement ends before them.
+fn option(
+    word: &str,
+    rest: &mut Rest,
+    map: &mut Map,
+    remark: &mut impl FnMut(String),
+) -> Result<Option<()>, String> {
+    match word {
+        "-s" | "-o" | "-t" => {
+            let default = if word == "-s" { map.scale } else { map.offset };
+            let Some(vector) = rest.vector(default)? else { return Ok(None) };
+            match word {
+                "-s" => map.scale = vector,
+                "-o" => map.offset = vector,
+                _ => remark("texture option -t (turbulence) is not honoured".to_owned()),
             }
-            "-bm" => map.bump = rest.number()?,
-            "-clamp" => map.clamp = rest.word()? == "on",
-            "-imfchan" => match rest.word()? {
-                "z" => remark("texture option -imfchan z (depth) is not honoured".to_owned()),
-                word => map.channel = Some(channel(word)?),
-            },
-            other => {
-                let (_, count, matters) =
-                    OTHERS.iter().find(|o| o.0 == other).unwrap_or(&OTHERS[0]);
-                let mut neutral = other == "-mm";
-                for expected in ["0", "1"].iter().take(*count) {
-                    neutral &= rest.word()?.parse::<f32>() == expected.parse::<f32>();
-                }
-                if *matters && !neutral {
-                    remark(format!("texture option {other} is not honoured"));
-                }
+        }
+        "-bm" => {
+            let Some(bump) = rest.number()? else { return Ok(None) };
+            map.bump = bump;
+        }
+        "-clamp" => {
+            let Some(word) = rest.next() else { return Ok(None) };
+            map.clamp = word == "on";
+        }
+        "-imfchan" => match rest.next() {
+            None => return Ok(None),
+            Some("z") => remark("texture option -imfchan z (depth) is not honoured".to_owned()),
+            Some(word) => map.channel = Some(channel(word)?),
+        },
+        other => {
+            let (_, count, matters) = OTHERS.iter().find(|o| o.0 == other).unwrap_or(&OTHERS[0]);
+            let mut neutral = other == "-mm";
+            for expected in ["0", "1"].iter().take(*count) {
+                let Some(word) = rest.next() else { return Ok(None) };
+                neutral &= word.parse::<f32>() == expected.parse::<f32>();
+            }
+            if *matters && !neutral {
+                remark(format!("texture option {other} is not honoured"));
             }
         }
     }
-    Ok((!map.name.is_empty()).then_some(map))
+    Ok(Some(()))
 }
 
 fn is_option(word: &str) -> bool {
@@ -135,37 +166,37 @@ impl<'a> Rest<'a> {
         (!word.is_empty()).then_some(word)
     }
 
-    fn word(&mut self) -> Result<&'a str, String> {
-        self.next().ok_or_else(|| "a texture option lacks its value".to_owned())
-    }
-
-    fn number(&mut self) -> Result<f32, String> {
-        lines::number(self.word()?.as_bytes())
+    /// A number, unless there is nothing more.
+    fn number(&mut self) -> Result<Option<f32>, String> {
+        self.next().map(|word| lines::number(word.as_bytes())).transpose()
     }
 
     /// One to three numbers, of which the third, for solid textures, is dropped; `default` for what
-    /// is left out. The last word is the texture's name even if it is a number.
-    fn vector(&mut self, default: Vec2) -> Result<Vec2, String> {
+    /// is left out. None if there is nothing more.
+    fn vector(&mut self, default: Vec2) -> Result<Option<Vec2>, String> {
         let mut vector = default;
-        vector.x = self.number()?;
+        let Some(first) = self.number()? else { return Ok(None) };
+        vector.x = first;
         for k in 1..3 {
-            let is_last = self.0.split_whitespace().nth(1).is_none();
             let number = self.peek().and_then(|word| lines::number(word.as_bytes()).ok());
-            let Some(number) = number.filter(|_| !is_last) else { break };
+            let Some(number) = number else { break };
             self.next();
             if k == 1 {
                 vector.y = number;
             }
         }
-        Ok(vector)
+        Ok(Some(vector))
     }
 
-    /// In quotes, or up to the next option.
+    /// In quotes, or up to the next option. A quote that is not closed is as if it were not there.
     fn name(&mut self) -> &'a str {
-        let text = self.0.trim_start();
-        if let Some((inside, rest)) = text.strip_prefix('"').and_then(|text| text.split_once('"')) {
-            self.0 = rest;
-            return inside;
+        let mut text = self.0.trim_start();
+        if let Some(opened) = text.strip_prefix('"') {
+            if let Some((inside, rest)) = opened.split_once('"') {
+                self.0 = rest;
+                return inside;
+            }
+            text = opened.trim_start();
         }
         let mut ahead = Rest(text);
         let mut end = text.len();
@@ -215,7 +246,9 @@ mod tests {
         assert_eq!(scale("-s 2 a.png"), Vec2::new(2.0, 1.0));
         assert_eq!(scale("-s 2 3 a.png"), Vec2::new(2.0, 3.0));
         assert_eq!(scale("-s 2 3 4 a.png"), Vec2::new(2.0, 3.0));
-        assert_eq!(name("-s 2 3 4"), "4");
+        assert_eq!(name("-s 2 3 4 5"), "5");
+        assert_eq!(name("-s 2 3 4 -bm 1 5"), "5");
+        assert_eq!(name("1 -s 2 3 4"), "1");
         let (map, _) = map("-o 0.1 -s 2 2 2 -clamp on a.png").unwrap();
         assert_eq!((map.offset, map.clamp), (Vec2::new(0.1, 0.0), true));
     }
@@ -233,14 +266,50 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_said() {
-        assert_eq!(map("-s"), Err("a texture option lacks its value".to_owned()));
         assert_eq!(map("-bm x a.png"), Err("'x' is not a number".to_owned()));
-        assert_eq!(map("-clamp on"), Err("it names no file".to_owned()));
         assert_eq!(map("\"a\" b"), Err("'b' after the texture's name".to_owned()));
         assert_eq!(
             map("-imfchan q a"),
             Err("-imfchan q is none of r, g, b, m, l and z".to_owned())
         );
+    }
+
+    /// What could be a name or an option's number is a number: pictures are rarely called 1.
+    #[test]
+    fn where_all_words_are_of_options_there_is_no_name() {
+        for text in [
+            "",
+            "-s",
+            "-s 1",
+            "-s 1 1 1",
+            "-o 0 0 0",
+            "-t 1 1",
+            "-s 1 1 -o 0 0",
+            "-bm",
+            "-bm 1",
+            "-clamp",
+            "-clamp on",
+            "-imfchan",
+            "-mm 0",
+            "-type",
+            "-boost",
+            "\"",
+            "\"\"",
+            "\" -s 1",
+        ] {
+            assert_eq!(map(text), Err("it names no file".to_owned()), "{text}");
+        }
+    }
+
+    #[test]
+    fn an_option_that_lacks_its_value_is_skipped_and_said() {
+        for option in ["-bm", "-clamp", "-imfchan", "-mm 0", "-s", "-type"] {
+            let (map, said) = map(&format!("a.png {option}")).expect("it is well-formed");
+            let word = option.split(' ').next().expect("it is a word");
+            assert_eq!(said, [format!("texture option {word} lacks its value and is skipped")]);
+            assert_eq!((&*map.name, map.scale, map.bump), ("a.png", Vec2::ONE, 1.0));
+        }
+        assert_eq!(name("\"a b.png -clamp on"), "a b.png");
     }
 
     proptest! {

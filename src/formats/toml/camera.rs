@@ -57,7 +57,7 @@ impl<'d> CameraDeclaration<'d> {
             let focus_distance = self.focus.unwrap_or(distance);
             camera = camera.with_lens(ThinLens { aperture_radius, focus_distance });
         }
-        Ok(NamedCamera { name: self.name.clone(), aspect: None, camera })
+        Ok(NamedCamera { name: self.name.clone(), aspect: None, camera, planes: None })
     }
 }
 

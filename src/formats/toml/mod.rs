@@ -7,7 +7,7 @@
 //!   `--shutter`); `material."name"`.
 //! - `[material."name"]`: changes of materials of that name in all files; `"*"`: of all materials.
 //! - `[[camera]]`: `look-from`, `look-at`, `up`, `fov`, `aperture`, `focus`, `name`.
-//! - `[environment]`: `file` or `color`; `scale`, `rotate`.
+//! - `[environment]`: `file` or `color`; `scale`, `rotate`, `repair`.
 //! - `[sky]`: `turbidity`, `sun-elevation` and `sun-azimuth` or `sun-direction`, `sun-diameter` (0:
 //!   none), `ground-albedo`, `scale`.
 //! - `[sun]`: where it stands as in `[sky]`; `color`, `irradiance`, `diameter`.

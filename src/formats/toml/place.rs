@@ -289,6 +289,8 @@ impl Copier<'_> {
                 DAffine3::from_cols_array(&named.camera.to_world.to_cols_array().map(f64::from));
             let Some(stands) = rigid(&(*to_world * own)) else { continue };
             named.camera.to_world = narrow(&stands);
+            // They would have to be scaled as the scene is.
+            named.planes = None;
             if let Some(motion) = motion.and_then(|motion| motion.camera(number)) {
                 let motion = Arc::new(motion.within(*to_world));
                 let camera = self.scene.cameras.len();

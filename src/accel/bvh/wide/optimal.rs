@@ -1,12 +1,12 @@
 //! From a binary tree to the wide one of the least expected work.
 //!
-//! H. Ylitie, T. Karras and S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
-//! Wide BVHs", 2017, section 3.1. To open the largest child until a node is full, as
-//! [`super::collapse`] does, is right near the root, but leaves nodes of two and three children near
-//! the leaves. Here all ways to choose nodes are weighed, from the leaves up: of each binary node,
-//! what its subtree costs as a forest of at most so many trees. A node costs its area, since all
-//! cost as much to visit. Leaves are taken over as they are, so that they cost the same whatever is
-//! chosen; in the paper they are chosen as well.
+//! H. Ylitie, T. Karras and S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs", 2017, section 3.1. To open the largest child until a node is full, as
+//! [`super::collapse`] does, is right near the root, but leaves nodes of two and three children
+//! near the leaves. Here all ways to choose nodes are weighed, from the leaves up: of each binary
+//! node, what its subtree costs as a forest of at most so many trees. A node costs its area, since
+//! all cost as much to visit. Leaves are taken over as they are, so that they cost the same whatever
+//! is chosen; in the paper they are chosen as well.
 
 use super::collapse::Binary;
 use super::shape::{Child, Shape, Source};
@@ -29,8 +29,8 @@ struct Choice {
     second: u8,
 }
 
-/// The choices for forests of at most one tree more than the index says; that of one tree is how its
-/// root divides its children.
+/// The choices for forests of at most one tree more than the index says; that of one tree is how
+/// its root divides its children.
 type Choices<const W: usize> = [Choice; W];
 
 /// Costs of forests of at most one tree more than the index says.

@@ -2,8 +2,8 @@
 //!
 //! Where the surface area heuristic says how many triangles a leaf has, a fifth of its block is
 //! empty in the mean. So leaves share blocks with others near them, as many as fit. Their boxes and
-//! links stay their own, and links of leaves that share lead to the same block: a ray that comes for
-//! one is offered the triangles of the others as well. That changes no hit, since all that is
+//! links stay their own, and links of leaves that share lead to the same block: a ray that comes
+//! for one is offered the triangles of the others as well. That changes no hit, since all that is
 //! offered is held against the exact test, and the smallest `(t, id)` wins. What is spared is
 //! memory, and with it the time that rays wait for it.
 
@@ -23,8 +23,8 @@ pub struct SharedBlocks {
 }
 
 impl SharedBlocks {
-    /// Puts leaves into blocks of up to `W` triangles, each into the fullest near one that has room.
-    /// `leaves` are first place and number of their triangles in `order`; one that holds what
+    /// Puts leaves into blocks of up to `W` triangles, each into the fullest near one that has
+    /// room. `leaves` are first place and number of their triangles in `order`; one that holds what
     /// `is_alone` shares with none.
     pub fn new<const W: usize>(
         leaves: &[(u32, u32)],
