@@ -103,7 +103,7 @@ fn example() -> Scene {
         }],
         medium: Some(Medium::new(Vec3::ONE, Vec3::splat(0.5), 0.0)),
         environment: Some(Environment::image(1, 1, vec![[1.0; 3]], 1.0, 0.0)),
-        cameras: vec![NamedCamera { name: String::new(), aspect: None, camera }],
+        cameras: vec![NamedCamera { name: String::new(), aspect: None, planes: None, camera }],
         ..Scene::default()
     }
 }
