@@ -157,11 +157,14 @@ fn checkpoints_are_neither_overwritten_nor_mistaken() {
     assert_eq!(code, Some(3), "{said}");
     assert!(said.contains("the last sample: 100000000 and 16"), "{said}");
     // Something else of someone's is not to be removed, nor is that advised.
-    std::fs::write(folder.join("dear.exr"), "dear to someone").expect("written");
-    for words in ["--checkpoint dear.exr", "--checkpoint dear.exr --resume"] {
+    std::fs::write(folder.join("dear.checkpoint"), "dear to someone").expect("written");
+    for words in ["--checkpoint dear.checkpoint", "--checkpoint dear.checkpoint --resume"] {
         let (code, said) = run(folder, &format!("{LONG} -o a.exr {words}"));
         assert_eq!(code, Some(3), "{said}");
-        assert!(said.contains("dear.exr: is no checkpoint") && !said.contains("remove"), "{said}");
+        assert!(
+            said.contains("dear.checkpoint: is no checkpoint") && !said.contains("remove"),
+            "{said}"
+        );
     }
     let mut damaged = saved.clone();
     let middle = damaged.len() / 2;

@@ -191,7 +191,7 @@ fn pointers_to_what_cannot_be_animated_are_named() {
     file.document["extensionsUsed"] = json!(["KHR_animation_pointer"]);
     for (sampler, pointer) in [
         (0, "/materials/0/pbrMetallicRoughness/baseColourFactor"),
-        (0, "/materials/0/extensions/KHR_materials_sheen/sheenRoughnessFactor"),
+        (1, "/materials/0/extensions/KHR_materials_sheen/sheenRoughnessFactor"),
         (1, "/materials/0/alphaMode"),
         (1, "/materials/0/doubleSided"),
         (1, "/nodes/0/foo"),

@@ -79,7 +79,7 @@ pub(super) fn resolve_by(table: &Table, typed: &Typed) -> Result<Request, CliErr
         value.assignment.apply(&mut args);
     }
     pose::pose_first(&mut args, typed)?;
-    if let Some(setting) = table.find_useless(&args, typed) {
+    if let Some(setting) = table.find_useless(&args, &typed.given) {
         return Err(source.blame(setting, explain_useless(setting)));
     }
     require_samples(&args)?;

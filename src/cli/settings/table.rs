@@ -4,14 +4,13 @@ use toml::Table as TomlTable;
 
 use super::args::RenderArgs;
 use super::camera::CAMERA;
-use super::command::Typed;
 use super::image::IMAGE;
 use super::input::INPUT;
 use super::light::LIGHT;
 use super::long::LONG;
 use super::messages::MESSAGES;
 use super::output::OUTPUT;
-use super::setting::Setting;
+use super::setting::{Assignment, Setting};
 use super::speed::SPEED;
 use super::watch::WATCHED;
 
@@ -88,9 +87,13 @@ impl Table {
     }
 
     /// The first setting that is of no use, for it needs another one, which is not set. What is
-    /// recorded nowhere is set if it is among the `typed`.
-    pub fn find_useless(&self, args: &RenderArgs, typed: &Typed) -> Option<&'static Setting> {
-        let is_typed = |name: &str| typed.given.iter().any(|(it, _)| it.name == name);
+    /// recorded nowhere is set if it was `typed`.
+    pub fn find_useless(
+        &self,
+        args: &RenderArgs,
+        typed: &[(&'static Setting, Assignment)],
+    ) -> Option<&'static Setting> {
+        let is_typed = |name: &str| typed.iter().any(|(it, _)| it.name == name);
         let is_set = |it: &Setting| self.is_set(it, args) || is_typed(it.name);
         let is_name_set = |name: &str| self.find(name).is_some_and(is_set);
         self.settings().find(|it| is_set(it) && !Self::has_needed(it, &is_name_set))

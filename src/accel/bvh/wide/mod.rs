@@ -2,8 +2,8 @@
 //!
 //! M. Ernst and G. Greiner, "Multi bounding volume hierarchies", 2008. A node's children are tested
 //! by one stream of vector instructions, and so are a leaf's triangles. A binary tree is built
-//! first and collapsed (`collapse`, `optimal`), or none (`direct`), and its `shape` written into one
-//! `arena`, small leaves side by side (`share`).
+//! first and collapsed (`collapse`, `optimal`), or none (`direct`), and its `shape` written into
+//! one `arena`, small leaves side by side (`share`).
 //! A ray walks by algorithm 2 of the paper, its children ordered by distance, or by the direction's
 //! octant as in the paper (`octants`), and a slice of rays is walked with sixteen of them in flight
 //! (`flight`). There, where any hit will do, they are taken as they come: sorting them costs up to

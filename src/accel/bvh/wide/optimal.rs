@@ -5,8 +5,8 @@
 //! [`super::collapse`] does, is right near the root, but leaves nodes of two and three children
 //! near the leaves. Here all ways to choose nodes are weighed, from the leaves up: of each binary
 //! node, what its subtree costs as a forest of at most so many trees. A node costs its area, since
-//! all cost as much to visit. Leaves are taken over as they are, so that they cost the same whatever
-//! is chosen; in the paper they are chosen as well.
+//! all cost as much to visit. Leaves are taken over as they are, so that they cost the same
+//! whatever is chosen; in the paper they are chosen as well.
 
 use super::collapse::Binary;
 use super::shape::{Child, Shape, Source};

@@ -32,10 +32,10 @@ pub const MBVH16: Variant =
 /// need not be full are worth 20 % in scenes of long thin triangles and nothing in scans. That they
 /// share blocks spares 12 to 18 % of the memory and up to 4 % of the time, and nodes of the least
 /// area in all another 2 to 6 % of the time (slices of random and bounce rays, one thread).
-/// Refinement is worth 20 % in scenes of long thin triangles, for up to a fifth of the build's time.
-/// Spatial splits after that add 10 % in some scenes and take as much in others, for twice the
-/// build's time, and are left to `build=sbvh`. Few triangles are faster without a tree (`Flat`): in
-/// a box of 32, three times.
+/// Refinement is worth 20 % where triangles are long and thin, for up to a fifth of the build's
+/// time. Spatial splits after that add 10 % in some scenes and take as much in others, for twice
+/// the build's time, and are left to `build=sbvh`. Few triangles are faster without a tree
+/// (`Flat`): in a box of 32, three times.
 ///
 /// Beside Embree 4 in its default mode, whose hits may leak where ours may not, on a machine with
 /// AVX-512 (Zen 4, one thread, geometric mean over scans, a kitchen and two robot cells of 69 to
