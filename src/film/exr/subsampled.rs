@@ -219,12 +219,8 @@ mod tests {
         let luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
         assert!((luminance - 0.25).abs() < 1e-4, "{luminance}");
         assert!((r - 0.1875).abs() < 1e-4 && (b - 0.28125).abs() < 1e-4, "{r} {b}");
-        // Some are no numbers.
-        let bits =
-            |colors: &[[f32; 3]]| colors.as_flattened().iter().map(|it| it.to_bits()).collect();
-        let expected: Vec<u32> = bits(&plain);
         for name in ["ok-chroma-piz.exr", "ok-chroma-rle.exr", "ok-chroma-zip.exr"] {
-            assert!(bits(&read(name)) == expected, "{name}");
+            assert!(read(name) == plain, "{name}");
         }
     }
 
