@@ -270,7 +270,7 @@ fn planes_of_cameras_are_kept_or_cut_nothing() {
     for scene in ["a.gltf", "b.toml"] {
         convert(&at(scene), &at("c.glb"));
         let strict = LoadOptions { strict: true, ..LoadOptions::default() };
-        let made = load(&at("c.glb"), &strict).expect("nothing is cut");
+        let made = load(at("c.glb"), &strict).expect("nothing is cut");
         let planes = made.cameras[0].planes.expect("glTF has them");
         if scene == "a.gltf" {
             assert_eq!((planes.near, planes.far), (1e-4, Some(7.5)));

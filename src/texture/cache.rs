@@ -244,7 +244,9 @@ mod tests {
         let cache = TileCache::new(16 << 10);
         let tiles: Vec<Vec<u8>> = (0..64).map(tile).collect();
         let mut packed = Packed::new();
-        tiles.iter().for_each(|tile| packed.push(tile, 32, 1));
+        for tile in &tiles {
+            packed.push(tile, 32, 1);
+        }
         let row = cache.keep(&mut packed);
         assert!(packed.bytes().is_empty());
         let mut found = Vec::new();

@@ -270,7 +270,9 @@ mod tests {
         for size in [1, 2, 3, 4, 6, 8, 12, 16] {
             let tiles = tiles(size);
             let mut packed = Packed::new();
-            tiles.iter().for_each(|tile| packed.push(tile, SIDE as usize * size, size));
+            for tile in &tiles {
+                packed.push(tile, SIDE as usize * size, size);
+            }
             let mut start = 0;
             for (tile, &end) in tiles.iter().zip(packed.ends()) {
                 let kept = &packed.bytes()[start..end as usize];
@@ -290,7 +292,9 @@ mod tests {
     #[test]
     fn what_is_alike_takes_few_bytes() {
         let mut packed = Packed::new();
-        tiles(3).iter().for_each(|tile| packed.push(tile, SIDE as usize * 3, 3));
+        for tile in &tiles(3) {
+            packed.push(tile, SIDE as usize * 3, 3);
+        }
         let heads = BLOCKS * head(3) + BEHIND;
         // Seven steps of five are 35: six bits.
         let ends = [0, TEXELS * 3 * 6 / 8, TEXELS * 3];
