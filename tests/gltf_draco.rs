@@ -3,7 +3,9 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
+use dapple::Picture;
 use dapple::formats::{LoadOptions, gltf};
 use dapple::geom::Mesh;
 use dapple::math::Vec3;
@@ -64,17 +66,45 @@ fn assert_twins(packed: &Mesh, plain: &Mesh) {
     }
 }
 
+/// Packed files and their twins.
+const TWINS: [(&str, &str); 3] = [
+    ("ok-draco-edgebreaker.glb", "ok-draco-edgebreaker-plain.glb"),
+    ("ok-draco-valence.glb", "ok-draco-edgebreaker-plain.glb"),
+    ("ok-draco-sequential.glb", "ok-draco-sequential-plain.glb"),
+];
+
 #[test]
 fn packed_meshes_are_their_plain_twins() {
-    for (packed, plain) in [
-        ("ok-draco-edgebreaker.glb", "ok-draco-edgebreaker-plain.glb"),
-        ("ok-draco-valence.glb", "ok-draco-edgebreaker-plain.glb"),
-        ("ok-draco-sequential.glb", "ok-draco-sequential-plain.glb"),
-    ] {
+    for (packed, plain) in TWINS {
         let (packed, plain) = (scene(packed), scene(plain));
         assert!(packed.notices.is_empty(), "{:?}", packed.notices);
         assert_twins(&packed.meshes[0], &plain.meshes[0]);
     }
+}
+
+/// A file as it is seen.
+fn picture(name: &str) -> Picture {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join(name), corpus(name)).expect("written");
+    let output = Command::new(env!("CARGO_BIN_EXE_dapple"))
+        .args(["render", name, "-o", "out.exr", "--resolution", "96x96", "--spp", "64", "-q"])
+        .args(["--env", "1,1,1", "--light", "file"])
+        .current_dir(folder.path())
+        .output()
+        .expect("the binary runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Picture::read(&folder.path().join("out.exr")).expect("a picture")
+}
+
+#[test]
+fn packed_meshes_look_as_their_plain_twins() {
+    for (packed, plain) in TWINS {
+        let difference = dapple::diff(&picture(packed), &picture(plain)).expect("of one size");
+        assert!(difference.flip < 0.01, "{packed}: {}", difference.flip);
+    }
+    // Two that are no twins are told apart.
+    let [one, other] = [TWINS[0].1, TWINS[2].1].map(picture);
+    assert!(dapple::diff(&one, &other).expect("of one size").flip > 0.1);
 }
 
 /// The skin lifts half of the grid, and the morph, which is not packed, one side of it.

@@ -264,8 +264,8 @@ impl<'w> PathTracer<'w> {
         depth < self.transport.max_depth
     }
 
-    /// Whether a path that ends with its segment number `depth`, at `hit`, does so for its length
-    /// alone, while much of the light that is still to be found would reach the camera.
+    /// Whether a path that ends with its segment number `depth`, at `hit`, does so for its length,
+    /// while much of the light that is still to be found, if there is any, would reach the camera.
     pub fn cuts(&self, depth: u32, path: &Path, hit: &ClosestHit) -> bool {
         let is_long = !self.goes_beyond(path.vertices(depth));
         is_long && hit.is_hit() && path.throughput.max_element() > MUCH

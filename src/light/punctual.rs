@@ -79,7 +79,7 @@ impl Punctual {
             None => 1.0,
         };
         let strength = f64::from(self.cone(-direction)) * window / distance2;
-        let irradiance = (self.intensity.as_dvec3() * strength).as_vec3();
+        let irradiance = (self.intensity.as_dvec3() * strength).as_vec3().min(Vec3::MAX);
         (strength > 0.0).then_some(Illumination {
             direction,
             origin: Some(self.position),

@@ -29,19 +29,22 @@ pub struct Piece {
 }
 
 /// The most pieces between two keys.
-const MOST: f64 = 256.0;
+const MOST: usize = 256;
+/// And so many in all, or one between each two keys.
+const MOST_OF_ALL: usize = 1 << 16;
 
 impl Motion {
     /// Cuts the time into pieces in which nothing within `reach` of the innermost origin moves
     /// further than by `margin`, or as many as are worth it.
     pub fn pieces(&self, reach: f64, margin: f64) -> Vec<Piece> {
         let times = self.times();
+        let most = (MOST_OF_ALL / times.len()).clamp(1, MOST) as f64;
         let mut pieces = Vec::new();
         for pair in times.windows(2) {
             let (from, duration) = (pair[0], pair[1] - pair[0]);
             let way = self.fastest(from, pair[1], reach) * duration;
             let count = (0.5 * way / margin).ceil();
-            let count = if count >= 1.0 { count.min(MOST) } else { 1.0 };
+            let count = if count >= 1.0 { count.min(most) } else { 1.0 };
             let half = 0.5 * duration / count;
             let piece = |i: u32| {
                 let exact = from + half * (2.0 * f64::from(i) + 1.0);

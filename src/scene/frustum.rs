@@ -8,6 +8,9 @@ use crate::math::{Aabb, Affine3A, Vec3};
 /// Beyond this many triangles it is not looked at more closely, and all of a mesh counts as seen.
 const MOST_TRIANGLES: usize = 1 << 26;
 
+/// Beyond so many, boxes are taken for what is in them where depths are asked for.
+const MOST_CUT: usize = 1 << 22;
+
 /// The half of space where `normal . p + offset` is above 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
@@ -95,10 +98,17 @@ pub fn depths(camera: &Camera, aspect: f32, scene: &Scene) -> Option<[f32; 2]> {
             farthest = farthest.max(-point.z);
         }
     };
+    let mut looked_at = 0;
     for instance in &scene.instances {
         let to_camera = from_world * instance.transform.to_world();
         let corners = corners(boxes[instance.mesh.index()]);
-        if is_beyond(&sides, &corners.map(|corner| to_camera.transform_point3(corner))) {
+        let corners = corners.map(|corner| to_camera.transform_point3(corner));
+        if is_beyond(&sides, &corners) {
+            continue;
+        }
+        looked_at += scene.meshes[instance.mesh.index()].indices.len();
+        if looked_at > MOST_CUT {
+            widen(&corners.map(|corner| corner.min(Vec3::new(f32::MAX, f32::MAX, 0.0))));
             continue;
         }
         let mesh = &scene.meshes[instance.mesh.index()];

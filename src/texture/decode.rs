@@ -255,6 +255,8 @@ fn read_into(mut room: Vec<u8>, decoder: impl ImageDecoder) -> Result<Vec<u8>, I
     if room.capacity() < length {
         room = vec![0; length];
     }
+    // Decoders leave out what a damaged file lacks.
+    room.clear();
     room.resize(length, 0);
     decoder.read_image(&mut room)?;
     Ok(room)

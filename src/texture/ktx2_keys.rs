@@ -5,9 +5,10 @@
 const QUOTED: usize = 16;
 
 /// What they ask for that is not honoured: texels that do not begin at the upper left, channels in
-/// another order. A glTF file may have neither (KHR_texture_basisu).
+/// another order. A glTF file may have neither (KHR_texture_basisu). Each key is there once; of
+/// others of its name nothing is said.
 pub fn notes(mut data: &[u8]) -> Vec<String> {
-    let mut notes = Vec::new();
+    let (mut notes, mut known) = (Vec::new(), Vec::new());
     while !data.is_empty() {
         let Some((key, value, rest)) = entry(data) else {
             notes.push("has keys and values that are cut: the last are not read".to_owned());
@@ -20,7 +21,8 @@ pub fn notes(mut data: &[u8]) -> Vec<String> {
             b"KTXswizzle" => (&b"rgba"[..], "channels keep their order"),
             _ => continue,
         };
-        if text != usual {
+        if text != usual && !known.contains(&key) {
+            known.push(key);
             let key = String::from_utf8_lossy(key);
             let text = String::from_utf8_lossy(&text[..text.len().min(QUOTED)]);
             notes.push(format!("its {key} {text:?} is not honoured: {meaning}"));

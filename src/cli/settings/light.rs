@@ -24,7 +24,8 @@ pub static LIGHT: &[Setting] = &[
         example: "7",
         help: "The most segments of a path: 1 sees emitters only, 2 adds direct light",
         details: "Light that needs more is lost: glass within glass turns black. A note says so \
-                  where two bright paths in a thousand are cut; --json counts them as `cut_paths`.",
+                  where two paths in a thousand are cut at the default or more; --json counts them \
+                  as `cut_paths`.",
         read: Reader::Text(|word| {
             assign(whole::<u32>(word, 1..=1 << 16), |args| &mut args.max_depth)
         }),

@@ -14,7 +14,7 @@ pub static LONG: &[Setting] = &[
         name: "samples",
         value: "A..B",
         example: "64..128",
-        help: "Takes only these samples of each pixel, from A, a multiple of 16, to before B",
+        help: "Takes only samples A, a multiple of 16, to B of each pixel, without B itself",
         details: "With --partial, the samples go to a file, and `dapple merge` adds up such files: \
                   the picture has the bytes of one render. B may be beyond --spp: so a finished \
                   picture gets more samples.",

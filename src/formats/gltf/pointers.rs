@@ -20,6 +20,10 @@ use crate::formats::{LoadError, LoadOptions, find_by_name_or_number};
 /// What is said of a pointer that is not followed.
 const NOWHERE: &str = "leads to nothing that can be animated";
 
+/// So many weights are made for nodes that have none of their own: a mesh may have many, and many
+/// nodes may have it.
+const MOST_WEIGHTS: usize = 1 << 20;
+
 /// The document as the chosen animation's pointers have it at the time that `options` ask for;
 /// `binary` is the container's second chunk. Where there is no such animation, or the document is
 /// wrong, it is left as it is, for the reader to say so. Pointers that lead to nothing that can be
@@ -45,10 +49,11 @@ pub fn pose(
     };
     let in_file = |fault: Fault| LoadError::invalid(path, fault.place, fault.message);
     let storage = storage(&document, animation, binary, path)?;
+    let mut room = MOST_WEIGHTS;
     for Pointed { place, pointer, numbers } in
         animation.pointed(f64::from(time), &storage).map_err(in_file)?
     {
-        if let Err(message) = set(&mut value, pointer, &numbers) {
+        if let Err(message) = set(&mut value, pointer, &numbers, &mut room) {
             notices.add(place, format!("animates {pointer:?}, which {message}"));
         }
     }
@@ -89,8 +94,9 @@ fn storage<'a>(
 }
 
 /// Sets what a pointer leads to. Properties that are left out have a value and can be set, but
-/// the object that they are of must be there.
-fn set(root: &mut Value, pointer: &str, numbers: &[f64]) -> Result<(), String> {
+/// the object that they are of must be there. So many weights may be made that are left out as
+/// there is `room` for.
+fn set(root: &mut Value, pointer: &str, numbers: &[f64], room: &mut usize) -> Result<(), String> {
     let kind = animatable::kind(pointer).ok_or(NOWHERE)?;
     let (count, given) = (kind.numbers().unwrap_or(numbers.len()), numbers.len());
     if given != count {
@@ -101,7 +107,7 @@ fn set(root: &mut Value, pointer: &str, numbers: &[f64]) -> Result<(), String> {
     }
     let (way, last) = pointer.rsplit_once('/').ok_or(NOWHERE)?;
     if kind == Kind::Weight {
-        make_weights(root, way).ok_or(NOWHERE)?;
+        make_weights(root, way, room).ok_or(NOWHERE)?;
     }
     let parent = root.pointer_mut(way).ok_or(NOWHERE)?;
     if Property::of_pointer(pointer).is_some() {
@@ -126,8 +132,9 @@ fn set(root: &mut Value, pointer: &str, numbers: &[f64]) -> Result<(), String> {
 }
 
 /// Gives a mesh the weights that it has where the document leaves them out, all 0, or a node those
-/// of its mesh; `way` leads to them. None if there is nothing to be weighed.
-fn make_weights(root: &mut Value, way: &str) -> Option<()> {
+/// of its mesh; `way` leads to them. None if there is nothing to be weighed, or no `room` for so
+/// many weights.
+fn make_weights(root: &mut Value, way: &str, room: &mut usize) -> Option<()> {
     let owner = way.strip_suffix("/weights")?;
     let object = root.pointer(owner)?;
     if object.get("weights").is_some() {
@@ -139,11 +146,12 @@ fn make_weights(root: &mut Value, way: &str) -> Option<()> {
         }
         _ => object,
     };
-    let weights = if let Some(weights) = mesh.get("weights") {
-        weights.clone()
-    } else {
-        let targets = mesh.pointer("/primitives/0/targets")?.as_array()?;
-        vec![0.0; targets.len()].into()
+    let given = mesh.get("weights").and_then(Value::as_array);
+    let targets = || mesh.pointer("/primitives/0/targets")?.as_array();
+    *room = room.checked_sub(given.or_else(targets)?.len())?;
+    let weights = match given {
+        Some(weights) => weights.clone().into(),
+        None => vec![0.0; targets()?.len()].into(),
     };
     root.pointer_mut(owner)?.as_object_mut()?.insert("weights".to_owned(), weights);
     Some(())

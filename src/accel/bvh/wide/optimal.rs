@@ -60,12 +60,15 @@ fn weigh<const W: usize>(
     choices: &mut Choices<W>,
 ) -> Costs<W> {
     let cheapest = |trees: usize| {
-        let mut best = (f64::INFINITY, Choice::default());
-        for of_first in 1..trees {
+        let way = |of_first: usize| {
             let cost = first[of_first - 1] + second[trees - of_first - 1];
-            if cost < best.0 {
-                let (first, second) = (of_first as u8, (trees - of_first) as u8);
-                best = (cost, Choice { first, second });
+            (cost, Choice { first: of_first as u8, second: (trees - of_first) as u8 })
+        };
+        // There is one also where areas are infinite or no numbers, so that none is the less.
+        let mut best = way(1);
+        for other in (2..trees).map(way) {
+            if other.0 < best.0 {
+                best = other;
             }
         }
         best
@@ -158,7 +161,24 @@ mod tests {
 
     #[test]
     fn no_other_choice_has_a_smaller_area() {
-        // A tree of 30 leaves, each inner node's children by a fixed draw.
+        for seed in 0..20 {
+            let nodes = tree_of(13, 1000.0, seed);
+            let (area, leaves) = area_of(&nodes);
+            assert_eq!(leaves, 13);
+            let least = least::<4>(&nodes, 0, 1);
+            assert!((area - least).abs() < 1e-6 * least, "{area} and {least}");
+        }
+    }
+
+    #[test]
+    fn areas_without_bounds_leave_no_node_without_children() {
+        for area in [f32::INFINITY, f32::NAN, 3e38, 0.0] {
+            assert_eq!(area_of(&tree_of(40, area, 1)).1, 40);
+        }
+    }
+
+    /// A tree of so many leaves, each inner node's children by a fixed draw.
+    fn tree_of(leaves: u32, area: f32, seed: u32) -> Vec<BinaryNode> {
         fn grow(nodes: &mut Vec<BinaryNode>, leaves: u32, area: f32, seed: u32) {
             let seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             if leaves == 1 {
@@ -173,27 +193,26 @@ mod tests {
             nodes[at].first = nodes.len() as u32;
             grow(nodes, leaves - left, area * (1.1 - share), seed ^ 0x5bd1_e995);
         }
-        for seed in 0..20 {
-            let mut nodes = Vec::new();
-            grow(&mut nodes, 13, 1000.0, seed);
-            let optimal = Optimal::<4> {
-                choices: choose(&Binary { nodes: nodes.clone() }),
-                binary: Binary { nodes: nodes.clone() },
-            };
-            let (mut open, mut area, mut leaves) = (vec![0], 0.0, 0);
-            while let Some(number) = open.pop() {
-                if nodes[number as usize].is_leaf() {
-                    leaves += 1;
-                    continue;
-                }
-                area += nodes[number as usize].bounds.half_area();
-                let (count, children) = optimal.children(number);
-                assert!((2..=4).contains(&count));
-                open.extend(&children[..count]);
+        let mut nodes = Vec::new();
+        grow(&mut nodes, leaves, area, seed);
+        nodes
+    }
+
+    /// The areas of all nodes of the tree that is chosen, in sum, and how many leaves it has.
+    fn area_of(nodes: &[BinaryNode]) -> (f64, u32) {
+        let binary = || Binary { nodes: nodes.to_vec() };
+        let optimal = Optimal::<4> { choices: choose(&binary()), binary: binary() };
+        let (mut open, mut area, mut leaves) = (vec![0], 0.0, 0);
+        while let Some(number) = open.pop() {
+            if nodes[number as usize].is_leaf() {
+                leaves += 1;
+                continue;
             }
-            assert_eq!(leaves, 13);
-            let least = least::<4>(&nodes, 0, 1);
-            assert!((area - least).abs() < 1e-6 * least, "{area} and {least}");
+            area += nodes[number as usize].bounds.half_area();
+            let (count, children) = optimal.children(number);
+            assert!((2..=4).contains(&count));
+            open.extend(&children[..count]);
         }
+        (area, leaves)
     }
 }

@@ -81,7 +81,7 @@ impl<const W: usize> Filling<W> {
         self.with_room.iter_mut().skip(count).find_map(|blocks| {
             let block = blocks.pop_if(|&mut block| block >= nearest);
             if block.is_none() {
-                // All of them are far.
+                // Most of them are far.
                 blocks.clear();
             }
             block

@@ -30,8 +30,8 @@ pub const MBVH16: Variant =
 /// On an AVX2 machine, by slices of random rays, this is 2.5 to 5 times as fast as `bvh2`. Eight
 /// lanes beat four by 10 to 40 % and sixteen, which are two vectors there, by 30 %. Leaves that
 /// need not be full are worth 20 % in scenes of long thin triangles and nothing in scans. That they
-/// share blocks spares 12 to 18 % of the memory and up to 4 % of the time, and nodes of the least
-/// area in all another 2 to 6 % of the time (slices of random and bounce rays, one thread).
+/// share blocks spares 12 to 18 % of the memory and up to 5 % of the time, and nodes of the least
+/// area in all another 2 to 6 % of both (Zen 4, slices of random and bounce rays, one thread).
 /// Refinement is worth 20 % where triangles are long and thin, for up to a fifth of the build's
 /// time. Spatial splits after that add 10 % in some scenes and take as much in others, for twice
 /// the build's time, and are left to `build=sbvh`. Few triangles are faster without a tree
@@ -109,7 +109,7 @@ const COLLAPSE: OptionSpec = OptionSpec {
 const LEAVES: OptionSpec = OptionSpec {
     name: "leaves",
     summary: "all full but one, as in the paper, or as the surface area heuristic likes them; \
-              shared: those, small ones of a node in one block",
+              shared: those, small ones near each other in one block",
     values: Values::Choice(&["full", "any", "shared"]),
     default: Value::Choice("full"),
 };
