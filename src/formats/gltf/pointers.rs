@@ -163,6 +163,24 @@ mod tests {
 
     use super::*;
 
+    fn set(root: &mut Value, pointer: &str, numbers: &[f64]) -> Result<(), String> {
+        super::set(root, pointer, numbers, &mut 100)
+    }
+
+    #[test]
+    fn no_more_weights_are_made_than_there_is_room_for() {
+        let mesh = json!({"primitives": [{"targets": [{}, {}, {}]}]});
+        let mut root = json!({"meshes": [mesh], "nodes": [{"mesh": 0}, {"mesh": 0}, {"mesh": 0}]});
+        let mut room = 6;
+        let mut set = |node: u32| {
+            super::set(&mut root, &format!("/nodes/{node}/weights/1"), &[0.5], &mut room)
+        };
+        assert_eq!([set(0), set(1), set(0)], [Ok(()), Ok(()), Ok(())]);
+        assert_eq!(set(2), Err(NOWHERE.to_owned()));
+        assert_eq!(root["nodes"][1]["weights"], json!([0.0, 0.5, 0.0]));
+        assert!(root["nodes"][2].get("weights").is_none());
+    }
+
     #[test]
     fn what_is_pointed_at_is_set() {
         let transform = json!({"index": 0, "extensions": {"KHR_texture_transform": {}}});
