@@ -93,7 +93,7 @@ fn picture(name: &str) -> Picture {
         .output()
         .expect("the binary runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Picture::read(&folder.path().join("out.exr")).expect("a picture")
+    Picture::read(folder.path().join("out.exr")).expect("a picture")
 }
 
 #[test]
