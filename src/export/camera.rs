@@ -56,12 +56,9 @@ fn planes(scene: &Scene, named: &NamedCamera) -> ClipPlanes {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::geom::Mesh;
-    use crate::math::{Affine3A, MaterialId, MeshId, Vec3};
-    use crate::scene::{Instance, Transform};
+    use crate::math::{Affine3A, Vec3};
 
     /// A triangle in that depth.
     fn scene(depth: f32) -> Scene {
@@ -71,12 +68,7 @@ mod tests {
             indices: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        let instance = Instance {
-            mesh: MeshId(0),
-            material: MaterialId(0),
-            transform: Transform::new(Affine3A::IDENTITY),
-        };
-        Scene { meshes: vec![Arc::new(mesh)], instances: vec![instance], ..Scene::default() }
+        Scene::of_mesh(mesh)
     }
 
     fn camera(projection: Projection, planes: Option<ClipPlanes>) -> NamedCamera {

@@ -146,11 +146,7 @@ fn cut(side: &Side, polygon: &[Vec3]) -> Vec<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::math::{MaterialId, MeshId};
-    use crate::scene::{Instance, Transform};
 
     /// A floor below the camera that reaches far behind and before it.
     #[test]
@@ -161,13 +157,7 @@ mod tests {
             indices: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        let instance = Instance {
-            mesh: MeshId::from_index(0),
-            material: MaterialId::from_index(0),
-            transform: Transform::new(Affine3A::IDENTITY),
-        };
-        let scene =
-            Scene { meshes: vec![Arc::new(mesh)], instances: vec![instance], ..Scene::default() };
+        let scene = Scene::of_mesh(mesh);
         let right = Projection::Perspective { yfov: std::f32::consts::FRAC_PI_2 };
         let camera = |projection| Camera { projection, to_world: Affine3A::IDENTITY, lens: None };
         let [near, far] = depths(&camera(right), 1.0, &scene).expect("it is seen");

@@ -112,3 +112,15 @@ pub struct Scene {
     /// What else the file holds.
     pub contents: Contents,
 }
+
+#[cfg(test)]
+impl Scene {
+    /// A mesh where it is, of the first material, which is not there.
+    pub(crate) fn of_mesh(mesh: Mesh) -> Self {
+        use super::Transform;
+        use crate::math::{Affine3A, MaterialId, MeshId};
+        let transform = Transform::new(Affine3A::IDENTITY);
+        let instance = Instance { mesh: MeshId(0), material: MaterialId(0), transform };
+        Self { meshes: vec![Arc::new(mesh)], instances: vec![instance], ..Self::default() }
+    }
+}

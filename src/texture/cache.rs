@@ -91,7 +91,8 @@ pub struct TileCache {
 }
 
 impl TileCache {
-    /// An empty one that may hold so many bytes of tiles; threads may hold an eighth more.
+    /// An empty one that may hold so many bytes of tiles; threads may hold an eighth more, as long
+    /// as their tiles are of usual size: those of floats are up to four times as large.
     pub fn new(limit: u64) -> Self {
         let shards = (limit / SHARD_BYTES).clamp(1, 64);
         let threads = rayon::current_num_threads().max(1) as u64;

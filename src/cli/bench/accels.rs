@@ -15,7 +15,7 @@ use crate::generate::Generator;
 ///
 /// On one thread: nearest hits of random rays by slices of 4096, and of a picture by tiles of 64 by
 /// 64 pixels, the median of the rounds. One structure is built and measured after the other: on a
-/// machine that does other things besides, only `bench kd`, `mbvh`, `coherent` and `render`, where
+/// machine that does other things besides, only `bench mbvh`, `coherent` and `render`, where
 /// structures take turns, compare well. Before one is timed, its answers are compared to those of
 /// bvh2.
 ///

@@ -96,7 +96,8 @@ fn require_samples(args: &RenderArgs) -> Result<(), CliError> {
     let parts = format_count(most, "part", "parts");
     Err(CliError::Usage(format!(
         "--part {share}: {spp} samples a pixel make {parts} at most, for they are cut at multiples \
-         of {BLOCK}; ask for fewer parts, or for a --spp of {BLOCK} for each"
+         of {BLOCK}; ask for fewer parts, or for --spp {}",
+        u64::from(share.count) * u64::from(BLOCK)
     )))
 }
 

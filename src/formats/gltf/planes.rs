@@ -47,13 +47,10 @@ impl Planes {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::camera::Projection;
     use crate::geom::Mesh;
-    use crate::math::{Affine3A, MaterialId, MeshId};
-    use crate::scene::{Instance, Transform};
+    use crate::math::Affine3A;
 
     /// A triangle across the view, of that size, in that depth before a camera at the origin.
     fn said(depth: f32, at: [f32; 2], size: f32, projection: Projection) -> Vec<String> {
@@ -64,13 +61,7 @@ mod tests {
             indices: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        let instance = Instance {
-            mesh: MeshId::from_index(0),
-            material: MaterialId::from_index(0),
-            transform: Transform::new(Affine3A::IDENTITY),
-        };
-        let meshes = vec![Arc::new(mesh)];
-        let scene = Scene { meshes, instances: vec![instance], ..Scene::default() };
+        let scene = Scene::of_mesh(mesh);
         let camera = Camera { projection, to_world: Affine3A::IDENTITY, lens: None };
         let planes = Planes { place: "/cameras/0/lens".to_owned(), near: 1.0, far: Some(10.0) };
         let mut notices = Notices::default();

@@ -13,6 +13,34 @@ fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
     encoded(&image.into(), ImageFormat::Png)
 }
 
+/// Writes nothing, as decoders do where a damaged file lacks something.
+struct Lacking;
+
+impl ImageDecoder for Lacking {
+    fn dimensions(&self) -> (u32, u32) {
+        (3, 2)
+    }
+
+    fn color_type(&self) -> ColorType {
+        ColorType::L8
+    }
+
+    fn read_image(self, _: &mut [u8]) -> Result<(), image::ImageError> {
+        Ok(())
+    }
+
+    fn read_image_boxed(self: Box<Self>, _: &mut [u8]) -> Result<(), image::ImageError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn what_an_image_lacks_is_not_taken_from_the_one_before() {
+    for room in [vec![7; 100], vec![7; 2], Vec::new()] {
+        assert_eq!(read_into(room, Lacking).expect("is read"), [0; 6]);
+    }
+}
+
 #[test]
 fn channels_and_bits_are_those_of_the_file() {
     let buffer = |channels: usize| (0..2 * channels as u16).map(|v| v * 1000 + 7).collect();
