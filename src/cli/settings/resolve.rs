@@ -97,7 +97,7 @@ fn require_samples(args: &RenderArgs) -> Result<(), CliError> {
     Err(CliError::Usage(format!(
         "--part {share}: {spp} samples a pixel make {parts} at most, for they are cut at multiples \
          of {BLOCK}; ask for fewer parts, or for --spp {}",
-        u64::from(share.count) * u64::from(BLOCK)
+        share.count.saturating_mul(BLOCK)
     )))
 }
 
