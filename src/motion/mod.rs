@@ -8,16 +8,21 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `track` | a value over time, piece by piece |
+//! | `link` | a transform of a chain |
 //! | `path` | a chain of transforms over time |
+//! | `course` | the same prepared, where one link moves |
 //! | `rigid` | what is left of a transform of something without size |
 //! | `pieces` | how fast that moves at most, and so which boxes hold it |
 
+mod course;
+mod link;
 mod path;
 mod pieces;
 mod rigid;
 mod track;
 
-pub use path::{Link, Motion, MovingParts};
+pub use link::{Link, MovingParts};
+pub use path::Motion;
 pub use pieces::Piece;
 pub use rigid::rigid;
 pub use track::{Track, Value};

@@ -2,48 +2,21 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::DAffine3;
 
-use super::track::Track;
-
-/// A transform made of parts that change.
-#[derive(Clone, Debug)]
-pub struct MovingParts {
-    /// Done last.
-    pub translation: Track<DVec3>,
-    /// Of unit length.
-    pub rotation: Track<DQuat>,
-    /// Done first.
-    pub scale: Track<DVec3>,
-}
-
-impl MovingParts {
-    /// Whether any changes.
-    pub fn moves(&self) -> bool {
-        self.translation.moves() || self.rotation.moves() || self.scale.moves()
-    }
-
-    #[inline]
-    fn at(&self, time: f64) -> DAffine3 {
-        let (scale, rotation) = (self.scale.at(time), self.rotation.at(time));
-        DAffine3::from_scale_rotation_translation(scale, rotation, self.translation.at(time))
-    }
-}
-
-/// A transform of a chain.
-#[derive(Clone, Debug)]
-pub enum Link {
-    /// It stays.
-    Still(DAffine3),
-    /// It changes.
-    Moving(Arc<MovingParts>),
-}
+use super::course::Course;
+use super::link::{Link, MovingParts};
+use super::rigid::{are_rigid, rigid};
 
 /// A chain of transforms, of which at least one changes while the shutter is open.
 #[derive(Clone, Debug)]
 pub struct Motion {
     /// The outermost first.
     links: Vec<Link>,
+    /// The same prepared, if it can be.
+    course: Option<Course>,
+    /// Whether it only turns and moves.
+    is_rigid: bool,
 }
 
 impl Motion {
@@ -57,7 +30,13 @@ impl Motion {
             }
         }
         let moves = |link: &Link| matches!(link, Link::Moving(parts) if parts.moves());
-        links.iter().any(moves).then_some(Self { links })
+        links.iter().any(moves).then(|| Self::of(links))
+    }
+
+    fn of(links: Vec<Link>) -> Self {
+        let course = Course::new(&links, &times(&links));
+        let is_rigid = are_rigid(&links);
+        Self { links, course, is_rigid }
     }
 
     /// The same in a space that stands still in another.
@@ -68,7 +47,7 @@ impl Motion {
             Some(Link::Still(first)) => *first = outer * *first,
             _ => links.insert(0, Link::Still(outer)),
         }
-        Self { links }
+        Self::of(links)
     }
 
     /// The same of what stands still in the moving space.
@@ -79,7 +58,7 @@ impl Motion {
             Some(Link::Still(last)) => *last *= inner,
             _ => links.push(Link::Still(inner)),
         }
-        Self { links }
+        Self::of(links)
     }
 
     /// The same of what moves in the moving space.
@@ -87,7 +66,7 @@ impl Motion {
     pub fn then(&self, inner: Arc<MovingParts>) -> Self {
         let mut links = self.links.clone();
         links.push(Link::Moving(inner));
-        Self { links }
+        Self::of(links)
     }
 
     /// The transforms, the outermost first.
@@ -98,33 +77,47 @@ impl Motion {
     /// The whole transform at a time.
     #[inline]
     pub fn at(&self, time: f64) -> DAffine3 {
-        let at = |link: &Link| match link {
-            Link::Still(transform) => *transform,
-            Link::Moving(parts) => parts.at(time),
-        };
+        if let Some(course) = &self.course {
+            return course.at(time);
+        }
         let [first, rest @ ..] = &self.links[..] else { return DAffine3::IDENTITY };
-        rest.iter().fold(at(first), |outer, link| outer * at(link))
+        rest.iter().fold(first.at(time), |outer, link| outer * link.at(time))
+    }
+
+    /// Where something stands that has no size, at a `time` from 0 to 1; see [`rigid`].
+    #[inline]
+    pub fn rigid_at(&self, time: f32) -> Option<DAffine3> {
+        let to_world = self.at(f64::from(time));
+        if self.is_rigid { Some(to_world) } else { rigid(&to_world) }
     }
 
     /// The times from 0 to 1 at which any track changes its way, with both ends, in order.
     pub fn times(&self) -> Vec<f64> {
-        let mut times = vec![0.0, 1.0];
-        for link in &self.links {
-            if let Link::Moving(parts) = link {
-                times.extend(parts.translation.times());
-                times.extend(parts.rotation.times());
-                times.extend(parts.scale.times());
-            }
-        }
-        times.retain(|time| (0.0..=1.0).contains(time));
-        times.sort_unstable_by(f64::total_cmp);
-        times.dedup();
-        times
+        times(&self.links)
     }
+}
+
+/// See [`Motion::times`].
+fn times(links: &[Link]) -> Vec<f64> {
+    let mut times = vec![0.0, 1.0];
+    for link in links {
+        if let Link::Moving(parts) = link {
+            times.extend(parts.translation.times());
+            times.extend(parts.rotation.times());
+            times.extend(parts.scale.times());
+        }
+    }
+    times.retain(|time| (0.0..=1.0).contains(time));
+    times.sort_unstable_by(f64::total_cmp);
+    times.dedup();
+    times
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::super::Track;
     use super::*;
 
     #[test]

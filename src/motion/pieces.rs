@@ -15,7 +15,8 @@
 //! Within a piece of the duration `h` nothing is further than `v h / 2` from where it is in its
 //! middle: a box for the middle, grown by that, holds it throughout.
 
-use super::path::{Link, Motion};
+use super::link::Link;
+use super::path::Motion;
 
 /// A piece of the time that the shutter is open.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,6 +15,9 @@ pub trait Value: Copy + Debug + PartialEq {
     /// The value at a part of the way.
     fn ahead(self, step: &Self::Step, part: f64) -> Self;
 
+    /// So many times that way.
+    fn times(step: &Self::Step, part: f64) -> Self::Step;
+
     /// How long the way is: by the units of the value, of rotations in radians.
     fn length(step: &Self::Step) -> f64;
 }
@@ -31,6 +34,10 @@ impl Value for DVec3 {
         self + *step * part
     }
 
+    fn times(step: &DVec3, part: f64) -> DVec3 {
+        *step * part
+    }
+
     fn length(step: &DVec3) -> f64 {
         step.length()
     }
@@ -40,9 +47,9 @@ impl Value for DVec3 {
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// Unit, or zero.
-    axis: DVec3,
+    pub axis: DVec3,
     /// Half of the angle, radians.
-    half_angle: f64,
+    pub half_angle: f64,
 }
 
 impl Value for DQuat {
@@ -61,6 +68,10 @@ impl Value for DQuat {
         let (sine, cosine) = libm::sincos(turn.half_angle * part);
         let Turn { axis, .. } = turn;
         self * DQuat::from_xyzw(axis.x * sine, axis.y * sine, axis.z * sine, cosine)
+    }
+
+    fn times(turn: &Turn, part: f64) -> Turn {
+        Turn { half_angle: turn.half_angle * part, ..*turn }
     }
 
     fn length(turn: &Turn) -> f64 {
@@ -130,6 +141,16 @@ impl<T: Value> Track<T> {
     /// Where it changes its way.
     pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.from)
+    }
+
+    /// Within one piece, between two times in it: the value at the first, and the way from there in
+    /// one unit of time.
+    pub fn from_to(&self, from: f64, to: f64) -> (T, T::Step) {
+        let middle = 0.5 * (from + to);
+        let piece = self.piece(middle);
+        // Before the first key it stays.
+        let rate = if middle < piece.from { 0.0 } else { piece.rate };
+        (piece.at(from), T::times(&piece.step, rate))
     }
 
     /// Within one piece, between two times in it: the values there, and how fast it changes.
