@@ -1,22 +1,73 @@
 //! Camera rays in lanes.
 
 use super::{CameraRays, Projection};
-use crate::math::{Affine3A, Vec3};
+use crate::math::Affine3A;
 use crate::sampling::warp;
-use crate::simd::lanes::{Lanes, Vec3f};
+use crate::simd::lanes::{Lanes, MAX_LANES, Rows, Vec3f};
+
+/// Where the camera stands: the columns of its way to the world, and its place there.
+#[derive(Clone, Copy)]
+pub struct Stand<L: Lanes> {
+    axes: [Vec3f<L>; 3],
+    eye: Vec3f<L>,
+}
+
+impl<L: Lanes> Stand<L> {
+    /// The same in all lanes.
+    #[inline(always)]
+    fn still(lanes: L, to_world: &Affine3A) -> Self {
+        let axes = &to_world.matrix3;
+        let axes = [axes.x_axis, axes.y_axis, axes.z_axis].map(
+            #[inline(always)]
+            |axis| Vec3f::of_vector(lanes, axis.into()),
+        );
+        Self { axes, eye: Vec3f::of_vector(lanes, to_world.translation.into()) }
+    }
+
+    /// Vectors turned as the camera is.
+    #[inline(always)]
+    fn turn(&self, v: Vec3f<L>) -> Vec3f<L> {
+        let [x, y, z] = self.axes;
+        x.scale(v.x) + y.scale(v.y) + z.scale(v.z)
+    }
+}
 
 impl CameraRays {
     /// Whether [`CameraRays::ray_in_lanes`] can make its rays.
     #[inline(always)]
     pub fn has_lanes(&self) -> bool {
-        self.camera.projection != Projection::Panorama && self.motion.is_none()
+        self.camera.projection != Projection::Panorama
     }
 
-    /// Origins and directions of the rays of [`CameraRays::ray`], in lanes; of no panorama.
+    /// Where the camera stands at the `times` of the first `count` lanes; where its node has no
+    /// directions at a time, there is no number.
+    #[inline(always)]
+    pub fn stand<L: Lanes>(&self, lanes: L, times: &[f32; MAX_LANES], count: usize) -> Stand<L> {
+        let Some(motion) = &self.motion else { return Stand::still(lanes, &self.camera.to_world) };
+        let mut columns = [Rows::default(); 4];
+        for (lane, &time) in times[..count].iter().enumerate() {
+            let to_world = motion.rigid_at(time).map(|it| it.to_cols_array().map(|x| x as f32));
+            let (vectors, _) = to_world.as_ref().unwrap_or(&[f32::NAN; 12]).as_chunks::<3>();
+            for (rows, [x, y, z]) in columns.iter_mut().zip(vectors) {
+                rows[lane] = [*x, *y, *z, 0.0];
+            }
+        }
+        let [x, y, z, eye] = columns.map(
+            #[inline(always)]
+            |rows| {
+                let [x, y, z, _] = lanes.columns(&rows);
+                Vec3f { x, y, z }
+            },
+        );
+        Stand { axes: [x, y, z], eye }
+    }
+
+    /// Origins and directions of the rays of [`CameraRays::ray_at`], in lanes; of no panorama.
     #[inline(always)]
     pub fn ray_in_lanes<L: Lanes>(
         &self,
         lanes: L,
+        stand: &Stand<L>,
         film: [L::Float; 2],
         lens: [L::Float; 2],
     ) -> (Vec3f<L>, Vec3f<L>) {
@@ -36,20 +87,6 @@ impl CameraRays {
             origin = origin + aside;
             direction = focus - origin;
         }
-        let to_world = &self.camera.to_world;
-        let turn = turn_in_lanes(lanes, to_world, origin);
-        let eye = Vec3::from(to_world.translation);
-        let origin = Vec3f { x: turn.x + eye.x, y: turn.y + eye.y, z: turn.z + eye.z };
-        (origin, turn_in_lanes(lanes, to_world, direction).normalize(lanes))
+        (stand.turn(origin) + stand.eye, stand.turn(direction).normalize(lanes))
     }
-}
-
-/// Vectors turned as a transform turns them.
-#[inline(always)]
-fn turn_in_lanes<L: Lanes>(lanes: L, to_world: &Affine3A, v: Vec3f<L>) -> Vec3f<L> {
-    let axes = &to_world.matrix3;
-    let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
-    Vec3f::of_vector(lanes, x.into()).scale(v.x)
-        + Vec3f::of_vector(lanes, y.into()).scale(v.y)
-        + Vec3f::of_vector(lanes, z.into()).scale(v.z)
 }

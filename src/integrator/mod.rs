@@ -41,7 +41,7 @@ mod shadow_rays;
 mod state;
 mod transit;
 
-pub use dimensions::{LENS_DIMENSION, PIXEL_DIMENSION};
+pub use dimensions::{LENS_DIMENSION, PIXEL_DIMENSION, TIME_DIMENSION};
 pub use interior::Interior;
 pub use lanes::{Vertices, add_environment_in_lanes, shade_in_lanes};
 pub use medium::interior_at;

@@ -133,11 +133,18 @@ impl Path {
         }
     }
 
+    /// The same at a time.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(self, time: f32) -> Self {
+        Self { time, ..self }
+    }
+
     /// The same at the time that its stream tells.
     #[inline(always)]
     #[must_use]
     pub fn at_its_time(self) -> Self {
-        Self { time: self.stream.at(TIME_DIMENSION).next_1d(), ..self }
+        self.at(self.stream.at(TIME_DIMENSION).next_1d())
     }
 
     /// The number of vertices up to the end of segment number `depth`, that one with them: segments

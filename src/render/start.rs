@@ -3,10 +3,10 @@
 use super::settings::{Settings, hash_path};
 use crate::camera::CameraRays;
 use crate::geom::are_usable;
-use crate::integrator::{LENS_DIMENSION, PIXEL_DIMENSION, Path, PathSample};
+use crate::integrator::{LENS_DIMENSION, PIXEL_DIMENSION, Path, PathSample, TIME_DIMENSION};
 use crate::math::{Ray, Vec3};
 use crate::sampling::{SamplerLanes, StreamId};
-use crate::simd::lanes::{Float, Lanes, MAX_LANES, Mask, Rows};
+use crate::simd::lanes::{Float, Lanes, MAX_LANES, Mask, Rows, Uint};
 
 /// The samples of a rectangle of pixels: of each pixel some, one after the other. Slots count from
 /// 0 in that order.
@@ -138,7 +138,15 @@ impl Starts<'_> {
         let (width, height) = self.settings.resolution;
         let film = [(x + 0.5 + dx) / width as f32, (y + 0.5 + dy) / height as f32];
         let u_lens = sampler.pair(lanes, LENS_DIMENSION);
-        let (origin, direction) = self.camera.ray_in_lanes(lanes, film, u_lens);
+        let mut times = [0.0; MAX_LANES];
+        if self.timed {
+            let [time, _] = sampler.pair(lanes, TIME_DIMENSION);
+            let mut bits = [0; MAX_LANES];
+            time.to_bits().store(&mut bits);
+            times = bits.map(f32::from_bits);
+        }
+        let stand = self.camera.stand(lanes, &times, block.len);
+        let (origin, direction) = self.camera.ray_in_lanes(lanes, &stand, film, u_lens);
         let [mut origins, mut directions] = [Rows::default(); 2];
         lanes.rows(origin.columns(x), &mut origins);
         lanes.rows(direction.columns(y), &mut directions);
@@ -154,10 +162,7 @@ impl Starts<'_> {
             started.push(
                 ray,
                 #[inline(always)]
-                || {
-                    let path = Path::new(stream, key, slot);
-                    if self.timed { path.at_its_time() } else { path }
-                },
+                || Path::new(stream, key, slot).at(times[lane]),
             );
         }
         block.len = 0;
