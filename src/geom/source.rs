@@ -121,6 +121,9 @@ pub trait Motions: Send + Sync {
     /// Whether a placement does not stand still, or its mesh does not keep its shape.
     fn is_moving(&self, placement: InstanceId) -> bool;
 
+    /// Whether a placement stays where it is, though its mesh may change its shape.
+    fn stays(&self, placement: InstanceId) -> bool;
+
     /// Whether a mesh does not keep its shape.
     fn is_deforming(&self, mesh: MeshId) -> bool;
 

@@ -166,6 +166,11 @@ impl Motions for Triangles {
         self.scene.moves(placement)
     }
 
+    fn stays(&self, placement: InstanceId) -> bool {
+        let motion = self.scene.motion.as_ref();
+        motion.is_none_or(|motion| motion.placement(placement.index()).is_none())
+    }
+
     fn is_deforming(&self, mesh: MeshId) -> bool {
         self.deformation(mesh).is_some()
     }

@@ -26,7 +26,8 @@
 //! Hierarchies of eight children (`auto`, `mbvh8`) are walked together: one tree of what is
 //! flattened and of parts of placements leads into those of the meshes. In all other rows, and in
 //! these where anything moves, what is flattened has a structure beside the placements, asked
-//! first; slices stay slices there and above, and come ray by ray below. Rows for packets walk
+//! first; in the other rows, slices stay slices there and above, and come ray by ray below. Rows
+//! for packets walk
 //! placements as packets, and meshes with packets of one. Structures that are narrowed to regions
 //! are not, in two levels.
 //!
@@ -36,9 +37,10 @@
 //!
 //! 1. *Above*, the box of a placement holds what [`placement::world_box`] holds, at all times: it
 //!    is the union over pieces of the time of the box in the middle of each, grown by how far
-//!    anything can be from there ([`crate::motion::Motion::pieces`]). Before a ray is taken into
-//!    the mesh's space, the box of the part of the time is asked that holds the ray's
-//!    (`timed_boxes`).
+//!    anything can be from there ([`crate::motion::Motion::pieces`]). Placements also have boxes
+//!    for parts of the time (`timed_boxes`). Hierarchies that are walked together have a tree of
+//!    these for each part, and a ray enters that of its time; the other rows ask the box of the
+//!    ray's time before they take it into the mesh's space.
 //! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
 //!    the placement at the ray's time. What vertices may be off by is looked at for that time;
 //!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.
@@ -51,30 +53,36 @@
 //! | file | what is in it |
 //! |---|---|
 //! | [`placement`] | a mesh where it is placed: its box, a ray in its space, errors |
-//! | `levels` | how a scene is divided |
+//! | `division` | which placements are kept apart |
+//! | `levels` | a scene as it is divided, and the ways into placements |
 //! | `sources` | what the structures are built over |
 //! | `spans` | the structures of meshes, by pieces of the time |
 //! | `timed_boxes` | the boxes of what moves, by parts of the time |
-//! | `mesh_trees` | the trees of all meshes in one piece of memory |
+//! | `outline` | which rays are asked about where anything moves |
+//! | `trees` | some trees in one piece of memory |
 //! | `parts` | placements opened |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
 //! | `wide_levels` | hierarchies of eight children on both levels |
 //! | `wide` | the walk through them, in flight |
+//! | `moving` | the same, of what moves |
 
+mod division;
 mod levels;
-mod mesh_trees;
+mod moving;
+mod outline;
 mod parts;
 pub mod placement;
 mod sources;
 mod spans;
 mod timed_boxes;
+mod trees;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod two_level;
 mod verdict;
 mod wide;
 mod wide_levels;
 
-pub use levels::find_uses;
+pub use division::find_uses;
 pub use sources::Placed;
 pub use two_level::TwoLevel;

@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::levels::{Levels, Way};
-use super::mesh_trees::MeshTrees;
+use super::trees::Trees;
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::geom::own_box;
@@ -42,20 +42,21 @@ pub struct Part {
     pub slack: f32,
 }
 
-/// The parts of all placements that are kept apart, each with its box in the world; `None` if it
-/// would take too long to look at all triangles.
-pub fn open(levels: &Levels, trees: &MeshTrees) -> Option<Vec<(Part, Aabb)>> {
-    let count = levels.placements.len();
+/// The parts of all placements that are kept apart and stand still, each with its box in the world;
+/// `None` if it would take too long to look at all triangles.
+pub fn open(levels: &Levels, trees: &Trees) -> Option<Vec<(Part, Aabb)>> {
+    let count = levels.still;
     if count > MOST_OPENED || !levels.are_few_triangles() {
         return None;
     }
-    let boxes = levels.boxes();
+    let boxes = levels.boxes_of_still();
     let area = |number| boxes.world_box(PrimId::from_index(number)).half_area();
     let large = (0..count).map(area).sum::<f64>() / count as f64 * LARGE;
     let open_one = |number| {
         let way = levels.way(number);
-        let mesh = way.mesh.index();
-        let (Some(apart), Some(root)) = (&levels.meshes[mesh], trees.root(mesh)) else {
+        let structure = levels.spans.of_mesh(way.mesh).start;
+        let (Some(apart), Some(root)) = (&levels.meshes[way.mesh.index()], trees.root(structure))
+        else {
             return Vec::new();
         };
         let (stripes, slack) = (trees.stripes(), apart.slack);

@@ -21,7 +21,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::geom::{Motions, Placements};
-use crate::math::{Aabb, Affine3A, InstanceId, MeshId, Ray, Vec3};
+use crate::math::{Aabb, Affine3A, InstanceId, MeshId, Ray};
 use crate::motion::Piece;
 
 /// 2^-20: bounds the relative errors of hits' distances, and with room to spare those of vertices
@@ -70,7 +70,7 @@ impl Shape {
     }
 
     /// Of all that a box holds.
-    fn of_box(bounds: &Aabb) -> Self {
+    pub fn of_box(bounds: &Aabb) -> Self {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let (centre, half) = ((min + max) * 0.5, (max - min) * 0.5);
         let radius = half.length() * (1.0 + ROUNDING);
@@ -85,28 +85,29 @@ impl Shape {
     }
 
     /// The boxes in the world of what a moving placement comes to hold, each with from when to when
-    /// it does; see [`world_box`].
+    /// it does; by the shapes that its mesh has over time. See [`world_box`].
     pub fn boxes_over_time(
         &self,
         motions: &dyn Motions,
         placement: InstanceId,
+        poses: &[([f64; 2], Self)],
     ) -> Vec<([f64; 2], Aabb)> {
-        let of_piece = |Piece { span, middle, margin }: Piece| {
-            let held = world_box(self, &motions.to_world_at(placement, middle));
-            let (min, max) = (held.min.as_dvec3() - margin, held.max.as_dvec3() + margin);
-            // Rounded outwards.
-            let down = |x: f64| (x - x.abs() * ROUNDING) as f32;
-            let up = |x: f64| (x + x.abs() * ROUNDING) as f32;
-            let min = Vec3::new(down(min.x), down(min.y), down(min.z));
-            let max = Vec3::new(up(max.x), up(max.y), up(max.z));
-            (span, Aabb { min, max })
-        };
-        self.pieces(motions, placement).into_iter().map(of_piece).collect()
+        let mut boxes = Vec::new();
+        for Piece { span: [from, to], middle, margin } in self.pieces(motions, placement) {
+            let to_world = motions.to_world_at(placement, middle);
+            for ([first, last], shape) in poses {
+                let span = [from.max(*first), to.min(*last)];
+                if span[0] <= span[1] {
+                    boxes.push((span, grow(&world_box(shape, &to_world), margin)));
+                }
+            }
+        }
+        boxes
     }
 
     /// What holds all of these.
     pub fn box_over_time(&self, motions: &dyn Motions, placement: InstanceId) -> Aabb {
-        let boxes = self.boxes_over_time(motions, placement);
+        let boxes = self.boxes_over_time(motions, placement, &[([0.0, 1.0], *self)]);
         boxes.into_iter().map(|(_, held)| held).fold(Aabb::EMPTY, Aabb::union)
     }
 
@@ -127,6 +128,13 @@ impl Shape {
     }
 }
 
+/// A box with a margin around it, rounded outwards.
+fn grow(held: &Aabb, margin: f64) -> Aabb {
+    let (min, max) = (held.min.as_dvec3() - margin, held.max.as_dvec3() + margin);
+    let room = |end: DVec3| end.abs() * ROUNDING;
+    Aabb { min: (min - room(min)).as_vec3(), max: (max + room(max)).as_vec3() }
+}
+
 /// The box in the world of what a placement holds: of the own boxes of its triangles.
 pub fn world_box(shape: &Shape, to_world: &Affine3A) -> Aabb {
     let (matrix, translation) = widen(to_world);
@@ -144,16 +152,7 @@ pub fn world_box(shape: &Shape, to_world: &Affine3A) -> Aabb {
 /// How far off the vertices of a placement may be in its mesh's space, or `None` if that is too
 /// much for a structure of its own: it is singular, or far from the world's origin for its size.
 pub fn error_inside(shape: &Shape, to_world: &Affine3A) -> Option<f32> {
-    let (matrix, translation) = widen(to_world);
-    let inverse = matrix.inverse();
-    if !inverse.is_finite() || shape.size() <= 0.0 {
-        return None;
-    }
-    let turned = magnitudes(&matrix) * shape.reach;
-    let sum = turned + translation.abs();
-    let rounded = (turned * 4.0 + sum * 1.0625) * HALF_ULP + TINY;
-    let off = (magnitudes(&inverse) * rounded).max_element();
-    (shape.slack(off as f32) <= (MOST_SLACK * shape.size()) as f32).then_some(off as f32)
+    ToMesh::new(to_world).error(shape, to_world)
 }
 
 /// A ray in the space of a mesh.
@@ -188,6 +187,20 @@ impl ToMesh {
     pub fn new(to_world: &Affine3A) -> Self {
         let (matrix, translation) = widen(to_world);
         Self { inverse: matrix.inverse(), translation }
+    }
+
+    /// See [`error_inside`], of the placement at `to_world` that this is the way into.
+    #[inline]
+    pub fn error(&self, shape: &Shape, to_world: &Affine3A) -> Option<f32> {
+        if !self.inverse.is_finite() || shape.size() <= 0.0 {
+            return None;
+        }
+        let (matrix, translation) = widen(to_world);
+        let turned = magnitudes(&matrix) * shape.reach;
+        let sum = turned + translation.abs();
+        let rounded = (turned * 4.0 + sum * 1.0625) * HALF_ULP + TINY;
+        let off = (magnitudes(&self.inverse) * rounded).max_element();
+        (shape.slack(off as f32) <= (MOST_SLACK * shape.size()) as f32).then_some(off as f32)
     }
 
     /// Takes a ray into the space of a mesh whose box, grown, is `bounds`; hits beyond `t_max` do

@@ -5,6 +5,8 @@
 //! most of them. Over a piece in which triangles go no further than they are large, a ray meets
 //! few more than of a mesh that stands still.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::geom::{Motions, Placements};
@@ -44,6 +46,12 @@ impl Spans {
     /// How many structures there are.
     pub fn len(&self) -> usize {
         self.first[self.first.len() - 1] as usize
+    }
+
+    /// The structures of a mesh, in the order of time.
+    #[inline(always)]
+    pub fn of_mesh(&self, mesh: MeshId) -> Range<usize> {
+        self.first[mesh.index()] as usize..self.first[mesh.index() + 1] as usize
     }
 
     /// The structure for a mesh at a time from 0 to 1.

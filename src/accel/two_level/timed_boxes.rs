@@ -7,8 +7,9 @@
 use rayon::prelude::*;
 
 use super::placement::Shape;
-use crate::geom::Placements;
-use crate::math::{Aabb, InstanceId};
+use super::spans::Spans;
+use crate::geom::{Motions, Placements};
+use crate::math::{Aabb, InstanceId, MeshId};
 
 /// The most boxes of a placement.
 const MOST: usize = 256;
@@ -17,54 +18,112 @@ const MOST_OF_ALL: usize = 1 << 19;
 /// Times of pieces are rounded by less than this.
 const ROUNDING: f64 = 1e-9;
 
-/// The boxes, by placement and then by time.
-#[derive(Default)]
+/// The boxes of all that moves, by placement and then by time.
 pub struct TimedBoxes {
     /// Of each placement the number of its first box, and last how many there are.
     first: Vec<u32>,
     boxes: Vec<Aabb>,
+    /// The most that any placement has, 2^n; 1 where none has any.
+    parts: usize,
 }
 
 impl TimedBoxes {
-    /// Those of placements of meshes that have `shapes`; of what stands still there are none.
+    /// Those of `moving` placements of meshes that have `shapes`, and structures over `spans`.
     pub fn new(
         placements: &dyn Placements,
-        apart: &[InstanceId],
+        moving: &[InstanceId],
         shapes: &[Option<Shape>],
+        spans: &Spans,
     ) -> Self {
-        let Some(motions) = placements.motions() else { return Self::default() };
-        let moving = apart.iter().filter(|&&placement| motions.is_moving(placement)).count();
-        let most = (MOST_OF_ALL / moving.max(1)).min(MOST);
-        let find = |&placement: &InstanceId| {
-            let shape = shapes[placements.mesh(placement).index()].as_ref();
-            match shape.filter(|_| motions.is_moving(placement)) {
-                Some(shape) => divide(&shape.boxes_over_time(motions, placement), most),
+        let Some(motions) = placements.motions() else { return Self::of_parts(&[]) };
+        let most = (MOST_OF_ALL / moving.len().max(1)).min(MOST);
+        let poses: Vec<Vec<Pose>> = (0..shapes.len())
+            .into_par_iter()
+            .map(|mesh| match &shapes[mesh] {
+                Some(shape) => {
+                    find_poses(placements, motions, MeshId::from_index(mesh), (shape, spans))
+                }
                 None => Vec::new(),
-            }
+            })
+            .collect();
+        let find = |&placement: &InstanceId| {
+            let mesh = placements.mesh(placement).index();
+            let shape = shapes[mesh].as_ref().expect("its mesh is kept apart");
+            divide(&shape.boxes_over_time(motions, placement, &poses[mesh]), most)
         };
-        let found: Vec<Vec<Aabb>> = apart.par_iter().map(find).collect();
+        Self::of_parts(&moving.par_iter().map(find).collect::<Vec<_>>())
+    }
+
+    fn of_parts(found: &[Vec<Aabb>]) -> Self {
         let mut first = vec![0];
         first.extend(found.iter().scan(0, |sum, boxes| {
             *sum += boxes.len() as u32;
             Some(*sum)
         }));
-        Self { first, boxes: found.concat() }
+        let parts = found.iter().map(Vec::len).max().unwrap_or(0).max(1);
+        Self { first, boxes: found.concat(), parts }
+    }
+
+    /// Into how many equal parts the time is cut.
+    pub fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// The part that a time from 0 to 1 lies in.
+    #[inline(always)]
+    pub fn part(&self, time: f32) -> usize {
+        part_of(time, self.parts)
+    }
+
+    /// What holds a placement over a part of the time; `ever` holds it over all of it.
+    pub fn over<'a>(&'a self, moving: usize, part: usize, ever: &'a Aabb) -> &'a Aabb {
+        let middle = (part as f32 + 0.5) / self.parts as f32;
+        self.at(moving, middle).unwrap_or(ever)
     }
 
     /// What holds a placement at a time from 0 to 1, if that is known better than for all times.
     #[inline]
-    pub fn at(&self, placement: usize, time: f32) -> Option<&Aabb> {
-        let [first, end] = *self.first.get(placement..placement + 2)? else { return None };
-        let count = end - first;
-        // Exact, since there are 2^n of them.
-        let part = ((time * count as f32) as u32).min(count.checked_sub(1)?);
-        self.boxes.get((first + part) as usize)
+    pub fn at(&self, moving: usize, time: f32) -> Option<&Aabb> {
+        let [first, end] = *self.first.get(moving..moving + 2)? else { return None };
+        if first == end {
+            return None;
+        }
+        self.boxes.get(first as usize + part_of(time, (end - first) as usize))
     }
 
     /// Bytes of all.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.first) + size_of_val(&*self.boxes)
     }
+}
+
+/// Which of `count` equal parts a time from 0 to 1 lies in: exact, since there are 2^n of them.
+#[inline(always)]
+fn part_of(time: f32, count: usize) -> usize {
+    ((time * count as f32) as usize).min(count - 1)
+}
+
+/// A part of the time, and what all placements of a mesh have in common over it.
+type Pose = ([f64; 2], Shape);
+
+/// The shapes of a mesh over time: one, or one for each of its structures.
+fn find_poses(
+    placements: &dyn Placements,
+    motions: &dyn Motions,
+    mesh: MeshId,
+    (shape, spans): (&Shape, &Spans),
+) -> Vec<Pose> {
+    if !motions.is_deforming(mesh) {
+        return vec![([0.0, 1.0], *shape)];
+    }
+    let triangles = placements.mesh_len(mesh) as u32;
+    let pose = |structure| {
+        let (_, span) = spans.locate(structure);
+        let boxes = (0..triangles).map(|triangle| motions.own_box_over(mesh, triangle, span));
+        let bounds = boxes.fold(Aabb::EMPTY, Aabb::union);
+        (span.map(f64::from), Shape::of_box(&bounds))
+    };
+    spans.of_mesh(mesh).map(pose).collect()
 }
 
 /// The boxes of 2^n equal parts of the time, no more than `most`, by those of pieces of it; none if
@@ -101,7 +160,10 @@ mod tests {
         assert_eq!(highest, [1.0, 10.0, 10.0, 10.0]);
         assert_eq!(divide(&pieces, 3).len(), 2);
         assert!(divide(&pieces, 1).is_empty() && divide(&pieces[..1], 256).is_empty());
-        let timed = TimedBoxes { first: vec![0, 0, 4], boxes };
+        let timed = TimedBoxes::of_parts(&[Vec::new(), boxes]);
+        assert_eq!((timed.parts(), timed.part(0.49), timed.part(1.0)), (4, 1, 3));
+        assert_eq!(timed.over(1, 2, &at(-7.0)).min.x, 5.0);
+        assert_eq!(timed.over(0, 2, &at(-7.0)).min.x, -7.0);
         assert_eq!(timed.at(0, 0.5), None);
         assert_eq!(timed.at(1, 0.2).map(|held| held.max.x), Some(1.0));
         assert_eq!(timed.at(1, 1.0).map(|held| held.min.x), Some(9.0));

@@ -3,23 +3,25 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
 use super::levels::Levels;
-use super::sources::Placed;
+use super::outline::Outline;
+use super::sources::{FlatTriangles, Placed};
 use super::verdict::Above;
 use super::wide_levels::WideLevels;
 use crate::accel::bvh::wide::build_auto_tree;
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::accel::located::Located;
 use crate::accel::{
-    Accel, AnyHit, Batch, BuildError, BuildInput, BuildReport, ClosestHit, Counts, MemoryReport,
-    Options, Phases, Steps, Tracer, Variant,
+    Accel, AnyHit, Batch, BuildError, BuildInput, BuildReport, ClosestHit, Counts, HitFilter,
+    MemoryReport, Options, Phases, Steps, Tracer, Variant,
 };
 use crate::files::Meter;
 use crate::geom::{SlabRay, TriangleSource};
-use crate::math::{Aabb, Ray};
+use crate::math::Ray;
+use crate::simd::vectorized;
 
 /// A row of the table with its options.
 pub type Row<'a> = (&'static Variant, &'a Options);
@@ -30,9 +32,9 @@ pub struct TwoLevel {
     flat: Option<Located>,
     /// `None` without placements that are kept apart.
     above: Option<Box<dyn Accel>>,
-    /// What holds all of these, if that is known.
-    bounds: Option<Aabb>,
-    /// Of each mesh, or of a piece of its time.
+    /// What holds all of these, if anything moves.
+    outline: Option<Outline>,
+    /// Of each mesh, or of a piece of its time; nothing if those are a part of `above`.
     below: Vec<Option<Box<dyn Accel>>>,
     level: Level,
     report: BuildReport,
@@ -50,18 +52,16 @@ impl TwoLevel {
         let levels = Arc::new(Levels::new(placed, copies, &mut phases));
         Steps::expect(meter, levels.count_primitives());
         let is_split = !levels.placements.is_empty();
-        let is_same = below.0.id == above.0.id && !levels.are_moving();
-        let eight = if is_same { eight_children(below.0.id) } else { None };
-        if let Some(eight) = eight.filter(|_| is_split) {
-            let tree = |source: Arc<dyn TriangleSource>| {
-                let steps = &Steps::new(meter, source.len());
-                eight(&BuildInput { source, options: below.1, level, steps })
-            };
-            let below = build_meshes(&levels, tree)?;
-            if let Some(wide) = WideLevels::build(&levels, below, tree, phases.clone())? {
-                return Ok(Box::new(wide));
-            }
-        }
+        let wide = match eight_children(below.0.id).filter(|_| is_split && below.0.id == above.0.id)
+        {
+            Some(eight) => build_together(&levels, below.1, eight, (level, meter, &mut phases))?,
+            None => None,
+        };
+        let wide = match wide {
+            // All is in it.
+            Some(wide) if !levels.are_moving() => return Ok(Box::new(wide)),
+            wide => wide.map(|wide| Box::new(wide) as Box<dyn Accel>),
+        };
         let row = |row| move |source| build_row(row, source, (level, meter));
         let flat = (!levels.flat.is_empty()).then(|| {
             let source: Arc<dyn TriangleSource> = Arc::new(levels.flat.clone());
@@ -71,12 +71,18 @@ impl TwoLevel {
         });
         let flat = flat.transpose()?;
         phases.end("flat meshes");
-        let below = if is_split { build_meshes(&levels, row(below))? } else { Vec::new() };
-        phases.end("meshes");
-        let above = is_split.then(|| row(above)(Arc::new(levels.boxes()))).transpose()?;
+        let (above, below) = match wide {
+            Some(wide) => (Some(wide), Vec::new()),
+            None if is_split => {
+                let below = build_meshes(&levels, row(below))?;
+                phases.end("meshes");
+                (Some(row(above)(Arc::new(levels.boxes()))?), below)
+            }
+            None => (None, Vec::new()),
+        };
         phases.end("tree of placements");
-        let (bounds, report) = (levels.bounds(), BuildReport::default());
-        let mut two_level = Self { levels, flat, above, bounds, below, level, report };
+        let (outline, report) = (levels.outline(), BuildReport::default());
+        let mut two_level = Self { levels, flat, above, outline, below, level, report };
         two_level.report = two_level.sum_up(phases);
         Ok(Box::new(two_level))
     }
@@ -109,6 +115,7 @@ impl TwoLevel {
             below: RefCell::new((0..self.below.len()).map(|_| None).collect()),
             rays: Vec::new(),
             numbers: Vec::new(),
+            times: Vec::new(),
             hits: Vec::new(),
         }
     }
@@ -121,6 +128,27 @@ fn build_row(
 ) -> Result<Box<dyn Accel>, BuildError> {
     let steps = &Steps::new(meter, source.len());
     (variant.build)(&BuildInput { source, options, level, steps })
+}
+
+/// Hierarchies of eight children that are walked together, of all or, where anything moves, of what
+/// is kept apart; `None` if they can't be.
+fn build_together(
+    levels: &Arc<Levels>,
+    options: &Options,
+    eight: BuildEight,
+    (level, meter, phases): (Level, &Meter, &mut Phases),
+) -> Result<Option<WideLevels>, BuildError> {
+    let tree = |source: Arc<dyn TriangleSource>| {
+        let steps = &Steps::new(meter, source.len());
+        eight(&BuildInput { source, options, level, steps })
+    };
+    let flat = if levels.are_moving() {
+        FlatTriangles::new(levels.placed.clone(), Vec::new())
+    } else {
+        levels.flat.clone()
+    };
+    let below = build_meshes(levels, tree)?;
+    WideLevels::build(levels, flat, below, tree, phases)
 }
 
 /// The structures of all meshes that are kept apart, as [`Levels::spans`] numbers them, built side
@@ -184,33 +212,57 @@ struct LevelsTracer<'a> {
     rays: Vec<Ray>,
     /// Their numbers in the batch.
     numbers: Vec<u32>,
+    /// Their times.
+    times: Vec<f32>,
     hits: Vec<ClosestHit>,
 }
 
 impl<'a> LevelsTracer<'a> {
     /// Chooses the rays that may meet what is placed, each up to where that would count.
     fn choose(&mut self, batch: &Batch<'_>, up_to: impl Fn(usize) -> Option<f32>) {
-        let Self { two_level, rays, numbers, .. } = self;
+        vectorized!(self.two_level.level, simd => self.choose_by(simd, batch, up_to));
+    }
+
+    #[inline(always)]
+    fn choose_by<S: Simd>(
+        &mut self,
+        simd: S,
+        batch: &Batch<'_>,
+        up_to: impl Fn(usize) -> Option<f32>,
+    ) {
+        let Self { two_level, rays, numbers, times, .. } = self;
+        let (parts, outline) = (&two_level.levels.timed_boxes, &two_level.outline);
         rays.clear();
         numbers.clear();
+        times.clear();
         for (number, ray) in batch.rays().iter().enumerate() {
-            let Some(ray) = up_to(number).map(|t| ray.up_to(t)) else { continue };
-            let meets = two_level.bounds.is_none_or(|bounds| {
-                let (enter, exit) = SlabRay::new(&ray).interval(&bounds);
-                enter.max(ray.t_min()) <= exit.min(ray.t_max())
+            let Some(t_max) = up_to(number) else { continue };
+            let time = batch.times().map_or(0.0, |times| times[number]);
+            let meets = outline.as_ref().is_none_or(|outline| {
+                let ray = (&SlabRay::new(ray), ray.t_min());
+                outline.may_meet(simd, parts.part(time), ray, t_max)
             });
             if meets {
-                rays.push(ray);
+                rays.push(ray.up_to(t_max));
                 numbers.push(number as u32);
+                times.push(time);
             }
         }
     }
 
     /// Has the upper structure asked about `self.rays`.
     fn ask(&mut self, batch: &Batch<'_>, ask: impl FnOnce(&mut dyn Tracer, &Batch<'_>)) {
-        let Self { two_level, make, above, below, rays, numbers, .. } = self;
+        let Self { two_level, make, above, below, rays, numbers, times, .. } = self;
         let Some(tracer) = above else { return };
         let two_level: &'a TwoLevel = two_level;
+        // The hints are about all rays.
+        let is_whole = rays.len() == batch.rays().len();
+        let chosen = if is_whole { batch.with_rays(rays) } else { Batch::new(rays) };
+        if two_level.below.is_empty() {
+            let filter = batch.filter().map(|filter| ChosenFilter { filter, numbers });
+            let filter = filter.as_ref().map(|filter| filter as &dyn HitFilter);
+            return ask(&mut **tracer, &chosen.with_filter(filter).with_times(Some(times)));
+        }
         let make =
             |mesh: usize| make(two_level.below[mesh].as_deref().expect("its mesh is kept apart"));
         let verdict = Above {
@@ -222,10 +274,20 @@ impl<'a> LevelsTracer<'a> {
             filter: batch.filter(),
             times: batch.times(),
         };
-        // The hints are about all rays.
-        let is_whole = rays.len() == batch.rays().len();
-        let chosen = if is_whole { batch.with_rays(rays) } else { Batch::new(rays) };
         ask(&mut **tracer, &chosen.with_filter(None).with_verdict(&verdict));
+    }
+}
+
+/// The filter of a batch, for some of its rays.
+struct ChosenFilter<'a> {
+    filter: &'a dyn HitFilter,
+    /// Their numbers in the batch.
+    numbers: &'a [u32],
+}
+
+impl HitFilter for ChosenFilter<'_> {
+    fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
+        self.filter.accepts(self.numbers[ray] as usize, hit)
     }
 }
 

@@ -22,13 +22,20 @@ pub struct Inside {
     shift: f64,
     /// How far off vertices may be in the mesh's space.
     pub slack: f32,
+    /// Whether the placement, or its mesh, does not stand still.
+    pub moves: bool,
 }
 
 impl Inside {
     /// A ray that has entered a placement at `shift`, of a mesh whose boxes are grown by `slack`.
     #[inline(always)]
     pub fn new(placement: InstanceId, slack: f32, shift: f64) -> Self {
-        Self { placement, shift, slack }
+        Self { placement, shift, slack, moves: false }
+    }
+
+    /// The same, of a placement that moves.
+    pub fn moving(self) -> Self {
+        Self { moves: true, ..self }
     }
 
     /// What the exact test says of a triangle of the mesh and the ray in the world.

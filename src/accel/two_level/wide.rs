@@ -15,7 +15,7 @@ use super::parts::Part;
 use super::placement::{Entered, LocalRay};
 use super::sources::FlatTriangles;
 use super::verdict::{Inside, nearest_of_all};
-use super::wide_levels::{BACK, Local, Scratch, W, WideLevels};
+use super::wide_levels::{BACK, Local, Moved, Scratch, W, WideLevels};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::node;
@@ -27,59 +27,71 @@ use crate::math::{InstanceId, PrimId};
 use crate::simd::order::key_limit;
 
 /// A ray under way.
-struct Flight<'a, Q> {
-    world: PreparedRay<'a>,
+pub struct Flight<'a, Q> {
+    /// The ray.
+    pub world: PreparedRay<'a>,
     /// The placement that it is in; then what it is there lies among [`Scratch::locals`].
-    inside: Option<Inside>,
-    query: Q,
+    pub inside: Option<Inside>,
+    /// The question, with the best answer so far.
+    pub query: Q,
     /// Taken off the stack for its next turn.
     key: u32,
-    link: Link,
-    top: usize,
+    /// Likewise.
+    pub link: Link,
+    /// The height of its stack.
+    pub top: usize,
     /// Which of the tracer's stacks and local rays is its own.
     own: usize,
 }
 
-/// The upper tree, as a walk reads it.
+/// The upper trees, as a walk reads them. Where nothing `MOVES`, it is compiled without all that is
+/// asked for that.
 #[derive(Clone, Copy)]
-struct Above<'a> {
-    levels: &'a WideLevels,
+pub struct Above<'a, const MOVES: bool> {
+    /// Both levels.
+    pub levels: &'a WideLevels,
     stripes: Stripes<'a, W>,
     /// Of all meshes.
-    meshes: Stripes<'a, W>,
-    root: Link,
+    pub meshes: Stripes<'a, W>,
+    /// Of the tree of what stands still.
+    root: Option<Link>,
+    /// The times of the batch's rays.
+    pub times: Option<&'a [f32]>,
 }
 
 impl WideLevels {
     /// Traces a slice.
     #[inline(always)]
-    fn fly<'a, S: Simd, Q: Query, C: Counters>(
+    fn fly<'a, S: Simd, Q: Query, C: Counters, const MOVES: bool>(
         &'a self,
         slice: &mut SliceContext<'a, S, Q, C>,
         scratch: &mut Scratch,
     ) {
-        let Some(root) = self.above.root else { return slice.answer_nothing() };
-        let (stripes, meshes) = (self.above.arena.stripes(), self.below.stripes());
-        let above = Above { levels: self, stripes, meshes, root };
-        let Scratch { stacks, locals } = scratch;
+        let (stripes, meshes) = (self.above.stripes(), self.below.stripes());
+        let (root, times) = (self.above.root(0), slice.batch.times());
+        let above = Above::<MOVES> { levels: self, stripes, meshes, root, times };
+        if root.is_none() && !MOVES {
+            return slice.answer_nothing();
+        }
+        let Scratch { stacks, locals, moved } = scratch;
         let count = slice.batch.rays().len();
         let mut next = count.min(RAYS);
         let mut flights: Vec<Flight<'_, Q>> =
-            (0..next).map(|index| above.start(slice, (index, index))).collect();
+            (0..next).map(|index| above.start(slice, (index, index), &mut stacks[index])).collect();
         while !flights.is_empty() {
             let mut turn = 0;
             while turn < flights.len() {
                 let flight = &mut flights[turn];
                 let own = flight.own;
                 let (simd, counters) = (slice.simd, &mut *slice.counters);
-                let waiting = (&mut stacks[own], &mut locals[own]);
+                let waiting = (&mut stacks[own], &mut locals[own], &mut **moved);
                 if above.take_turn(simd, counters, flight, waiting).is_continue() {
                     turn += 1;
                     continue;
                 }
                 slice.answers[flight.world.index] = flight.query.answer();
                 if next < count {
-                    flights[turn] = above.start(slice, (next, own));
+                    flights[turn] = above.start(slice, (next, own), &mut stacks[own]);
                     next += 1;
                     turn += 1;
                 } else {
@@ -90,16 +102,33 @@ impl WideLevels {
     }
 }
 
-impl<'a> Above<'a> {
+impl<'a, const MOVES: bool> Above<'a, MOVES> {
     #[inline(always)]
     fn start<Q: Query>(
         &self,
         slice: &SliceContext<'a, impl Simd, Q, impl Counters>,
         (index, own): (usize, usize),
+        stack: &mut Stack<W>,
     ) -> Flight<'a, Q> {
         let world = PreparedRay::of_batch(&slice.batch, index);
         let query = Q::new(&world.ray);
-        Flight { world, inside: None, query, key: 1, link: self.root, top: 1, own }
+        // At the bottom of the stack lies the end.
+        let (mut root, mut top) = (self.root, 1);
+        if MOVES {
+            let moving = self.levels.root_of_moving(self.time(index));
+            if let (Some(still), Some(_)) = (root, moving) {
+                stack.put(1, still, &mut top);
+            }
+            root = moving.or(root);
+        }
+        let (key, link) = root.map_or((0, BACK), |root| (1, root));
+        Flight { world, inside: None, query, key, link, top, own }
+    }
+
+    /// The time of a ray, by its place in the batch.
+    #[inline(always)]
+    pub fn time(&self, index: usize) -> f32 {
+        self.times.map_or(0.0, |times| times[index])
     }
 
     /// Goes one step, and asks for what the next one needs; `Break` when the answer is final.
@@ -109,7 +138,7 @@ impl<'a> Above<'a> {
         simd: S,
         counters: &mut C,
         flight: &mut Flight<'a, Q>,
-        (stack, local): (&mut Stack<W>, &mut Local),
+        (stack, local, moved): (&mut Stack<W>, &mut Local, &mut [Moved]),
     ) -> ControlFlow<()> {
         let limit = key_limit(flight.query.t_max());
         while flight.key > limit {
@@ -129,15 +158,26 @@ impl<'a> Above<'a> {
             let ray = if inside.is_some() { (&local.slab, 0.0) } else { world.for_boxes() };
             let (keys, hits) = node::intersect_children(simd, planes, ray, query.t_max());
             stack.push(simd, sorting::<Q>(), keys, hits, links, top);
-        } else if flight.inside.is_some() {
-            self.test_leaf(simd, counters, flight, local)?;
+        } else if let Some(inside) = flight.inside {
+            if MOVES && inside.moves {
+                self.test_moving_leaf(simd, counters, flight, (local, &moved[flight.own]))?;
+            } else {
+                self.test_leaf(simd, counters, flight, local)?;
+            }
         } else if flight.key == 0 {
             return ControlFlow::Break(());
         } else if flight.link.place() < self.levels.first_part {
             self.open_leaf(simd, counters, flight, stack)?;
         } else {
             counters.count(Event::Restart);
-            self.enter(flight, stack, local)?;
+            let number = flight.link.place() - self.levels.first_part;
+            match number.checked_sub(self.levels.still) {
+                Some(number) if MOVES => {
+                    let moved = &mut moved[flight.own];
+                    self.enter_moving(number, flight, (stack, local, moved))?;
+                }
+                _ => self.enter(number, flight, (stack, local))?,
+            }
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
         if flight.key == 0 && flight.inside.is_some() {
@@ -165,8 +205,13 @@ impl<'a> Above<'a> {
     ) -> ControlFlow<()> {
         counters.count(Event::Leaf);
         let block = self.stripes.block(flight.link);
-        let flat = &self.levels.levels.flat;
-        let first_box = flat.len() as u32;
+        let WideLevels { flat, first_moving, still, first_part, .. } = self.levels;
+        // Trees of what moves have boxes alone, which count on behind those of the other.
+        let (first_box, before) = if MOVES && flight.link.place() >= *first_moving {
+            (0, *still)
+        } else {
+            (flat.len() as u32, 0)
+        };
         // Lanes that are not used repeat a primitive, without its id.
         let lanes_where = |holds: fn(u32, u32) -> bool| {
             (0..W).fold(0, |lanes, lane| {
@@ -186,29 +231,28 @@ impl<'a> Above<'a> {
         let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
         let hits = hits & boxes;
         let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
-        let first = (self.levels.first_part as u32).wrapping_sub(first_box);
+        let first = ((first_part + before) as u32).wrapping_sub(first_box);
         let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.0) as usize).0);
         stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
         ControlFlow::Continue(())
     }
 
-    /// Takes a ray into a placement, if it meets its box.
+    /// Takes a ray into a part of a placement that stands still, if it meets its box.
     #[inline(always)]
     fn enter<Q: Query>(
         &self,
+        number: usize,
         flight: &mut Flight<'a, Q>,
-        stack: &mut Stack<W>,
-        local: &mut Local,
+        (stack, local): (&mut Stack<W>, &mut Local),
     ) -> ControlFlow<()> {
         let levels = &*self.levels.levels;
-        let number = flight.link.place() - self.levels.first_part;
         let Some(part) = self.levels.part(number) else { return ControlFlow::Continue(()) };
         let Part { way: Way { placement, to_mesh, .. }, root, grown, slack } = &*part;
         let t_max = flight.query.nearest().t;
         let (ray, shift) = match to_mesh.enter(grown, &flight.world.ray, t_max) {
             Entered::Missed => return ControlFlow::Continue(()),
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
-            Entered::Far => return test_all(levels, flight, *placement),
+            Entered::Far => return test_all(levels, flight, *placement, 0.0),
         };
         flight.inside = Some(Inside::new(*placement, *slack, shift));
         levels.placed.get().prefetch(*placement);
@@ -296,18 +340,19 @@ fn test_flat<S: Simd, Q: Query, C: Counters>(
     ControlFlow::Continue(())
 }
 
-/// Holds a ray that can't be placed against all triangles of a placement.
+/// Holds a ray that can't be placed against all triangles of a placement, as it stands at a time.
 #[cold]
 #[inline(never)]
-fn test_all<Q: Query>(
+pub fn test_all<Q: Query>(
     levels: &Levels,
     flight: &mut Flight<'_, Q>,
     placement: InstanceId,
+    time: f32,
 ) -> ControlFlow<()> {
     let placements = levels.placed.get();
     let inside = Inside::new(placement, 0.0, 0.0);
     let nearest = flight.query.nearest();
-    match nearest_of_all(placements, (&inside, 0.0), &flight.world, &nearest, Q::ANY) {
+    match nearest_of_all(placements, (&inside, time), &flight.world, &nearest, Q::ANY) {
         Some(hit) => flight.query.take(hit, hit.t),
         None => ControlFlow::Continue(()),
     }
@@ -326,6 +371,10 @@ impl Traverse for WideLevels {
             answers: &mut *slice.answers,
             counters: &mut *slice.counters,
         };
-        self.fly(slice, scratch);
+        if self.are_moving() {
+            self.fly::<_, _, _, true>(slice, scratch);
+        } else {
+            self.fly::<_, _, _, false>(slice, scratch);
+        }
     }
 }

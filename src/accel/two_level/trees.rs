@@ -1,7 +1,7 @@
-//! The trees of all meshes, in one piece of memory.
+//! Some trees, in one piece of memory.
 //!
-//! Most are small; by themselves they would lie on small pages, and a walk would wait for their
-//! addresses: on a hall of 700 parts that took a third of the time.
+//! Those of meshes are small, most of them; by themselves they would lie on small pages, and a walk
+//! would wait for their addresses: on a hall of 700 parts that took a third of the time.
 
 use crate::accel::BuildError;
 use crate::accel::bvh::link::Link;
@@ -9,12 +9,17 @@ use crate::accel::bvh::wide::arena::{Arena, Stripes};
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
 
 /// Hierarchies of eight children that store what is in their leaves.
-pub struct MeshTrees {
+pub struct Trees {
     arena: Arena<8>,
     roots: Vec<Option<Link>>,
 }
 
-impl MeshTrees {
+impl Trees {
+    /// One tree, which stays where it is.
+    pub fn single(tree: WideBvh<8>) -> Self {
+        Self { roots: vec![tree.root], arena: tree.arena }
+    }
+
     /// Moves trees together; `None` if there are too many nodes to link to.
     ///
     /// # Errors
@@ -37,10 +42,10 @@ impl MeshTrees {
         Ok(Some(Self { arena, roots }))
     }
 
-    /// The root of a mesh's tree; `None` without triangles of its own.
+    /// The root of a tree; `None` where there is nothing.
     #[inline(always)]
-    pub fn root(&self, mesh: usize) -> Option<Link> {
-        self.roots[mesh]
+    pub fn root(&self, tree: usize) -> Option<Link> {
+        self.roots[tree]
     }
 
     /// What the roots lead into.

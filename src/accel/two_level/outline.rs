@@ -1,0 +1,94 @@
+//! What rays must meet to be asked about among placements, where anything moves.
+
+use fearless_simd::Simd;
+use rayon::prelude::*;
+
+use crate::accel::bvh::link::Link;
+use crate::accel::bvh::wide::arena::NodeStripes;
+use crate::accel::bvh::wide::node;
+use crate::geom::SlabRay;
+use crate::math::Aabb;
+
+/// Boxes side by side.
+const W: usize = 8;
+
+/// For each part of the time, a few boxes that hold all placements.
+pub struct Outline {
+    parts: Vec<[[f32; W]; 6]>,
+}
+
+impl Outline {
+    /// Of `parts` of the time, by the boxes of placements over each.
+    pub fn new(parts: usize, boxes: impl Fn(usize) -> Vec<Aabb> + Sync) -> Self {
+        let planes = |part| {
+            let (mut node, mut lane) = (NodeStripes::<W>::EMPTY, 0);
+            group(&mut boxes(part), W, &mut |held| {
+                node.set(lane, &held, Link(0));
+                lane += 1;
+            });
+            let [a, b, c, d, e, f, ..] = node.0;
+            [a, b, c, d, e, f]
+        };
+        Self { parts: (0..parts).into_par_iter().map(planes).collect() }
+    }
+
+    /// Whether a ray meets any over a part of the time, before `t_max`.
+    #[inline(always)]
+    pub fn may_meet<S: Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        ray: (&SlabRay, f32),
+        t_max: f32,
+    ) -> bool {
+        let Some(planes) = self.parts.get(part) else { return true };
+        node::intersect_children::<S, W>(simd, planes, ray, t_max).1 != 0
+    }
+}
+
+/// Hands out what holds each of at most `most` groups of boxes that are near each other, by halves.
+fn group(boxes: &mut [Aabb], most: usize, hand_out: &mut impl FnMut(Aabb)) {
+    if boxes.is_empty() {
+        return;
+    }
+    let all = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
+    if most == 1 || boxes.len() == 1 {
+        return hand_out(all);
+    }
+    let extent = all.extent();
+    let axis = usize::from(extent.y > extent.x);
+    let axis = if extent.z > extent[axis] { 2 } else { axis };
+    let centre = |held: &Aabb| held.min[axis] + held.max[axis];
+    let half = boxes.len() / 2;
+    boxes.select_nth_unstable_by(half, |a, b| centre(a).total_cmp(&centre(b)));
+    let (low, high) = boxes.split_at_mut(half);
+    group(low, most / 2, hand_out);
+    group(high, most / 2, hand_out);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Ray, Vec3};
+    use crate::simd::baseline;
+
+    #[test]
+    fn eight_boxes_stand_for_themselves_and_more_for_their_neighbours() {
+        let at =
+            |x: usize| Aabb { min: Vec3::X * x as f32, max: Vec3::new(x as f32 + 0.5, 1.0, 1.0) };
+        for (count, hole) in [(8, true), (3, true), (11, false)] {
+            let outline =
+                Outline::new(
+                    2,
+                    |part| if part == 0 { (0..count).map(at).collect() } else { Vec::new() },
+                );
+            let meets = |part, x| {
+                let ray = Ray::new(Vec3::new(x, 0.5, -1.0), Vec3::Z, 0.0, f32::INFINITY);
+                outline.may_meet(baseline(), part, (&SlabRay::new(&ray), 0.0), 5.0)
+            };
+            assert!((0..count).all(|x| meets(0, x as f32 + 0.25)));
+            assert_eq!((0..count - 1).all(|x| !meets(0, x as f32 + 0.75)), hole, "{count}");
+            assert!(!meets(0, -0.5) && !meets(1, 0.25) && meets(2, 0.25));
+        }
+    }
+}
