@@ -70,6 +70,15 @@ impl Split {
         Self { reflectance: colors, reflection_probability }
     }
 
+    /// The same where a share of what passes is thrown back: then it is tinted again.
+    pub fn below(self, kept: f32, tint: Vec3) -> Self {
+        let passes = self.transmittance(tint);
+        let back = mean(self.reflectance + passes * tint * kept);
+        let all = back + mean(passes) * (1.0 - kept);
+        let reflection_probability = if all > 0.0 { back / all } else { 0.0 };
+        Self { reflection_probability, ..self }
+    }
+
     /// Tinted share of the light that passes.
     #[inline]
     pub fn transmittance(&self, tint: Vec3) -> Vec3 {
@@ -166,15 +175,30 @@ impl Boundary {
         if self.plain {
             return Vec3::splat(left(albedo.exact));
         }
+        let [constant, slope] = self.linear_in_exact();
+        let of = |constant, slope| left(albedo.of(constant, slope));
+        Vec3::new(of(constant.x, slope.x), of(constant.y, slope.y), of(constant.z, slope.z))
+    }
+
+    /// The reflectance by colour as a constant, and a factor of that of the index.
+    fn linear_in_exact(&self) -> [Vec3; 2] {
         let least = self.f0_of_index();
         let slope = if self.ior >= INFINITE_IOR {
             Vec3::ZERO
         } else {
             (Vec3::splat(self.f90) - self.f0) / (1.0 - least)
         };
-        let constant = self.f0 - slope * least;
-        let of = |constant, slope| left(albedo.of(constant, slope));
-        Vec3::new(of(constant.x, slope.x), of(constant.y, slope.y), of(constant.z, slope.z))
+        [self.f0 - slope * least, slope]
+    }
+
+    /// The same where it is not that of the index.
+    pub fn told(&self) -> Option<[Vec3; 2]> {
+        (!self.plain).then(|| self.linear_in_exact())
+    }
+
+    /// The same boundary with the reflectances of its index.
+    pub fn as_plain(&self) -> Self {
+        Self { plain: true, ..*self }
     }
 
     /// About the share of light from everywhere that passes the boundary of a solid, by colour;

@@ -58,6 +58,12 @@ impl Clearcoat {
         self.strength * look_up(self.rows, t, cos)
     }
 
+    /// That share at each column.
+    pub(super) fn curve(&self) -> Curve {
+        let ([below, above], (_, t)) = (self.rows, locate_cell::<COAT_ROWS>(self.place));
+        std::array::from_fn(|k| self.strength * (below[k] + (above[k] - below[k]) * t))
+    }
+
     /// The share of light from a direction, on either side, that it lets through.
     pub fn transmittance(&self, w: Vec3) -> f32 {
         match self.form {

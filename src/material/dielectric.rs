@@ -1,6 +1,7 @@
 //! Glass: clear boundaries of solids, and thin sheets.
 
 use super::boundary::{Boundary, Kind};
+use super::cover::{Cover, kept_at};
 use super::form::BsdfForm;
 use super::ggx::MIRROR_ALPHA;
 use super::lanes::{BsdfRows, SmoothBoundary};
@@ -46,30 +47,30 @@ impl Dielectric {
     /// See [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        self.eval_under_film(None, wo, wi)
+        self.eval_under(Cover::default(), wo, wi)
     }
 
-    /// The same under a film on the outside.
+    /// The same with something on its outside.
     #[inline]
-    pub fn eval_under_film(&self, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+    pub(super) fn eval_under(&self, cover: Cover<'_>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         match self.boundary.kind {
             Kind::Smooth | Kind::ThinSmooth => (Vec3::ZERO, 0.0),
-            Kind::Rough => rough_dielectric::eval_solid(&self.boundary, film, wo, wi),
-            Kind::ThinRough => rough_dielectric::eval_thin(&self.boundary, film, wo, wi),
+            Kind::Rough => rough_dielectric::eval_solid(&self.boundary, cover, wo, wi),
+            Kind::ThinRough => rough_dielectric::eval_thin(&self.boundary, cover.film, wo, wi),
         }
     }
 
     /// See [`super::Bsdf::sample`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        self.sample_under_film(None, wo, u_lobe, u)
+        self.sample_under(Cover::default(), wo, u_lobe, u)
     }
 
-    /// The same under a film on the outside.
+    /// The same with something on its outside.
     #[inline]
-    pub fn sample_under_film(
+    pub(super) fn sample_under(
         &self,
-        film: Option<&ThinFilm>,
+        cover: Cover<'_>,
         wo: Vec3,
         u_lobe: f32,
         u: Vec2,
@@ -78,10 +79,12 @@ impl Dielectric {
             return None;
         }
         match self.boundary.kind {
-            Kind::Smooth => sample_smooth(&self.boundary, film, wo, u_lobe),
-            Kind::ThinSmooth => sample_thin(&self.boundary, film, wo, u_lobe),
-            Kind::Rough => rough_dielectric::sample_solid(&self.boundary, film, wo, u_lobe, u),
-            Kind::ThinRough => rough_dielectric::sample_thin(&self.boundary, film, wo, u_lobe, u),
+            Kind::Smooth => sample_smooth(&self.boundary, cover, wo, u_lobe),
+            Kind::ThinSmooth => sample_thin(&self.boundary, cover.film, wo, u_lobe),
+            Kind::Rough => rough_dielectric::sample_solid(&self.boundary, cover, wo, u_lobe, u),
+            Kind::ThinRough => {
+                rough_dielectric::sample_thin(&self.boundary, cover.film, wo, u_lobe, u)
+            }
         }
     }
 
@@ -95,22 +98,42 @@ impl Dielectric {
         (self.is_delta() && plain).then_some(rows)
     }
 
+    /// The index of refraction of the inside over that of the outside; 1 of a sheet.
+    pub(super) fn index(&self) -> f32 {
+        let thin = matches!(self.boundary.kind, Kind::ThinSmooth | Kind::ThinRough);
+        if thin { 1.0 } else { self.boundary.ior }
+    }
+
+    /// Its boundary.
+    pub(super) fn boundary(&self) -> &Boundary {
+        &self.boundary
+    }
+
     /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
         self.boundary.tint
     }
+
+    /// The share of light from everywhere that a sheet reflects or lets through, by colour, and of
+    /// that what it lets through.
+    pub(super) fn scattered_by_sheet(&self) -> [Vec3; 2] {
+        let passes = self.boundary.average_transmittance_of_sheet();
+        let through = passes * self.boundary.tint;
+        [Vec3::ONE - passes + through, through]
+    }
 }
 
 /// The boundary of a solid.
-fn sample_smooth(
-    glass: &Boundary,
-    film: Option<&ThinFilm>,
-    wo: Vec3,
-    u_lobe: f32,
-) -> Option<BsdfSample> {
+fn sample_smooth(glass: &Boundary, cover: Cover<'_>, wo: Vec3, u_lobe: f32) -> Option<BsdfSample> {
     let eta = glass.eta(wo);
-    let (split, cos_t) = glass.split(wo.z.abs(), eta, film);
-    SmoothBoundary {
+    let (mut split, cos_t) = glass.split(wo.z.abs(), eta, cover.film);
+    let mut thrown_back = Vec3::ZERO;
+    if let Some(kept) = cover.seen_from(wo).kept {
+        let kept = kept_at(kept, cos_t);
+        thrown_back = split.transmittance(glass.tint) * glass.tint * kept;
+        split = split.below(kept, glass.tint);
+    }
+    let sample = SmoothBoundary {
         tint: glass.tint.into(),
         reflectance: split.reflectance.into(),
         reflection_probability: split.reflection_probability,
@@ -119,7 +142,12 @@ fn sample_smooth(
         thin: false,
     }
     .sample(Scalar, wo.into(), u_lobe)
-    .first(true)
+    .first(true);
+    sample.map(|sample| {
+        let reflected = sample.wi.z * wo.z > 0.0;
+        let again = if reflected { thrown_back / sample.pdf } else { Vec3::ZERO };
+        BsdfSample { weight: sample.weight + again, ..sample }
+    })
 }
 
 /// A sheet.

@@ -1,9 +1,11 @@
 //! Surfaces under a thin film: metal, plastic, glass, or some of each (KHR_materials_iridescence).
 
 use super::anisotropic::Anisotropic;
+use super::cover::Cover;
 use super::dielectric::Dielectric;
 use super::form::BsdfForm;
-use super::mixed::{mix, sample_mixed};
+use super::layer_columns::Curve;
+use super::mixed::{mix, mix_scattered, sample_mixed};
 use super::params::{SurfaceParams, saturate};
 use super::sample::BsdfSample;
 use super::thin_film::ThinFilm;
@@ -38,23 +40,33 @@ impl Filmed {
         Self { opaque, glass: Dielectric::new(params, form), share, film }
     }
 
-    /// See [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+    /// See [`super::Bsdf::eval`]; with what layers above keep.
+    pub fn eval(&self, kept: Option<&Curve>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         let opaque = self.opaque.eval(wo, wi);
         if self.share == 0.0 {
             return opaque;
         }
-        mix(self.share, opaque, self.glass.eval_under_film(Some(&self.film), wo, wi))
+        mix(self.share, opaque, self.glass.eval_under(self.cover(kept), wo, wi))
     }
 
-    /// See [`super::Bsdf::sample`].
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    fn cover<'a>(&'a self, kept: Option<&'a Curve>) -> Cover<'a> {
+        Cover { film: Some(&self.film), kept }
+    }
+
+    /// See [`super::Bsdf::sample`]; with what layers above keep.
+    pub fn sample(
+        &self,
+        kept: Option<&Curve>,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
         sample_mixed(
             self.share,
             u_lobe,
             |u_lobe| self.opaque.sample(wo, u_lobe, u),
-            |u_lobe| self.glass.sample_under_film(Some(&self.film), wo, u_lobe, u),
-            |wi| self.eval(wo, wi),
+            |u_lobe| self.glass.sample_under(self.cover(kept), wo, u_lobe, u),
+            |wi| self.eval(kept, wo, wi),
         )
     }
 
@@ -66,5 +78,17 @@ impl Filmed {
     /// See [`super::Bsdf::albedo`].
     pub fn albedo(&self) -> Vec3 {
         self.opaque.albedo() * (1.0 - self.share) + self.glass.albedo() * self.share
+    }
+
+    /// The share of light on a sheet that goes on, by colour, as far as not in one direction, and
+    /// of that what goes through.
+    pub fn scattered_by_sheet(&self) -> [Vec3; 2] {
+        let opaque = [self.opaque.albedo(), Vec3::ZERO];
+        mix_scattered(self.share, opaque, &self.glass)
+    }
+
+    /// What is glass, and the share of it.
+    pub fn clear_part(&self) -> (&Dielectric, f32) {
+        (&self.glass, self.share)
     }
 }

@@ -12,7 +12,7 @@ use crate::math::{Vec2, Vec3};
 /// Entries of a [`Slice`] along each axis.
 const G: usize = 32;
 /// Slices, over `(eta - 1) / (eta + 1)` from -1/2 (an index of 1/3) to 1 (infinity).
-const SLICES: usize = 97;
+pub(super) const SLICES: usize = 97;
 const SLICES_PER_UNIT: f32 = 64.0;
 
 /// The albedo of one bounce on rough, colourless glass: what it reflects and what it transmits.
@@ -60,8 +60,7 @@ static GLASS: [OnceLock<Box<Slice>>; SLICES] = [const { OnceLock::new() }; SLICE
 
 fn slice(index: usize) -> &'static Slice {
     GLASS[index].get_or_init(|| {
-        let ratio = (index as f32 / SLICES_PER_UNIT - 0.5).min(0.9999);
-        let eta = (1.0 + ratio) / (1.0 - ratio);
+        let eta = eta_of_slice(index);
         let cells = std::array::from_fn(|row| {
             let alpha = node_alpha(row, G);
             std::array::from_fn(|column| albedo(alpha, node_cos(column, G), eta))
@@ -72,6 +71,18 @@ fn slice(index: usize) -> &'static Slice {
         });
         Box::new(Slice { cells, averages })
     })
+}
+
+/// The index of a slice.
+pub(super) fn eta_of_slice(index: usize) -> f32 {
+    let ratio = (index as f32 / SLICES_PER_UNIT - 0.5).min(0.9999);
+    (1.0 + ratio) / (1.0 - ratio)
+}
+
+/// The slice at or below an index, and the position between it and the next.
+pub(super) fn locate_slice(eta: f32) -> (usize, f32) {
+    let ratio = (eta - 1.0) / (eta + 1.0);
+    locate_cell::<SLICES>(((ratio + 0.5) * SLICES_PER_UNIT).max(0.0))
 }
 
 /// Rough glass of one alpha, seen from one of its sides.
@@ -86,8 +97,7 @@ pub struct GlassRow {
 impl GlassRow {
     /// `eta` is the index behind over that before the boundary.
     pub fn of(alpha: f32, eta: f32) -> Self {
-        let ratio = (eta - 1.0) / (eta + 1.0);
-        let (k, index_t) = locate_cell::<SLICES>(((ratio + 0.5) * SLICES_PER_UNIT).max(0.0));
+        let (k, index_t) = locate_slice(eta);
         let (row, row_t) = locate_cell::<G>(alpha.sqrt() * (G - 1) as f32);
         Self { slices: [slice(k), slice(k + 1)], index_t, row, row_t }
     }
@@ -110,15 +120,12 @@ impl GlassRow {
     }
 }
 
-/// By the mean over the normals that the direction sees.
-fn albedo(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
+/// Calls `put` with facets that a direction sees and the weight of each; these add up to one.
+pub(super) fn each_facet(alpha: f32, wo: Vec3, mut put: impl FnMut(Vec3, f64)) {
     // Half a turn will do, by symmetry.
     const TURNS: usize = 12;
     const CAPS: usize = 48;
     const GOLDEN: f32 = 0.618_034;
-    let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let masking = |cos: f32| ggx::masking(cos.max(0.0), alpha * alpha);
-    let mut sums = [0.0_f64; 3];
     for cap in 0..CAPS {
         // Dense in the distribution's tail, where lobes meet the horizon.
         let rest = (cap as f32 + 0.5) / CAPS as f32;
@@ -127,23 +134,32 @@ fn albedo(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
         let start = (cap as f32 * GOLDEN).fract();
         for turn in 0..TURNS {
             let x = 0.5 * (turn as f32 + start) / TURNS as f32;
-            let h = ggx::sample_visible_normal(wo, alpha, Vec2::new(x, 1.0 - rest * rest));
-            // A facet's reflectance, and what is left of what it reflects and of what it refracts.
-            let along = wo.dot(h);
-            let (reflectance, cos_t) = fresnel::dielectric(along, eta);
-            let reflected = masking(2.0 * along * h.z - wo.z);
-            let refracted = masking(wo.z / eta - (along / eta - cos_t) * h.z);
-            let parts = if reflectance >= 1.0 {
-                [reflected, reflected, 0.0]
-            } else {
-                let exact = reflectance * reflected + (1.0 - reflectance) * refracted;
-                [exact, refracted, reflected - refracted]
-            };
-            for (sum, part) in sums.iter_mut().zip(parts) {
-                *sum += weight * f64::from(part);
-            }
+            put(ggx::sample_visible_normal(wo, alpha, Vec2::new(x, 1.0 - rest * rest)), weight);
         }
     }
+}
+
+/// By the mean over the normals that the direction sees.
+fn albedo(alpha: f32, cos: f32, eta: f32) -> GlassAlbedo {
+    let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+    let masking = |cos: f32| ggx::masking(cos.max(0.0), alpha * alpha);
+    let mut sums = [0.0_f64; 3];
+    each_facet(alpha, wo, |h, weight| {
+        // A facet's reflectance, and what is left of what it reflects and of what it refracts.
+        let along = wo.dot(h);
+        let (reflectance, cos_t) = fresnel::dielectric(along, eta);
+        let reflected = masking(2.0 * along * h.z - wo.z);
+        let refracted = masking(wo.z / eta - (along / eta - cos_t) * h.z);
+        let parts = if reflectance >= 1.0 {
+            [reflected, reflected, 0.0]
+        } else {
+            let exact = reflectance * reflected + (1.0 - reflectance) * refracted;
+            [exact, refracted, reflected - refracted]
+        };
+        for (sum, part) in sums.iter_mut().zip(parts) {
+            *sum += weight * f64::from(part);
+        }
+    });
     let [exact, clear, mirrored] = sums.map(|sum| sum as f32);
     GlassAlbedo { exact, clear, mirrored }
 }

@@ -22,7 +22,7 @@ use crate::math::{Vec2, Vec3};
 use crate::sampling::warp;
 
 /// Averages that are less lose nothing that a picture shows.
-const LEAST_LOSS: f32 = 1e-5;
+pub(super) const LEAST_LOSS: f32 = 1e-5;
 
 /// The lobe, for a direction of view; local, on the side of `+Z`.
 pub struct Multiple<'a> {
@@ -39,6 +39,14 @@ pub struct Multiple<'a> {
     eta_squared: f32,
 }
 
+/// The share of what a solid's facets lose on one side that comes back on the other; `averages` are
+/// the losses of both.
+pub(super) fn across(boundary: &Boundary, eta: f32, averages: [Vec3; 2]) -> Vec3 {
+    let passes = boundary.average_transmittance(eta);
+    let limit = averages[0].max(averages[1]).max(Vec3::splat(LEAST_LOSS));
+    passes * averages[1] / limit
+}
+
 /// Where losses are looked up.
 enum Sides {
     /// Of a solid: on the viewer's side and on the other one.
@@ -53,9 +61,7 @@ impl<'a> Multiple<'a> {
         let sides = [eta, 1.0 / eta].map(|eta| GlassRow::of(boundary.alpha, eta));
         let loss = boundary.loss(sides[0].at(cos));
         let averages = sides.map(|side| boundary.loss(side.average()));
-        let passes = boundary.average_transmittance(eta);
-        let limit = averages[0].max(averages[1]).max(Vec3::splat(LEAST_LOSS));
-        let across = passes * averages[1] / limit;
+        let across = across(boundary, eta, averages);
         let parts = (Sides::Solid(sides), loss, averages, across);
         Self::new(boundary, parts, eta * eta)
     }

@@ -2,9 +2,12 @@
 
 use super::anisotropic::Anisotropic;
 use super::base::BaseBsdf;
+use super::cover::Cover;
+use super::dielectric::Dielectric;
 use super::filmed::Filmed;
 use super::form::BsdfForm;
-use super::mixed::Mixed;
+use super::layer_columns::Curve;
+use super::mixed::{Mixed, Opaque};
 use super::params::{SurfaceParams, saturate};
 use super::sample::BsdfSample;
 use super::translucent::Translucent;
@@ -40,21 +43,35 @@ impl Base {
         }
     }
 
-    pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+    /// See [`super::Bsdf::eval`]; with what layers above keep.
+    pub fn eval(&self, kept: Option<&Curve>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let cover = Cover { film: None, kept };
         match self {
+            Self::Plain(BaseBsdf::Dielectric(glass)) => glass.eval_under(cover, wo, wi),
+            Self::Plain(BaseBsdf::Mixed(mixed)) => mixed.eval_under(cover, wo, wi),
             Self::Plain(bsdf) => bsdf.eval(wo, wi),
-            Self::HalfClear(mixed) => mixed.eval(wo, wi),
+            Self::HalfClear(mixed) => mixed.eval_under(cover, wo, wi),
             Self::Brushed(brushed) => brushed.eval(wo, wi),
-            Self::Filmed(filmed) => filmed.eval(wo, wi),
+            Self::Filmed(filmed) => filmed.eval(kept, wo, wi),
         }
     }
 
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    /// See [`super::Bsdf::sample`]; with what layers above keep.
+    pub fn sample(
+        &self,
+        kept: Option<&Curve>,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
+        let cover = Cover { film: None, kept };
         match self {
+            Self::Plain(BaseBsdf::Dielectric(glass)) => glass.sample_under(cover, wo, u_lobe, u),
+            Self::Plain(BaseBsdf::Mixed(mixed)) => mixed.sample_under(cover, wo, u_lobe, u),
             Self::Plain(bsdf) => bsdf.sample(wo, u_lobe, u),
-            Self::HalfClear(mixed) => mixed.sample(wo, u_lobe, u),
+            Self::HalfClear(mixed) => mixed.sample_under(cover, wo, u_lobe, u),
             Self::Brushed(brushed) => brushed.sample(wo, u_lobe, u),
-            Self::Filmed(filmed) => filmed.sample(wo, u_lobe, u),
+            Self::Filmed(filmed) => filmed.sample(kept, wo, u_lobe, u),
         }
     }
 
@@ -67,11 +84,38 @@ impl Base {
         }
     }
 
-    /// Of its albedo, what goes through scattered and at the index of refraction that it came with.
-    pub fn scattered_through(&self) -> Vec3 {
+    /// The share of the light on what has no inside that goes on, by colour, and of that what goes
+    /// through.
+    pub fn scattered(&self) -> [Vec3; 2] {
         match self {
-            Self::Plain(BaseBsdf::Translucent(surface)) => surface.albedo_through(),
-            _ => Vec3::ZERO,
+            Self::Plain(BaseBsdf::Translucent(surface)) => Opaque::scattered(surface),
+            Self::Plain(BaseBsdf::Dielectric(sheet)) => sheet.scattered_by_sheet(),
+            Self::Plain(BaseBsdf::Mixed(mixed)) => mixed.scattered_by_sheet(),
+            Self::HalfClear(mixed) => mixed.scattered_by_sheet(),
+            Self::Filmed(filmed) => filmed.scattered_by_sheet(),
+            Self::Plain(_) | Self::Brushed(_) => [self.albedo(), Vec3::ZERO],
+        }
+    }
+
+    /// The index of refraction beyond a solid's surface over that on the viewer's side.
+    pub fn eta(&self, wo: Vec3) -> f32 {
+        let ior = self.clear_part().map_or(1.0, |(glass, _)| glass.index());
+        if wo.z < 0.0 { 1.0 / ior } else { ior }
+    }
+
+    /// Whether some light goes through scattered.
+    pub fn scatters_through(&self) -> bool {
+        matches!(self, Self::Plain(BaseBsdf::Translucent(_)) | Self::HalfClear(_))
+    }
+
+    /// What is glass, and the share of it.
+    pub fn clear_part(&self) -> Option<(&Dielectric, f32)> {
+        match self {
+            Self::Plain(BaseBsdf::Dielectric(glass)) => Some((glass, 1.0)),
+            Self::Plain(BaseBsdf::Mixed(mixed)) => Some(mixed.clear_part()),
+            Self::HalfClear(mixed) => Some(mixed.clear_part()),
+            Self::Filmed(filmed) if filmed.transmits() => Some(filmed.clear_part()),
+            Self::Plain(_) | Self::Brushed(_) | Self::Filmed(_) => None,
         }
     }
 

@@ -4,7 +4,8 @@
 //! what it lets through in either direction. So a base that reflects to where the layer lets less
 //! through seems to lose light: what the layer really does is throw it back down, until it leaves
 //! some other way. That share r of light from o comes back from all directions as
-//! `r(o) r(i) / (π r_avg)`, as Kulla and Conty (2017) have it for light between microfacets.
+//! `r(o) r(i) / (π r_avg)`, as Kulla and Conty (2017) have it for light between microfacets. Of
+//! solids that light passes `layer_solids` tells more.
 //!
 //! What layers lose is proportional to their strengths; `layer_losses` tells it for strength one.
 //! Where a coat and cloth keep the shares A and B, the base's light from o to i loses
@@ -14,14 +15,18 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::clearcoat::{COAT_ROWS, Clearcoat};
-use super::energy::{Albedo, Albedos, Row, locate_cell, node_alpha};
+use super::energy::{Albedo, Albedos, Row};
 use super::form::BsdfForm;
-use super::layer_columns::{Averaged, locate_column};
+use super::layer_base::Base;
+use super::layer_columns::{Averaged, Curve, locate_column};
+use super::layer_glass::Side;
 use super::layer_losses::{
-    BASES, Cell, FEW, Losses, cloth_under_coat, under_both, under_cloth, under_coat,
+    BASES, Cell, FEW, Losses, base_rows, cloth_under_coat, rows, under_both, under_cloth,
+    under_coat,
 };
+use super::layer_solids::Solid;
 use super::metallic_roughness::MetallicRoughness;
-use super::params::SurfaceParams;
+use super::params::{SurfaceParams, saturate};
 use super::sample::mean;
 use super::sheen::{Fibres, Sheen};
 use crate::math::Vec3;
@@ -41,15 +46,16 @@ struct WhiteBase {
 }
 
 impl WhiteBase {
-    fn new(white: &MetallicRoughness) -> Self {
+    /// The share of a surface, of which below the specular lobe the share `stays` is sent back.
+    fn new(white: &MetallicRoughness, share: f32, stays: f32) -> Self {
         Self {
             row: white.row,
-            f0: white.f0.max_element(),
-            f90: white.f90,
+            f0: white.f0.max_element() * share,
+            f90: white.f90 * share,
             coat_f0: white.coat_f0,
             coat_f90: white.coat_f90,
-            below: white.diffuse.x * white.coat_scale,
-            again: white.multiple.x * white.multiple_scale,
+            below: white.diffuse.x * white.coat_scale * stays * share,
+            again: white.multiple.x * white.multiple_scale * share,
         }
     }
 
@@ -81,23 +87,6 @@ impl WhiteBase {
     }
 }
 
-/// The two rows of a table of `N` rows between which a place lies, and the weight of each.
-fn rows<const N: usize>(place: f32) -> [(usize, f32); 2] {
-    let (row, t) = locate_cell::<N>(place);
-    [(row, 1.0 - t), (row + 1, t)]
-}
-
-/// A row of the base, its weight, and that of its specular lobe, whose losses are proportional to
-/// alpha where it is narrow.
-type BaseRow = (usize, f32, f32);
-
-fn base_rows(white: &MetallicRoughness) -> [BaseRow; 2] {
-    let [(row, low), (next, high)] = rows::<BASES>(2.0 * white.row.place());
-    let [first, last] = [row, next].map(|row| node_alpha(row, BASES));
-    let t = ((white.alpha - first) / (last - first)).clamp(0.0, 1.0);
-    [(row, low, 1.0 - t), (next, high, t)]
-}
-
 /// Where a layer lies in tables: among all rows, and among [`FEW`].
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -113,54 +102,83 @@ impl Place {
     }
 }
 
-/// What comes back of the light that layers lose, on the outside of what is opaque, or on either
-/// side of a sheet that lets light through scattered: then it leaves as the base's light does.
+/// What comes back of the light that layers lose: on the outside of what is opaque, on either side
+/// of sheets, where it leaves as the base's light does, and on both sides of solids.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Returned {
     base: WhiteBase,
-    base_rows: [BaseRow; 2],
+    /// Rows of the base, the weight of each, and that of its specular lobe.
+    base_rows: [(usize, f32, f32); 2],
     base_color: Vec3,
-    /// The part of that which leaves by the other side.
+    /// The part of that which leaves a sheet by the other side.
     through: Vec3,
+    solid: Option<Solid>,
     coat: Option<Place>,
     cloth: Option<Place>,
     cloth_color: Vec3,
-    /// The average share over the hemisphere.
-    average: Vec3,
+    /// The average share over the hemisphere, outside and inside of what is solid, by how dense
+    /// radiance is there.
+    averages: [Vec3; 2],
 }
 
 impl Returned {
-    /// That of a base, as `params` describe it, under a coat and cloth; by colour, what the base
-    /// scatters in all, and what of it goes through.
+    /// That of a base, as `params` describe it, under a coat and cloth.
     pub fn new(
         params: &SurfaceParams,
-        [base_color, through]: [Vec3; 2],
+        base: &Base,
         coat: Option<&Clearcoat>,
         cloth: Option<&Sheen>,
     ) -> Self {
-        let white = SurfaceParams { base_color: Vec3::ONE, diffuse_transmission: 0.0, ..*params };
+        let is_solid = base.transmits() && !params.thin;
+        let (glass_share, is_delta) =
+            base.clear_part().map_or((0.0, true), |(glass, share)| (share, glass.is_delta()));
+        // What a rough sheet of glass reflects and lets through is together what metal reflects.
+        let like_metal = if is_solid || is_delta { 0.0 } else { glass_share };
+        let share = 1.0 - glass_share + like_metal;
+        let metallic = saturate((saturate(params.metallic) + like_metal) / share);
+        let white = SurfaceParams { base_color: Vec3::ONE, metallic, ..*params };
         let white = MetallicRoughness::new(&white, BsdfForm::Conserving);
+        let passes = is_solid && base.scatters_through();
+        let stays = if passes { 1.0 - saturate(params.diffuse_transmission) } else { 1.0 };
+        let colors = if is_solid {
+            let opaque = SurfaceParams { metallic, ..*params };
+            [MetallicRoughness::new(&opaque, BsdfForm::Conserving).albedo(), Vec3::ZERO]
+        } else {
+            base.scattered()
+        };
+        let [base_color, through] = colors.map(|color| color.min(Vec3::ONE));
+        let solid = is_solid.then(|| Solid::new(params, base, (&white, share), coat, cloth));
+        let [(row, low), (next, high)] = rows::<BASES>(2.0 * white.row.place());
+        let [(_, low_lobe), (_, high_lobe)] = base_rows(white.alpha);
         let coat = coat.map(|coat| Place::new::<COAT_ROWS>(coat.strength(), coat.place()));
         let mut made = Self {
-            base: WhiteBase::new(&white),
-            base_rows: base_rows(&white),
+            base: WhiteBase::new(&white, share, stays),
+            base_rows: [(row, low, low_lobe), (next, high, high_lobe)],
             base_color,
             through: through.min(base_color),
+            solid,
             coat,
             cloth: cloth
                 .map(|cloth| Place::new::<{ Fibres::ROWS }>(cloth.strength(), cloth.place())),
             cloth_color: cloth.map_or(Vec3::ZERO, Sheen::color),
-            average: Vec3::ZERO,
+            averages: [Vec3::ZERO; 2],
         };
+        made.averages = made.averages();
+        made
+    }
+
+    fn averages(&self) -> [Vec3; 2] {
         let (mut losses, mut of_cloth) = ([Losses::default(); 3], 0.0);
-        made.each_cell(|cell, weight, lobe_weight| {
+        self.each_cell(|cell, weight, lobe_weight| {
             for (sum, average) in losses.iter_mut().zip(&cell.averages) {
                 sum.add(average, weight, lobe_weight);
             }
         });
-        made.each_curve(|averaged, weight| of_cloth += averaged.average * weight);
-        made.average = made.colored(made.base.average(&losses), of_cloth);
-        made
+        self.each_curve(|averaged, weight| of_cloth += averaged.average * weight);
+        let outside = self.colored(self.base.average(&losses), of_cloth);
+        let Some(solid) = &self.solid else { return [outside, Vec3::ZERO] };
+        let inside = solid.average(Side::Inside) * solid.density;
+        [outside + solid.average(Side::Outside), inside]
     }
 
     /// Calls `put` with each cell of what the base loses, its weight and that of specular lobes.
@@ -209,8 +227,22 @@ impl Returned {
         self.base_color * of_base + self.cloth_color * of_cloth.max(0.0)
     }
 
+    /// The share of light that all layers on a solid keep.
+    pub fn kept(&self) -> Option<&Curve> {
+        self.solid.as_ref().map(|solid| &solid.kept)
+    }
+
     /// The share of light from a direction that comes back so, by colour.
-    pub fn albedo(&self, cos: f32) -> Vec3 {
+    pub fn albedo(&self, w: Vec3) -> Vec3 {
+        let (side, cos) = (Side::of(w), w.z.abs());
+        match &self.solid {
+            None => self.lost_outside(cos),
+            Some(solid) if side == Side::Inside => solid.lost(side, cos),
+            Some(solid) => self.lost_outside(cos) + solid.lost(side, cos),
+        }
+    }
+
+    fn lost_outside(&self, cos: f32) -> Vec3 {
         let (j, t) = locate_column(cos);
         let (mut losses, mut of_cloth) = (Losses::default(), 0.0);
         self.each_cell(|cell, weight, lobe_weight| {
@@ -223,25 +255,34 @@ impl Returned {
         self.colored(self.base.lost(cos, &losses), of_cloth)
     }
 
-    /// What comes back, times the cosine, and its density: that of the cosine on either side, by
-    /// [`Self::through_probability`]. `view` is the share of light from the viewer's direction that
-    /// comes back.
-    pub fn eval(&self, view: Vec3, wi: Vec3) -> (Vec3, f32) {
-        let cos = wi.z.abs();
-        let shares = view * self.albedo(cos) / self.average.max(Vec3::splat(1e-9));
-        let through = self.through / self.base_color.max(Vec3::splat(1e-9));
-        let probability = self.through_probability();
-        let (side, probability) = if wi.z < 0.0 {
-            (through, probability)
-        } else {
-            (Vec3::ONE - through, 1.0 - probability)
+    /// What comes back from `wo` to `wi`, times the cosine, and its density: that of the cosine on
+    /// either side, by [`Self::inside_probability`]. `view` is the share of light from the viewer's
+    /// direction that comes back.
+    pub fn eval(&self, view: Vec3, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let least = Vec3::splat(1e-9);
+        let inside = self.inside_probability();
+        let probability = if wi.z < 0.0 { inside } else { 1.0 - inside };
+        let density = wi.z.abs() * FRAC_1_PI;
+        let [outside, within] = self.averages;
+        let shares = view * self.albedo(wi) / (outside + within).max(least);
+        let factor = match &self.solid {
+            Some(solid) if wo.z < 0.0 => Vec3::splat(solid.density),
+            Some(_) => Vec3::ONE,
+            None => {
+                let through = self.through / self.base_color.max(least);
+                if wi.z < 0.0 { through } else { Vec3::ONE - through }
+            }
         };
-        let density = cos * FRAC_1_PI;
-        (shares * side * density, density * probability)
+        (shares * factor * density, density * probability)
     }
 
-    /// Of what comes back, the share that leaves by the other side.
-    pub fn through_probability(&self) -> f32 {
-        mean(self.through) / mean(self.base_color).max(1e-9)
+    /// Of what comes back, the share that leaves to the inside of a solid, or by the other side of
+    /// a sheet.
+    pub fn inside_probability(&self) -> f32 {
+        let [outside, inside] = self.averages.map(mean);
+        match self.solid {
+            Some(_) => inside / (outside + inside).max(1e-9),
+            None => mean(self.through) / mean(self.base_color).max(1e-9),
+        }
     }
 }

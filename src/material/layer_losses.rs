@@ -13,7 +13,9 @@
 use std::sync::OnceLock;
 
 use super::clearcoat::{COAT_ROWS, kept as kept_by_coat};
-use super::energy::{Albedo, Albedos, Row, cosine_average, each_reflection, node_alpha};
+use super::energy::{
+    Albedo, Albedos, Row, cosine_average, each_reflection, locate_cell, node_alpha,
+};
 use super::layer_columns::{Averaged, COLUMNS, Curve, Spread, column_cos, column_direction};
 use super::sheen::Fibres;
 
@@ -21,6 +23,21 @@ use super::sheen::Fibres;
 pub(super) const BASES: usize = 2 * (Albedos::SIDE - 1) + 1;
 /// Rows by the roughness of either layer where both are there.
 pub(super) const FEW: usize = 17;
+
+/// The two rows of a table of `N` rows between which a place lies, and the weight of each.
+pub(super) fn rows<const N: usize>(place: f32) -> [(usize, f32); 2] {
+    let (row, t) = locate_cell::<N>(place);
+    [(row, 1.0 - t), (row + 1, t)]
+}
+
+/// The two rows between which the roughness of a base lies, and the weight of each for what is
+/// proportional to alpha where lobes are narrow.
+pub(super) fn base_rows(alpha: f32) -> [(usize, f32); 2] {
+    let [(row, _), (next, _)] = rows::<BASES>(2.0 * Row::of(alpha).place());
+    let [first, last] = [row, next].map(|row| node_alpha(row, BASES));
+    let t = ((alpha - first) / (last - first)).clamp(0.0, 1.0);
+    [(row, 1.0 - t), (next, t)]
+}
 
 /// What is lost of light from a direction.
 #[derive(Clone, Copy, Debug, Default)]

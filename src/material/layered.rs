@@ -1,11 +1,11 @@
 //! Surfaces with something on them: a film, cloth, lacquer, or all of these.
 
 use super::anisotropic::Anisotropic;
-use super::base::BaseBsdf;
 use super::clearcoat::Clearcoat;
 use super::filmed::Filmed;
 use super::form::BsdfForm;
 use super::layer_base::{Base, clear_share, is_half_clear};
+use super::layer_columns::Curve;
 use super::layer_energy::Returned;
 use super::layers::Layers;
 use super::params::{SurfaceParams, saturate};
@@ -27,8 +27,9 @@ const MIN_PROBABILITY: f32 = 0.1;
 /// for the coat in [`BsdfForm::AppendixB`] by the product of that for both directions (as
 /// KHR_materials_clearcoat has it), else by the lesser of both (as KHR_materials_sheen has it),
 /// which is reciprocal and never gives more than there is. What of it is less than the base could
-/// reflect comes back by a lobe of its own, see `layer_energy`. A coat over glass that is
-/// solid lies on the outside only. Emission is not dimmed.
+/// reflect comes back by a lobe of its own, see `layer_energy`. A coat over glass that is solid
+/// lies on the outside only; in [`BsdfForm::Conserving`] what it throws back into the glass is
+/// reflected there, see `cover`. Emission is not dimmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layered {
     base_color: Vec3,
@@ -163,14 +164,11 @@ impl Layered {
         let sheen = (self.sheen_color != Vec3::ZERO)
             .then(|| Sheen::new(self.sheen_color, self.sheen_roughness.get(), form));
         let both_sides = self.thin || !base.transmits();
-        let is_sheet = self.thin && matches!(base, Base::Plain(BaseBsdf::Translucent(_)));
-        let scatters = !base.transmits() || is_sheet;
-        let returned = (form == BsdfForm::Conserving && scatters).then(|| {
-            // Of a coat with a normal of its own too little is known.
-            let straight = coat.as_ref().filter(|_| self.coat_slope.length_squared() < 1e-3);
-            let colors = [base.albedo().min(Vec3::ONE), base.scattered_through()];
-            Returned::new(&params, colors, straight, sheen.as_ref())
-        });
+        // Of a coat with a normal of its own too little is known.
+        let straight = coat.as_ref().filter(|_| self.coat_slope.length_squared() < 1e-3);
+        let any = straight.is_some() || sheen.is_some();
+        let returned = (form == BsdfForm::Conserving && any)
+            .then(|| Returned::new(&params, &base, straight, sheen.as_ref()));
         Stack { base, coat, sheen, returned, both_sides, form }
     }
 
@@ -202,7 +200,7 @@ impl Layered {
         let coat = stack.coat.map_or(0.0, |coat| coat.albedo(Vec3::Z));
         let (through_coat, through_sheen) = stack.transmittance(Vec3::Z, Vec3::Z);
         let returned = stack.returned.as_ref();
-        let returned = returned.map_or(Vec3::ZERO, |returned| returned.albedo(1.0));
+        let returned = returned.map_or(Vec3::ZERO, |returned| returned.albedo(Vec3::Z));
         let below = fibres + stack.base.albedo() * through_sheen;
         Vec3::splat(coat) + returned + below * through_coat
     }
@@ -261,23 +259,37 @@ impl Stack {
         (coat, sheen)
     }
 
+    /// What layers on a solid keep of light from inside.
+    fn kept(&self) -> Option<&Curve> {
+        self.returned.as_ref().and_then(Returned::kept)
+    }
+
     /// Proportional to what each lobe reflects of light from the viewer's direction.
     fn lobe_probabilities(&self, wo: Vec3) -> LobeProbabilities {
-        if wo.z < 0.0 {
-            return LobeProbabilities { coat: 0.0, sheen: 0.0, returned: 0.0, view: Vec3::ZERO };
-        }
         let (through_coat, through_sheen) = self.transmittance(wo, wo);
-        let coat = self.coat.as_ref().map_or(0.0, |coat| coat.albedo(wo));
-        let sheen = self.sheen.as_ref().map_or(0.0, |sheen| sheen.albedo(wo) * through_coat);
+        let (coat, sheen) = (self.coat_above(wo), self.sheen_above(wo));
+        let [has_coat, has_sheen] = [coat.is_some(), sheen.is_some()];
+        let coat = coat.map_or(0.0, |coat| coat.albedo(wo));
+        let sheen = sheen.map_or(0.0, |sheen| sheen.albedo(wo) * through_coat);
         let base = mean(self.base.albedo()).clamp(0.0, 1.0) * through_coat * through_sheen;
         let least = MIN_PROBABILITY * (coat + sheen + base) + 1e-6;
-        let coat = if self.coat.is_some() { coat.max(least) } else { 0.0 };
-        let sheen = if self.sheen.is_some() { sheen.max(least) } else { 0.0 };
+        let coat = if has_coat { coat.max(least) } else { 0.0 };
+        let sheen = if has_sheen { sheen.max(least) } else { 0.0 };
         let returned = self.returned.as_ref();
-        let view = returned.map_or(Vec3::ZERO, |returned| returned.albedo(wo.z));
+        let view = returned.map_or(Vec3::ZERO, |returned| returned.albedo(wo));
         let total = coat + sheen + mean(view) + base.max(least);
         let [coat, sheen, returned] = [coat, sheen, mean(view)].map(|share| share / total);
         LobeProbabilities { coat, sheen, returned, view }
+    }
+
+    /// The coat, seen from its side.
+    fn coat_above(&self, wo: Vec3) -> Option<&Clearcoat> {
+        self.coat.as_ref().filter(|_| wo.z > 0.0)
+    }
+
+    /// The sheen, seen from its side.
+    fn sheen_above(&self, wo: Vec3) -> Option<&Sheen> {
+        self.sheen.as_ref().filter(|_| wo.z > 0.0)
     }
 
     fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
@@ -290,17 +302,17 @@ impl Stack {
 
     fn evaluate(&self, lobes: &LobeProbabilities, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         let (through_coat, through_sheen) = self.transmittance(wo, wi);
-        let (below, below_pdf) = self.base.eval(wo, wi);
+        let (below, below_pdf) = self.base.eval(self.kept(), wo, wi);
         let (mut value, mut pdf) = (below * through_sheen, below_pdf * lobes.base());
         let above = is_above(wo.z) && is_above(wi.z);
-        let either = is_above(wo.z) && is_above(wi.z.abs());
+        let either = is_above(wo.z.abs()) && is_above(wi.z.abs());
         if let Some(sheen) = self.sheen.as_ref().filter(|_| above) {
             value += sheen.eval(wo, wi);
             pdf += Sheen::PDF * lobes.sheen;
         }
         value *= through_coat;
         if let Some(returned) = self.returned.as_ref().filter(|_| either && lobes.returned > 0.0) {
-            let (again, density) = returned.eval(lobes.view, wi);
+            let (again, density) = returned.eval(lobes.view, wo, wi);
             value += again;
             pdf += density * lobes.returned;
         }
@@ -325,12 +337,15 @@ impl Stack {
             Some(Sheen::sample(u)).filter(|wi| is_above(wi.z))?
         } else if u_lobe < lobes.coat + lobes.sheen + lobes.returned {
             let rest = (u_lobe - lobes.coat - lobes.sheen) / lobes.returned;
-            let through = self.returned.as_ref().map_or(0.0, Returned::through_probability);
+            let inside = self.returned.as_ref().map_or(0.0, Returned::inside_probability);
             let wi = Some(warp::cosine_hemisphere(u)).filter(|wi| is_above(wi.z))?;
-            if rest < through { -wi } else { wi }
+            let wi = if rest < inside { -wi } else { wi };
+            eta = if wi.z * wo.z < 0.0 { self.base.eta(wo) } else { 1.0 };
+            wi
         } else {
             let rest = (u_lobe - lobes.coat - lobes.sheen - lobes.returned) / lobes.base();
-            let mut sample = self.base.sample(wo, rest.clamp(0.0, ONE_MINUS_EPSILON), u)?;
+            let rest = rest.clamp(0.0, ONE_MINUS_EPSILON);
+            let mut sample = self.base.sample(self.kept(), wo, rest, u)?;
             if sample.delta {
                 let (through_coat, through_sheen) = self.transmittance(wo, sample.wi);
                 sample.weight *= through_coat * through_sheen / lobes.base();

@@ -1,5 +1,6 @@
 //! Surfaces that are clear in part.
 
+use super::cover::Cover;
 use super::dielectric::Dielectric;
 use super::form::BsdfForm;
 use super::metallic_roughness::MetallicRoughness;
@@ -30,6 +31,9 @@ pub trait Opaque {
 
     /// See [`super::Bsdf::albedo`].
     fn albedo(&self) -> Vec3;
+
+    /// The share of light that goes on, by colour, and of that what goes through.
+    fn scattered(&self) -> [Vec3; 2];
 }
 
 impl Opaque for MetallicRoughness {
@@ -50,6 +54,10 @@ impl Opaque for MetallicRoughness {
     fn albedo(&self) -> Vec3 {
         self.albedo()
     }
+
+    fn scattered(&self) -> [Vec3; 2] {
+        [self.albedo(), Vec3::ZERO]
+    }
 }
 
 impl Opaque for Translucent {
@@ -67,6 +75,10 @@ impl Opaque for Translucent {
 
     fn albedo(&self) -> Vec3 {
         self.albedo()
+    }
+
+    fn scattered(&self) -> [Vec3; 2] {
+        [self.albedo(), self.transmission().albedo()]
     }
 }
 
@@ -86,18 +98,36 @@ impl<O: Opaque> Mixed<O> {
     /// See [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        mix(self.share, self.opaque.eval(wo, wi), self.glass.eval(wo, wi))
+        self.eval_under(Cover::default(), wo, wi)
+    }
+
+    /// The same with something on the outside of the glass.
+    #[inline]
+    pub(super) fn eval_under(&self, cover: Cover<'_>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        mix(self.share, self.opaque.eval(wo, wi), self.glass.eval_under(cover, wo, wi))
     }
 
     /// See [`super::Bsdf::sample`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        self.sample_under(Cover::default(), wo, u_lobe, u)
+    }
+
+    /// The same with something on the outside of the glass.
+    #[inline]
+    pub(super) fn sample_under(
+        &self,
+        cover: Cover<'_>,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
         sample_mixed(
             self.share,
             u_lobe,
             |u_lobe| self.opaque.sample(wo, u_lobe, u),
-            |u_lobe| self.glass.sample(wo, u_lobe, u),
-            |wi| self.eval(wo, wi),
+            |u_lobe| self.glass.sample_under(cover, wo, u_lobe, u),
+            |wi| self.eval_under(cover, wo, wi),
         )
     }
 
@@ -105,6 +135,26 @@ impl<O: Opaque> Mixed<O> {
     pub fn albedo(&self) -> Vec3 {
         self.opaque.albedo() * (1.0 - self.share) + self.glass.albedo() * self.share
     }
+
+    /// The same of a sheet, as far as light does not go on in one direction.
+    pub(super) fn scattered_by_sheet(&self) -> [Vec3; 2] {
+        mix_scattered(self.share, self.opaque.scattered(), &self.glass)
+    }
+
+    /// What is glass, and the share of it.
+    pub(super) fn clear_part(&self) -> (&Dielectric, f32) {
+        (&self.glass, self.share)
+    }
+}
+
+/// What is scattered, as far as it does not go on in one direction, by what is opaque but for a
+/// `share` of a sheet of glass.
+pub(super) fn mix_scattered(share: f32, opaque: [Vec3; 2], sheet: &Dielectric) -> [Vec3; 2] {
+    if sheet.is_delta() {
+        return opaque;
+    }
+    let sheet = sheet.scattered_by_sheet();
+    std::array::from_fn(|k| opaque[k] * (1.0 - share) + sheet[k] * share)
 }
 
 /// Values and densities of what is opaque but for a `share` of glass.

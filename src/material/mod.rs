@@ -18,8 +18,9 @@
 //! | `ggx`, `anisotropic_ggx`, `fresnel`, `thin_film`, `dispersion` | what lobes are made of |
 //! | `facets`, `facet_walk` | any of them on the two facets that a shading normal stands for |
 //! | `lanes` | bases in lanes, for many paths at once |
-//! | `layer_base` | what lies below layers |
+//! | `layer_base`, `cover` | what lies below layers; what lies on glass |
 //! | `layer_energy`, `layer_losses`, `layer_columns` | what is lost under layers and comes back |
+//! | `layer_solids`, `layer_glass` | the same of solids that light passes |
 //! | `energy`, `glass_energy`, `anisotropic_energy` | albedos, by which energy is conserved |
 
 mod anisotropic;
@@ -29,6 +30,7 @@ mod base;
 mod boundary;
 mod bsdf;
 mod clearcoat;
+mod cover;
 mod dielectric;
 mod dispersion;
 mod energy;
@@ -45,7 +47,9 @@ pub mod lanes;
 mod layer_base;
 mod layer_columns;
 mod layer_energy;
+mod layer_glass;
 mod layer_losses;
+mod layer_solids;
 mod layered;
 mod layers;
 mod metallic_roughness;

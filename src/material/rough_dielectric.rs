@@ -4,7 +4,8 @@
 //! [`BsdfForm::Conserving`] there is a third lobe, of what they lose: see
 //! [`super::glass_multiple`].
 
-use super::boundary::Boundary;
+use super::boundary::{Boundary, Split};
+use super::cover::{Cover, kept_at};
 use super::form::BsdfForm;
 use super::ggx;
 use super::glass_multiple::Multiple;
@@ -15,8 +16,8 @@ use crate::sampling::ONE_MINUS_EPSILON;
 
 /// See [`super::Bsdf::eval`].
 #[inline]
-pub fn eval_solid(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-    let eta = glass.eta(wo);
+pub fn eval_solid(glass: &Boundary, cover: Cover<'_>, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+    let (eta, cover) = (glass.eta(wo), cover.seen_from(wo));
     let (wo, wi) = if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) };
     if !(is_above(wo.z) && is_above(wi.z.abs())) {
         return (Vec3::ZERO, 0.0);
@@ -25,7 +26,7 @@ pub fn eval_solid(glass: &Boundary, film: Option<&ThinFilm>, wo: Vec3, wi: Vec3)
     let h = h.normalize_or_zero();
     let h = if h.z < 0.0 { -h } else { h };
     let multiple = multiple_of_solid(glass, eta, wo);
-    together(evaluate_solid(glass, film, eta, wo, wi, h), multiple.as_ref(), wi)
+    together(evaluate_solid(glass, cover, eta, wo, wi, h), multiple.as_ref(), wi)
 }
 
 /// What a solid scatters more than once.
@@ -55,24 +56,24 @@ fn choose(multiple: Option<&Multiple<'_>>, u_lobe: f32) -> (bool, f32) {
 #[inline]
 pub fn sample_solid(
     glass: &Boundary,
-    film: Option<&ThinFilm>,
+    cover: Cover<'_>,
     wo: Vec3,
     u_lobe: f32,
     u: Vec2,
 ) -> Option<BsdfSample> {
-    let eta = glass.eta(wo);
+    let (eta, seen) = (glass.eta(wo), cover.seen_from(wo));
     let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
     let wo = wo * side;
     let multiple = multiple_of_solid(glass, eta, wo);
     let (again, u_lobe) = choose(multiple.as_ref(), u_lobe);
     if let Some(multiple) = multiple.as_ref().filter(|_| again) {
         let wi = multiple.sample(u_lobe, u);
-        let (value, pdf) = eval_solid(glass, film, wo * side, wi * side);
+        let (value, pdf) = eval_solid(glass, cover, wo * side, wi * side);
         return BsdfSample::from_value(wi * side, value, pdf, if wi.z > 0.0 { 1.0 } else { eta });
     }
     let h = ggx::sample_visible_normal(wo, glass.alpha, u);
     let along = wo.dot(h);
-    let (split, cos_t) = glass.split(along, eta, film);
+    let (split, cos_t) = split_facet(glass, seen, eta, wo, h);
     let reflects = u_lobe < split.reflection_probability;
     let wi = if reflects {
         h * (2.0 * along) - wo
@@ -82,17 +83,38 @@ pub fn sample_solid(
     if (wi.z > 0.0) != reflects || !is_above(wi.z.abs()) {
         return None;
     }
-    let once = evaluate_solid(glass, film, eta, wo, wi, h);
+    let once = evaluate_solid(glass, seen, eta, wo, wi, h);
     let (value, pdf) = together(once, multiple.as_ref(), wi);
     let eta = if reflects { 1.0 } else { eta };
     BsdfSample::from_value(wi * side, value, pdf, eta)
+}
+
+/// How a facet divides light, and the cosine of what it refracts to it.
+#[inline]
+fn split_facet(glass: &Boundary, cover: Cover<'_>, eta: f32, wo: Vec3, h: Vec3) -> (Split, f32) {
+    let along = wo.dot(h);
+    let (split, cos_t) = glass.split(along, eta, cover.film);
+    match cover.kept {
+        None => (split, cos_t),
+        Some(kept) => {
+            let leaving = leaving_cos(wo.z, h.z, along, eta, cos_t);
+            (split.below(kept_at(kept, leaving), glass.tint), cos_t)
+        }
+    }
+}
+
+/// The cosine at the surface at which light leaves by a facet; negative where it does not. Its own
+/// cosine is `cos`, `along` that to the facet's normal, whose cosine is `facet`.
+#[inline]
+pub(super) fn leaving_cos(cos: f32, facet: f32, along: f32, eta: f32, cos_t: f32) -> f32 {
+    cos / eta - (along / eta - cos_t) * facet
 }
 
 /// For `wo` and the half vector `h` above the surface.
 #[inline]
 fn evaluate_solid(
     glass: &Boundary,
-    film: Option<&ThinFilm>,
+    cover: Cover<'_>,
     eta: f32,
     wo: Vec3,
     wi: Vec3,
@@ -103,10 +125,19 @@ fn evaluate_solid(
     if !(along_o > 0.0 && along_i * wi.z > 0.0) {
         return (Vec3::ZERO, 0.0);
     }
-    let (split, _) = glass.split(along_o, eta, film);
+    let (split, cos_t) = split_facet(glass, cover, eta, wo, h);
     let lobe = ggx::Lobe::new(h, wo.z, wi.z.abs(), glass.alpha);
     if wi.z > 0.0 {
-        let value = split.reflectance * (lobe.reflected * wi.z);
+        let mut reflectance = split.reflectance;
+        if let Some(kept) = cover.kept {
+            let [o, i] = [wo, wi].map(|w| leaving_cos(w.z, h.z, along_o, eta, cos_t));
+            if o.min(i) > 0.0 {
+                let unmasked = ggx::masking(o.min(i), glass.alpha * glass.alpha);
+                let thrown_back = kept_at(kept, o.max(i)) * unmasked;
+                reflectance += split.transmittance(glass.tint) * glass.tint * thrown_back;
+            }
+        }
+        let value = reflectance * (lobe.reflected * wi.z);
         (value, split.reflection_probability * lobe.visible * 0.5)
     } else {
         let denominator = along_o + eta * along_i;

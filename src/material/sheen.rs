@@ -75,6 +75,13 @@ impl Sheen {
         self.look_up(w, |fibres| &fibres.kept)
     }
 
+    /// What it keeps of light from each column's direction.
+    pub(super) fn curve(&self) -> Curve {
+        let ([below, above], (_, t)) =
+            (self.rows.map(|fibres| &fibres.kept), locate_cell::<{ Fibres::ROWS }>(self.place));
+        std::array::from_fn(|k| self.strength() * (below[k] + (above[k] - below[k]) * t))
+    }
+
     /// The share of light from a direction that it scatters, all colours together.
     pub fn albedo(&self, w: Vec3) -> f32 {
         mean(self.color) * self.kept(w)

@@ -94,13 +94,8 @@ impl Translucent {
         self.surface.albedo() + self.transmission().albedo()
     }
 
-    /// Of that, what goes through.
-    pub fn albedo_through(&self) -> Vec3 {
-        self.transmission().albedo()
-    }
-
     /// What goes through, as if it were sent back: the diffuse lobe below the same coat.
-    fn transmission(&self) -> MetallicRoughness {
+    pub(super) fn transmission(&self) -> MetallicRoughness {
         MetallicRoughness {
             diffuse: self.through,
             f0: Vec3::ZERO,

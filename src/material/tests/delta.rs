@@ -39,6 +39,8 @@ fn smooth() -> Vec<(String, Bsdf, bool)> {
         ("half a film on glass", glass, half, true),
         ("film on a half clear sheet", SurfaceParams { transmission: 0.5, ..sheet }, FILM, false),
         ("lacquered sheet", sheet, coat, false),
+        ("lacquered glass", glass, coat, false),
+        ("cloth on half clear", SurfaceParams { transmission: 0.5, ..glass }, cloth, false),
         ("lacquered film on a sheet", sheet, Layers { clearcoat: 0.7, ..FILM }, false),
         ("cloth on a sheet", sheet, cloth, false),
     ];

@@ -81,6 +81,7 @@ fn under_layers(form: BsdfForm) -> impl Iterator<Item = (String, Bsdf)> {
         Layers { sheen_color: Vec3::new(0.9, 0.4, 0.2), sheen_roughness: 0.4, ..Layers::NONE };
     let brushed =
         Layers { anisotropy: 0.6, anisotropy_direction: Vec2::new(0.6, -0.8), ..Layers::NONE };
+    let both = Layers { clearcoat: 0.5, ..cloth };
     let bent = Layers { clearcoat_normal: Vec3::new(0.36, -0.48, 0.8), ..coat };
     let all = [
         ("varnish", red, coat),
@@ -95,6 +96,13 @@ fn under_layers(form: BsdfForm) -> impl Iterator<Item = (String, Bsdf)> {
         ("waxed leaf", LEAF, coat),
         ("cloth on wax", SurfaceParams { thin: false, transmission: 0.5, ..LEAF }, cloth),
         ("lacquered glass", glass, coat),
+        (
+            "lacquer on dull red glass",
+            SurfaceParams { specular: 0.5, transmission: 1.0, ..red },
+            coat,
+        ),
+        ("lacquer and cloth on half clear", SurfaceParams { transmission: 0.5, ..base }, both),
+        ("waxed thick leaf", SurfaceParams { thin: false, ..LEAF }, coat),
         ("film on plastic", red, FILM),
         ("film on metal", metal, Layers { iridescence: 0.7, ..FILM }),
         ("film on brushed metal", metal, Layers { iridescence_ior: 1.8, anisotropy: 0.5, ..FILM }),

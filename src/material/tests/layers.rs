@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::family::{FILM, awkward, direction, is_sane, scattered};
+use super::family::{FILM, awkward, direction, draw, is_sane, scattered};
 use crate::material::{Bsdf, BsdfForm, Layers, SurfaceParams};
 use crate::math::{Vec2, Vec3};
 
@@ -22,10 +22,10 @@ fn white_base() -> [(&'static str, SurfaceParams); 6] {
     ]
 }
 
-/// Over white bases that are opaque coats and cloth lose nothing; all other layers lose some light,
-/// never much, and none makes any.
+/// Over white bases coats and cloth lose nothing; all other layers lose some light, never much, and
+/// none makes any.
 ///
-/// What layers on glass keep back is lost, and so is some of what bent coats reflect.
+/// Some of what bent coats reflect is lost.
 #[test]
 fn white_furnaces_never_exceed_one() {
     let coat = |clearcoat_roughness| Layers { clearcoat: 1.0, clearcoat_roughness, ..Layers::NONE };
@@ -64,36 +64,20 @@ fn white_furnaces_never_exceed_one() {
                 // Between two alphas the table of stretched lobes is off by 2% at worst.
                 let coarse = name.contains("brushed") || name.contains("film");
                 let coarse = if coarse { 0.025 } else { 0.005 };
-                let tolerance = if bsdf.transmits() { 0.02 } else { coarse };
-                assert!(high < 1.0 + tolerance, "{name} over {base}, {cos}: {albedo}");
-                let other = name.contains("bent") || name.contains("brushed");
-                let closes = !other && !name.contains("film") && !bsdf.transmits();
-                let least = if closes { 0.995 } else { least };
+                let other = ["bent", "brushed", "film"].iter().any(|other| name.contains(other));
+                let coarse = if bsdf.transmits() && other { 0.02 } else { coarse };
+                // Rough glass promises less this close to the horizon.
+                let coarse = if base == "glass" && cos == 0.03 { 0.01 } else { coarse };
+                assert!(high < 1.0 + coarse, "{name} over {base}, {cos}: {albedo}");
+                let least = if other { least } else { 1.0 - coarse };
                 assert!(low > least, "{name} over {base}, {cos}: {albedo}");
             }
         }
     }
 }
 
-/// Whatever the roughness of a coat, of cloth and of the base, opaque or a sheet that lets light
-/// through scattered: what is white scatters all light, from both sides, to half a per cent.
-#[test]
-fn coats_and_cloth_close_at_every_roughness() {
-    let white = SurfaceParams::default();
-    let rough = |roughness, params| SurfaceParams { roughness, ..params };
-    let metal = SurfaceParams { metallic: 1.0, ..white };
-    // Metals of little roughness are the hardest: they send light where layers begin to shut.
-    let bases = [
-        ("lambert", SurfaceParams { specular: 0.0, ..white }),
-        ("smooth metal", rough(0.06, metal)),
-        ("fine metal", rough(0.113, metal)),
-        ("metal", rough(0.2, metal)),
-        ("rough metal", rough(0.8, metal)),
-        ("dense", rough(0.4, SurfaceParams { ior: 2.4, ..white })),
-        ("half metal", rough(0.27, SurfaceParams { metallic: 0.5, specular: 0.5, ..white })),
-        ("paper", rough(0.6, SurfaceParams { diffuse_transmission: 0.5, thin: true, ..white })),
-        ("gauze", SurfaceParams { diffuse_transmission: 1.0, specular: 0.0, thin: true, ..white }),
-    ];
+/// Coats, cloth, and both, of all roughnesses and in part.
+fn coats_and_cloths() -> Vec<Layers> {
     let coat =
         |clearcoat, clearcoat_roughness| Layers { clearcoat, clearcoat_roughness, ..Layers::NONE };
     let cloth = |sheen_color, sheen_roughness, layers| Layers {
@@ -111,15 +95,92 @@ fn coats_and_cloth_close_at_every_roughness() {
         cloth(0.6, 0.3, coat(0.5, 0.4)),
         cloth(1.0, 0.8, coat(1.0, 0.9)),
     ]);
+    layers
+}
+
+/// Whether all light is scattered, from both sides, to half a per cent.
+fn assert_closes(bases: &[(&str, SurfaceParams)], layers: &[Layers], cosines: &[f32]) {
     for layers in layers {
-        for (base, params) in bases {
-            let bsdf = layered(params, layers);
-            for cos in [1.0, 0.6, -0.3, 0.16, -0.1, 0.065, -0.05] {
+        for &(base, params) in bases {
+            let bsdf = layered(params, *layers);
+            for &cos in cosines {
                 let (albedo, _) = scattered(&bsdf, direction(cos), 32_768);
                 let error = (albedo - Vec3::ONE).abs().max_element();
                 assert!(error < 0.005, "{layers:?} over {base}, cos {cos}: {albedo}");
             }
         }
+    }
+}
+
+/// Whatever the roughness of a coat, of cloth and of the base, opaque or a sheet that lets light
+/// through: what is white scatters all light, from both sides, to half a per cent.
+#[test]
+fn coats_and_cloth_close_at_every_roughness() {
+    let white = SurfaceParams::default();
+    let rough = |roughness, params| SurfaceParams { roughness, ..params };
+    let metal = SurfaceParams { metallic: 1.0, ..white };
+    let sheet = SurfaceParams { transmission: 1.0, thin: true, ..white };
+    // Metals of little roughness are the hardest: they send light where layers begin to shut.
+    let bases = [
+        ("lambert", SurfaceParams { specular: 0.0, ..white }),
+        ("smooth metal", rough(0.06, metal)),
+        ("fine metal", rough(0.113, metal)),
+        ("metal", rough(0.2, metal)),
+        ("rough metal", rough(0.8, metal)),
+        ("dense", rough(0.4, SurfaceParams { ior: 2.4, ..white })),
+        ("half metal", rough(0.27, SurfaceParams { metallic: 0.5, specular: 0.5, ..white })),
+        ("paper", rough(0.6, SurfaceParams { diffuse_transmission: 0.5, thin: true, ..white })),
+        ("gauze", SurfaceParams { diffuse_transmission: 1.0, specular: 0.0, thin: true, ..white }),
+        ("sheet", rough(0.4, sheet)),
+        ("half clear sheet", rough(0.2, SurfaceParams { transmission: 0.5, ..sheet })),
+    ];
+    assert_closes(&bases, &coats_and_cloths(), &[1.0, 0.6, -0.3, 0.16, -0.1, 0.065, -0.05]);
+}
+
+/// The same over solids that light passes: glass of all roughnesses and indices, wholly or in part,
+/// and what lets light through scattered.
+#[test]
+fn coats_and_cloth_close_over_solids() {
+    let white = SurfaceParams::default();
+    let glass = |ior, roughness| SurfaceParams { transmission: 1.0, ior, roughness, ..white };
+    let leaf = SurfaceParams { diffuse_transmission: 0.6, roughness: 0.5, ..white };
+    let wax = SurfaceParams { transmission: 0.4, ior: 1.7, roughness: 0.4, ..leaf };
+    let bases = [
+        ("smooth glass", glass(1.5, 0.0)),
+        ("smooth diamond", glass(2.5, 0.0)),
+        ("fine glass", glass(1.5, 0.1)),
+        ("frosted glass", glass(1.5, 0.35)),
+        ("rough glass", glass(1.5, 1.0)),
+        ("rough ice", glass(1.1, 0.7)),
+        ("frosted diamond", glass(2.5, 0.5)),
+        ("half clear", SurfaceParams { transmission: 0.5, metallic: 0.2, ..glass(1.5, 0.5) }),
+        ("thick leaf", leaf),
+        ("wax", wax),
+    ];
+    let layers: Vec<Layers> = coats_and_cloths().into_iter().step_by(2).collect();
+    assert_closes(&bases, &layers, &[1.0, 0.5, -0.95, -0.75, -0.4, 0.1, -0.05]);
+}
+
+/// Of smooth glass light goes on in two directions as before, from inside all of it: what a coat
+/// throws back is reflected. One still sees clearly through.
+#[test]
+fn lacquered_glass_stays_clear() {
+    let glass = SurfaceParams { transmission: 1.0, roughness: 0.0, ..SurfaceParams::default() };
+    let bare = layered(glass, Layers::NONE);
+    let coat = layered(glass, Layers { clearcoat: 1.0, ..Layers::NONE });
+    let of = |bsdf: &Bsdf, wo: Vec3, up: bool| {
+        let drawn = (0..400).filter_map(|i| draw(bsdf, wo, 9, i)).filter(|sample| sample.delta);
+        let found = drawn.into_iter().find(|sample| (sample.wi.z > 0.0) == up);
+        found.map_or(0.0, |sample| sample.weight.x * sample.pdf * sample.eta * sample.eta)
+    };
+    for cos in [1.0, 0.8, 0.4, 0.1] {
+        let within = (1.0 - (1.0 - cos * cos) / 2.25_f32).sqrt();
+        let (above, below) = (direction(cos), direction(-within));
+        let through = of(&coat, above, false) / of(&bare, above, false);
+        let leaving = of(&coat, below, true) / of(&bare, below, true);
+        assert!((through - leaving).abs() < 1e-3, "{cos}: {through} {leaving}");
+        let all = of(&coat, below, true) + of(&coat, below, false);
+        assert!((all - 1.0).abs() < 1e-4, "{cos}: {all}");
     }
 }
 
