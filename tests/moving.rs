@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use dapple::accel::HitFilter;
 use dapple::geom::{Deformation, Mesh, Triangle, TriangleList, TriangleSource, VertexKey};
 use dapple::math::{Affine3A, DAffine3, DQuat, DVec3, MaterialId, MeshId, PrimId, Ray, Vec3};
 use dapple::motion::{Link, Motion, MovingParts, Track};
@@ -11,7 +12,7 @@ use dapple::testing::Random;
 use dapple::{AccelSpec, AnyHit, Batch, ClosestHit, Isa, Scene, VARIANTS, build};
 
 /// The times of the rays, in turn.
-const TIMES: [f32; 7] = [0.0, 0.125, 0.33, 0.5, 0.666, 0.75, 0.999];
+const TIMES: [f32; 8] = [0.0, 0.125, 0.33, 0.5, 0.666, 0.75, 0.999, 1.0];
 
 /// Triangles about the origin.
 fn soup(seed: u64, count: u32) -> Mesh {
@@ -96,6 +97,28 @@ fn scene() -> Scene {
     scene
 }
 
+/// Ninety more that move, each on a way of its own, and thirty that stand still beside them.
+fn crowd() -> Scene {
+    let mut scene = scene();
+    for number in 0..120_u32 {
+        let random = &mut Random::new(5, u64::from(number));
+        let (at, way) = (random.cube() * 12.0 - 6.0, random.sphere().as_dvec3());
+        let at = Link::Still(DAffine3::from_translation(at.as_dvec3()));
+        let turns = f64::from(number % 7) * 0.1 + 0.1;
+        let chain = [at, turning(way, turns, [DVec3::splat(0.4); 2], way)];
+        let motion = Motion::new(chain).expect("moves");
+        let start = motion.at(0.0).to_cols_array().map(|x| x as f32);
+        let transform = Transform::new(Affine3A::from_cols_array(&start));
+        if number % 4 != 0 {
+            let number = scene.instances.len();
+            scene.motion_mut().move_placement(number, Arc::new(motion));
+        }
+        let (mesh, material) = (MeshId(2 * (number % 2)), MaterialId(0));
+        scene.instances.push(Instance { mesh, material, transform });
+    }
+    scene
+}
+
 /// Rays at what is there at their times, each with its time.
 fn rays(triangles: &Triangles, count: u32) -> (Vec<Ray>, Vec<f32>) {
     let times: Vec<f32> = (0..count).map(|i| TIMES[i as usize % TIMES.len()]).collect();
@@ -166,6 +189,48 @@ fn every_row_sees_what_moves_as_brute_force_does_at_each_rays_time() {
             let spec = format!("{}:instances={instances}", variant.id);
             compare(&spec, &triangles, (&rays, &times));
         }
+    }
+}
+
+#[test]
+fn a_crowd_is_seen_as_brute_force_sees_it() {
+    let triangles = Arc::new(Triangles::new(Arc::new(crowd())).expect("few"));
+    let (rays, times) = rays(&triangles, 1000);
+    for spec in ["auto", "mbvh8", "mbvh4", "bvh2"] {
+        for instances in ["flat", "two-level"] {
+            compare(&format!("{spec}:instances={instances}"), &triangles, (&rays, &times));
+        }
+    }
+}
+
+/// Lets two thirds of all hits count, by ray and triangle.
+struct SomeHits;
+
+impl HitFilter for SomeHits {
+    fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
+        !(ray + hit.triangle.index as usize).is_multiple_of(3)
+    }
+}
+
+#[test]
+fn filters_are_asked_about_the_batchs_own_rays() {
+    let triangles = Arc::new(Triangles::new(Arc::new(crowd())).expect("few"));
+    let (mut rays, times) = rays(&triangles, 600);
+    // A third passes by all that moves.
+    for ray in rays.iter_mut().step_by(3) {
+        *ray = Ray::new(Vec3::splat(900.0), Vec3::X, 0.0, f32::INFINITY);
+    }
+    let batch = Batch::new(&rays).with_times(Some(&times)).with_filter(Some(&SomeHits));
+    let found = ["brute", "auto", "mbvh8", "bvh2"].map(|spec| {
+        let spec: AccelSpec = format!("{spec}:instances=two-level").parse().expect("a row");
+        let accel = build(&spec, triangles.clone(), Isa::Auto).expect("builds");
+        let mut hits = vec![ClosestHit::MISS; rays.len()];
+        accel.tracer().closest_hits(&batch, &mut hits);
+        hits
+    });
+    assert!(found[0].iter().filter(|hit| hit.is_hit()).count() > 200);
+    for other in &found[1..] {
+        assert!(found[0].iter().zip(other).all(|(a, b)| a.same_bits(b)));
     }
 }
 

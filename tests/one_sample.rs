@@ -2,11 +2,14 @@
 //! many at once by vectors: of each scene of the project, at every instruction set.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use dapple::math::{DQuat, DVec3};
+use dapple::motion::{Link, Motion, MovingParts, Track};
 use dapple::render::replay;
 use dapple::{
-    AccelSpec, BsdfForm, Control, Isa, LoadOptions, SamplePattern, Settings, World, build, load,
-    render,
+    AccelSpec, BsdfForm, Control, Isa, LoadOptions, MovingCamera, SamplePattern, Scene, Settings,
+    World, build, load, render,
 };
 
 fn scenes() -> Vec<PathBuf> {
@@ -47,17 +50,27 @@ fn channels(text: &str) -> Vec<(&'static str, f32)> {
 }
 
 fn check(path: &Path, form: BsdfForm, pattern: SamplePattern) {
+    let scene = load(path, &LoadOptions::default()).expect("it loads");
+    check_scene(path, scene, None, (form, pattern));
+}
+
+/// The same of a scene whose camera may move.
+fn check_scene(
+    path: &Path,
+    mut scene: Scene,
+    motion: Option<Arc<Motion>>,
+    (form, pattern): (BsdfForm, SamplePattern),
+) {
     let (width, height) = (24, 16);
-    let mut scene = load(path, &LoadOptions::default()).expect("it loads");
     scene.add_defaults(width as f32 / height as f32);
-    let camera = scene.cameras[0].camera;
+    let camera = MovingCamera { camera: scene.cameras[0].camera, motion };
     let world = World::new(scene, form).expect("not too many triangles");
     let settings = Settings { spp: 1, seed: 3, pattern, ..Settings::new(width, height) };
     for isa in Isa::ALL.into_iter().skip(1).filter(|isa| isa.level().is_some()) {
         let accel = build(&AccelSpec::default(), world.triangles.clone(), isa).expect("it builds");
-        let picture = render(&world, camera, &*accel, &settings, &Control::default()).picture;
+        let picture = render(&world, &camera, &*accel, &settings, &Control::default()).picture;
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let text = replay(&world, camera, &*accel, &settings, (x, y, 0));
+            let text = replay(&world, &camera, &*accel, &settings, (x, y, 0));
             for (channel, expected) in channels(&text) {
                 let found = picture.channel(channel).expect("a layer")[(y * width + x) as usize];
                 let name = path.display();
@@ -83,5 +96,26 @@ fn also_by_other_forms_and_patterns() {
     for path in scenes().iter().step_by(4) {
         check(path, BsdfForm::AppendixB, SamplePattern::Sobol);
         check(path, BsdfForm::AppendixB, SamplePattern::Independent);
+    }
+}
+
+/// By a camera that turns and moves, and one whose node has a scale; what it sees moves too.
+#[test]
+fn also_where_all_moves() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/motion.gltf");
+    let options = LoadOptions { time: Some(0.5), shutter: Some(0.2), ..LoadOptions::default() };
+    for scale in [1.0, 1.5] {
+        let scene = load(&path, &options).expect("it loads");
+        let stands = scene.cameras[0].camera.to_world.as_daffine3();
+        let turn = |angle| DQuat::from_axis_angle(DVec3::Y, angle);
+        let parts = MovingParts {
+            translation: Track::new(&[(0.0, DVec3::ZERO), (1.0, DVec3::X)]).expect("has keys"),
+            rotation: Track::new(&[(0.0, turn(0.0)), (0.7, turn(0.2))]).expect("has keys"),
+            scale: Track::still(DVec3::splat(scale)),
+        };
+        let motion = Motion::new([Link::Still(stands), Link::Moving(Arc::new(parts))]);
+        let motion = Arc::new(motion.expect("it moves"));
+        let choices = (BsdfForm::Conserving, SamplePattern::default());
+        check_scene(&path, scene, Some(motion), choices);
     }
 }

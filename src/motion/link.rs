@@ -23,6 +23,12 @@ impl MovingParts {
         self.translation.moves() || self.rotation.moves() || self.scale.moves()
     }
 
+    /// The times from 0 to 1 at which any part changes its way, in no order.
+    pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
+        let translations = self.translation.times();
+        translations.chain(self.rotation.times()).chain(self.scale.times())
+    }
+
     /// The transform at a time.
     #[inline]
     pub fn at(&self, time: f64) -> DAffine3 {
@@ -41,6 +47,11 @@ pub enum Link {
 }
 
 impl Link {
+    /// Whether it changes while the shutter is open.
+    pub fn moves(&self) -> bool {
+        matches!(self, Self::Moving(parts) if parts.moves())
+    }
+
     /// The transform at a time.
     #[inline]
     pub fn at(&self, time: f64) -> DAffine3 {

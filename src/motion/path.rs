@@ -1,6 +1,6 @@
 //! A chain of transforms over time.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DAffine3;
 
@@ -13,11 +13,16 @@ use super::rigid::{are_rigid, rigid};
 pub struct Motion {
     /// The outermost first.
     links: Vec<Link>,
-    /// The same prepared, if it can be.
-    course: Option<Course>,
+    /// The same prepared, if it can be; found when it is asked for.
+    course: OnceLock<Option<Arc<Course>>>,
+    /// What was put around it since then.
+    outer: Option<DAffine3>,
     /// Whether it only turns and moves.
     is_rigid: bool,
 }
+
+/// The shutter closes at 1; what jumps there has not done so yet.
+const LAST: f64 = 1.0_f64.next_down();
 
 impl Motion {
     /// A chain, the outermost transform first; `None` if nothing changes.
@@ -29,17 +34,15 @@ impl Motion {
                 (_, link) => links.push(link),
             }
         }
-        let moves = |link: &Link| matches!(link, Link::Moving(parts) if parts.moves());
-        links.iter().any(moves).then(|| Self::of(links))
+        links.iter().any(Link::moves).then(|| Self::of(links))
     }
 
     fn of(links: Vec<Link>) -> Self {
-        let course = Course::new(&links, &times(&links));
         let is_rigid = are_rigid(&links);
-        Self { links, course, is_rigid }
+        Self { links, course: OnceLock::new(), outer: None, is_rigid }
     }
 
-    /// The same in a space that stands still in another.
+    /// The same in a space that stands still in another. Both share what is prepared.
     #[must_use]
     pub fn within(&self, outer: DAffine3) -> Self {
         let mut links = self.links.clone();
@@ -47,7 +50,9 @@ impl Motion {
             Some(Link::Still(first)) => *first = outer * *first,
             _ => links.insert(0, Link::Still(outer)),
         }
-        Self::of(links)
+        let course = OnceLock::from(self.course().cloned());
+        let outer = Some(self.outer.map_or(outer, |inner| outer * inner));
+        Self { course, outer, ..Self::of(links) }
     }
 
     /// The same of what stands still in the moving space.
@@ -74,11 +79,24 @@ impl Motion {
         &self.links
     }
 
-    /// The whole transform at a time.
+    #[inline]
+    fn course(&self) -> Option<&Arc<Course>> {
+        self.course.get_or_init(|| Course::new(&self.links).map(Arc::new)).as_ref()
+    }
+
+    /// About how many bytes it takes, with what is prepared.
+    pub fn bytes(&self) -> usize {
+        let links = size_of::<Self>() + size_of_val(&*self.links);
+        links + self.course().map_or(0, |course| course.bytes())
+    }
+
+    /// The whole transform at a time from 0 to 1.
     #[inline]
     pub fn at(&self, time: f64) -> DAffine3 {
-        if let Some(course) = &self.course {
-            return course.at(time);
+        let time = time.min(LAST);
+        if let Some(course) = self.course() {
+            let at = course.at(time);
+            return self.outer.map_or(at, |outer| outer * at);
         }
         let [first, rest @ ..] = &self.links[..] else { return DAffine3::IDENTITY };
         rest.iter().fold(first.at(time), |outer, link| outer * link.at(time))
@@ -88,29 +106,22 @@ impl Motion {
     #[inline]
     pub fn rigid_at(&self, time: f32) -> Option<DAffine3> {
         let to_world = self.at(f64::from(time));
-        if self.is_rigid { Some(to_world) } else { rigid(&to_world) }
+        let stays = self.is_rigid && to_world.is_finite();
+        if stays { Some(to_world) } else { rigid(&to_world) }
     }
 
     /// The times from 0 to 1 at which any track changes its way, with both ends, in order.
     pub fn times(&self) -> Vec<f64> {
-        times(&self.links)
-    }
-}
-
-/// See [`Motion::times`].
-fn times(links: &[Link]) -> Vec<f64> {
-    let mut times = vec![0.0, 1.0];
-    for link in links {
-        if let Link::Moving(parts) = link {
-            times.extend(parts.translation.times());
-            times.extend(parts.rotation.times());
-            times.extend(parts.scale.times());
+        let mut times = vec![0.0, 1.0];
+        for link in &self.links {
+            if let Link::Moving(parts) = link {
+                times.extend(parts.times());
+            }
         }
+        times.sort_unstable_by(f64::total_cmp);
+        times.dedup();
+        times
     }
-    times.retain(|time| (0.0..=1.0).contains(time));
-    times.sort_unstable_by(f64::total_cmp);
-    times.dedup();
-    times
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ pub trait Value: Copy + Debug + PartialEq {
     fn ahead(self, step: &Self::Step, part: f64) -> Self;
 
     /// So many times that way.
-    fn times(step: &Self::Step, part: f64) -> Self::Step;
+    fn scaled(step: &Self::Step, part: f64) -> Self::Step;
 
     /// How long the way is: by the units of the value, of rotations in radians.
     fn length(step: &Self::Step) -> f64;
@@ -34,7 +34,7 @@ impl Value for DVec3 {
         self + *step * part
     }
 
-    fn times(step: &DVec3, part: f64) -> DVec3 {
+    fn scaled(step: &DVec3, part: f64) -> DVec3 {
         *step * part
     }
 
@@ -70,7 +70,7 @@ impl Value for DQuat {
         self * DQuat::from_xyzw(axis.x * sine, axis.y * sine, axis.z * sine, cosine)
     }
 
-    fn times(turn: &Turn, part: f64) -> Turn {
+    fn scaled(turn: &Turn, part: f64) -> Turn {
         Turn { half_angle: turn.half_angle * part, ..*turn }
     }
 
@@ -138,9 +138,11 @@ impl<T: Value> Track<T> {
         piece.at(time)
     }
 
-    /// Where it changes its way.
+    /// Where it changes its way, from 0 to 1.
     pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
-        self.pieces.iter().map(|piece| piece.from)
+        let first = self.pieces.partition_point(|piece| piece.from < 0.0);
+        let end = self.pieces.partition_point(|piece| piece.from <= 1.0);
+        self.pieces[first..end].iter().map(|piece| piece.from)
     }
 
     /// Within one piece, between two times in it: the value at the first, and the way from there in
@@ -150,7 +152,7 @@ impl<T: Value> Track<T> {
         let piece = self.piece(middle);
         // Before the first key it stays.
         let rate = if middle < piece.from { 0.0 } else { piece.rate };
-        (piece.at(from), T::times(&piece.step, rate))
+        (piece.at(from), T::scaled(&piece.step, rate))
     }
 
     /// Within one piece, between two times in it: the values there, and how fast it changes.

@@ -44,7 +44,8 @@ pub struct Levels {
     pub still: usize,
     /// The ways into those, as long as they are few; else each is computed when it is needed.
     ways: Vec<Way>,
-    /// Those into what moves, where only its shape does and nothing is off by too much.
+    /// Those into what moves, where only its shape does and nothing is off by too much; as long as
+    /// they are few.
     ways_of_moving: Vec<Option<ToMesh>>,
     /// Of each mesh that is kept apart what it takes.
     pub meshes: Vec<Option<Apart>>,
@@ -96,11 +97,15 @@ impl Levels {
     fn find_ways_of_moving(&self) -> Vec<Option<ToMesh>> {
         let placements = self.placed.get();
         let Some(motions) = placements.motions() else { return Vec::new() };
+        let moving = &self.placements[self.still..];
+        if moving.len() > MOST_WAYS || !moving.iter().any(|&placement| motions.stays(placement)) {
+            return Vec::new();
+        }
         let find = |(moving, &placement): (usize, &InstanceId)| {
             let stays = motions.stays(placement).then(|| placements.to_world(placement));
             stays.and_then(|to_world| self.find_way(self.still + moving, &to_world))
         };
-        self.placements[self.still..].par_iter().enumerate().map(find).collect()
+        moving.par_iter().enumerate().map(find).collect()
     }
 
     /// Bytes of the lists of placements, and of the ways and boxes that are kept.
@@ -165,9 +170,9 @@ impl Levels {
     pub fn to_mesh(&self, prim: PrimId, to_world: &Affine3A) -> Option<ToMesh> {
         match prim.index().checked_sub(self.still) {
             None => Some(self.way(prim.index()).to_mesh),
-            Some(moving) => match self.ways_of_moving[moving] {
-                Some(known) => Some(known),
-                None => self.find_way(prim.index(), to_world),
+            Some(moving) => match self.ways_of_moving.get(moving) {
+                Some(Some(known)) => Some(*known),
+                _ => self.find_way(prim.index(), to_world),
             },
         }
     }

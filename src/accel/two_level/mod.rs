@@ -27,9 +27,8 @@
 //! flattened and of parts of placements leads into those of the meshes. In all other rows, and in
 //! these where anything moves, what is flattened has a structure beside the placements, asked
 //! first; in the other rows, slices stay slices there and above, and come ray by ray below. Rows
-//! for packets walk
-//! placements as packets, and meshes with packets of one. Structures that are narrowed to regions
-//! are not, in two levels.
+//! for packets walk placements as packets, and meshes with packets of one. Structures that are
+//! narrowed to regions are not, in two levels.
 //!
 //! # What moves
 //! What moves while the shutter is open is always kept apart, whatever becomes of copies; all that

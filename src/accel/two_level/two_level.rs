@@ -76,11 +76,12 @@ impl TwoLevel {
             None if is_split => {
                 let below = build_meshes(&levels, row(below))?;
                 phases.end("meshes");
-                (Some(row(above)(Arc::new(levels.boxes()))?), below)
+                let above = row(above)(Arc::new(levels.boxes()))?;
+                phases.end("tree of placements");
+                (Some(above), below)
             }
             None => (None, Vec::new()),
         };
-        phases.end("tree of placements");
         let (outline, report) = (levels.outline(), BuildReport::default());
         let mut two_level = Self { levels, flat, above, outline, below, level, report };
         two_level.report = two_level.sum_up(phases);
@@ -148,7 +149,15 @@ fn build_together(
         levels.flat.clone()
     };
     let below = build_meshes(levels, tree)?;
-    WideLevels::build(levels, flat, below, tree, phases)
+    // Beyond one tree of what moves there is one for each other part of the time.
+    let moving = levels.placements.len() - levels.still;
+    Steps::expect(meter, moving * (levels.timed_boxes.parts() - 1));
+    let mut own = phases.clone();
+    let wide = WideLevels::build(levels, flat, below, tree, &mut own)?;
+    if wide.is_some() {
+        *phases = own;
+    }
+    Ok(wide)
 }
 
 /// The structures of all meshes that are kept apart, as [`Levels::spans`] numbers them, built side
@@ -188,12 +197,17 @@ impl Accel for TwoLevel {
 
     fn memory(&self) -> MemoryReport {
         let total = |accel: &dyn Accel| accel.memory().total();
-        MemoryReport::new([
-            ("placements", self.above.iter().map(|accel| total(&**accel)).sum()),
-            ("meshes", self.below.iter().flatten().map(|accel| total(&**accel)).sum()),
-            ("list of placements", self.levels.bytes()),
-            ("flat meshes", self.flat.iter().map(|flat| total(flat)).sum()),
-        ])
+        let mut parts = match &self.above {
+            // It has the meshes and the list as well.
+            Some(together) if self.below.is_empty() => together.memory().parts,
+            above => vec![
+                ("placements", above.iter().map(|accel| total(&**accel)).sum()),
+                ("meshes", self.below.iter().flatten().map(|accel| total(&**accel)).sum()),
+                ("list of placements", self.levels.bytes()),
+            ],
+        };
+        parts.push(("flat meshes", self.flat.iter().map(|flat| total(flat)).sum()));
+        MemoryReport::new(parts)
     }
 
     fn report(&self) -> &BuildReport {
@@ -231,19 +245,19 @@ impl<'a> LevelsTracer<'a> {
         up_to: impl Fn(usize) -> Option<f32>,
     ) {
         let Self { two_level, rays, numbers, times, .. } = self;
-        let (parts, outline) = (&two_level.levels.timed_boxes, &two_level.outline);
+        let (timed_boxes, outline) = (&two_level.levels.timed_boxes, &two_level.outline);
         rays.clear();
         numbers.clear();
         times.clear();
         for (number, ray) in batch.rays().iter().enumerate() {
-            let Some(t_max) = up_to(number) else { continue };
+            let Some(ray) = up_to(number).map(|t| ray.up_to(t)) else { continue };
             let time = batch.times().map_or(0.0, |times| times[number]);
             let meets = outline.as_ref().is_none_or(|outline| {
-                let ray = (&SlabRay::new(ray), ray.t_min());
-                outline.may_meet(simd, parts.part(time), ray, t_max)
+                let slab = (&SlabRay::new(&ray), ray.t_min());
+                outline.may_meet(simd, timed_boxes.part(time), slab, ray.t_max())
             });
             if meets {
-                rays.push(ray.up_to(t_max));
+                rays.push(ray);
                 numbers.push(number as u32);
                 times.push(time);
             }

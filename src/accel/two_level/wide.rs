@@ -2,7 +2,8 @@
 //!
 //! As in [`crate::accel::bvh::wide`] each ray takes one step in turn and asks for what its next one
 //! needs. The tree above is one of parts of placements and of what is flattened, so that the
-//! nearest comes first whichever it is of. A step may lead into a placement: then the ray goes on
+//! nearest comes first whichever it is of; where anything moves, that has a tree of its own, which
+//! comes before. A step may lead into a placement: then the ray goes on
 //! below, in the mesh's space and nodes, on the same stack, where a key of zero marks the way back.
 //! So the memory of both levels is waited for together, and nothing is called through a table.
 
@@ -171,7 +172,7 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         } else {
             counters.count(Event::Restart);
             let number = flight.link.place() - self.levels.first_part;
-            match number.checked_sub(self.levels.still) {
+            match number.checked_sub(self.levels.still_parts) {
                 Some(number) if MOVES => {
                     let moved = &mut moved[flight.own];
                     self.enter_moving(number, flight, (stack, local, moved))?;
@@ -205,10 +206,10 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
     ) -> ControlFlow<()> {
         counters.count(Event::Leaf);
         let block = self.stripes.block(flight.link);
-        let WideLevels { flat, first_moving, still, first_part, .. } = self.levels;
+        let WideLevels { flat, first_moving, still_parts, first_part, .. } = self.levels;
         // Trees of what moves have boxes alone, which count on behind those of the other.
         let (first_box, before) = if MOVES && flight.link.place() >= *first_moving {
-            (0, *still)
+            (0, *still_parts)
         } else {
             (flat.len() as u32, 0)
         };
@@ -371,7 +372,7 @@ impl Traverse for WideLevels {
             answers: &mut *slice.answers,
             counters: &mut *slice.counters,
         };
-        if self.are_moving() {
+        if self.has_moving_trees() {
             self.fly::<_, _, _, true>(slice, scratch);
         } else {
             self.fly::<_, _, _, false>(slice, scratch);

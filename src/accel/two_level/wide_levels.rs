@@ -25,7 +25,7 @@ pub const W: usize = 8;
 pub struct WideLevels {
     /// How the scene is divided.
     pub levels: Arc<Levels>,
-    /// What is flattened of it, and in the upper tree.
+    /// What is flattened and in the upper tree; nothing where anything moves.
     pub flat: FlatTriangles,
     /// The upper trees: of what stands still, then of what moves, by parts of the time.
     pub above: Trees,
@@ -35,8 +35,8 @@ pub struct WideLevels {
     pub first_moving: usize,
     /// Places of leaves from here on are parts of placements, and behind them what moves.
     pub first_part: usize,
-    /// How many of those stand still.
-    pub still: usize,
+    /// How many parts, or whole placements, stand still.
+    pub still_parts: usize,
     /// What the upper tree has of placements; none if it has them whole.
     parts: Vec<Part>,
     built: Built,
@@ -75,7 +75,7 @@ impl WideLevels {
             None => (Vec::new(), Box::new(levels.boxes_of_still()) as Box<dyn TriangleSource>),
         };
         phases.end("parts of placements");
-        let (first_box, still) = (flat.len(), boxes.len());
+        let (first_box, still_parts) = (flat.len(), boxes.len());
         let together = Together { flat: flat.clone(), boxes };
         BuildError::check_count(together.len())?;
         let standing = tree(Arc::new(together))?;
@@ -86,20 +86,31 @@ impl WideLevels {
         let depth = of_all().map(|tree| tree.report().max_depth).max().unwrap_or(0) + deepest + 3;
         let first_moving = standing.arena.stripes().count();
         let first_part: usize = of_all().map(|tree| tree.arena.stripes().count()).sum();
-        let count = still + levels.placements.len() - levels.still;
+        let count = still_parts + levels.placements.len() - levels.still;
         let are_walkable = of_all().all(WideBvh::stores_triangles);
         if depth > DEEPEST || first_part + count >= Link::LIMIT || !are_walkable {
             return Ok(None);
         }
-        let mut report = standing.report().clone();
+        let first = of_all().find(|tree| tree.root.is_some()).unwrap_or(&standing);
+        let mut report = first.report().clone();
         (report.phases, report.triangles) = (phases.clone().ended(), levels.placed.len());
         report.nodes = of_all().map(|tree| tree.report().nodes).sum::<usize>() + nodes;
         report.leaves = of_all().map(|tree| tree.report().leaves).sum::<usize>() + leaves;
         let built = Built { level: standing.level(), report };
-        let numbers = (first_part, first_box, still);
+        let numbers = (first_part, first_box, still_parts);
         let Some(above) = bring_together(standing, moving, numbers)? else { return Ok(None) };
         let levels = Arc::clone(levels);
-        Ok(Some(Self { levels, flat, above, below, first_moving, first_part, still, parts, built }))
+        Ok(Some(Self {
+            levels,
+            flat,
+            above,
+            below,
+            first_moving,
+            first_part,
+            still_parts,
+            parts,
+            built,
+        }))
     }
 
     /// A part of a placement that stands still, by its number.
@@ -122,7 +133,7 @@ impl WideLevels {
 
     /// Whether there are such trees.
     #[inline(always)]
-    pub fn are_moving(&self) -> bool {
+    pub fn has_moving_trees(&self) -> bool {
         self.first_moving < self.first_part
     }
 
@@ -159,7 +170,7 @@ fn build_moving(
 fn bring_together(
     mut standing: WideBvh<W>,
     mut moving: Vec<WideBvh<W>>,
-    (first_part, first_box, still): (usize, usize, usize),
+    (first_part, first_box, still_parts): (usize, usize, usize),
 ) -> Result<Option<Trees>, BuildError> {
     let pass_by = |tree: &mut WideBvh<W>, first_tree: usize, first_box: usize, before: usize| {
         tree.redirect(|ids| {
@@ -174,7 +185,7 @@ fn bring_together(
     }
     let mut first_tree = standing.arena.stripes().count();
     for tree in &mut moving {
-        pass_by(tree, first_tree, 0, still);
+        pass_by(tree, first_tree, 0, still_parts);
         first_tree += tree.arena.stripes().count();
     }
     Trees::new(std::iter::once(standing).chain(moving).map(Some).collect())

@@ -57,9 +57,6 @@ pub(super) struct Recipe {
 /// the skin, and the node if its weights change while the shutter is open.
 type Key = (Geometry, Option<MaterialId>, Option<usize>, Option<usize>);
 
-/// About what the motion of a placement takes.
-const MOTION_BYTES: u64 = 512;
-
 /// How a mesh is bent before it is placed.
 #[derive(Clone, Default)]
 struct Pose<'a> {
@@ -121,7 +118,7 @@ impl<'a> Builder<'a> {
         }
         let parts = self.parts(mesh, &pose, notices)?;
         let count = copies.count.saturating_mul(parts.len() as u64);
-        self.make_room(count, copies.place, pose.motion.is_some())?;
+        self.make_room(count, copies.place, pose.motion.as_deref())?;
         for number in 0..copies.count as usize {
             let placement = copies.placement(number)?;
             let motion = pose.motion.as_ref().map(|motion| Arc::new(motion.around(placement)));
@@ -152,7 +149,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), Fault> {
         let parts = self.parts(mesh, pose, notices)?;
         let place = format!("/nodes/{}", at.node);
-        self.make_room(parts.len() as u64, &place, pose.motion.is_some())?;
+        self.make_room(parts.len() as u64, &place, pose.motion.as_deref())?;
         self.put(&parts, at, pose.motion.as_ref())
     }
 
@@ -182,10 +179,10 @@ impl<'a> Builder<'a> {
         Ok(parts)
     }
 
-    fn make_room(&mut self, more: u64, place: &str, moving: bool) -> Result<(), Fault> {
+    fn make_room(&mut self, more: u64, place: &str, motion: Option<&Motion>) -> Result<(), Fault> {
         self.storage.reserve_placements(place, more)?;
-        if moving {
-            self.storage.reserve(place, more.saturating_mul(MOTION_BYTES))?;
+        if let Some(motion) = motion {
+            self.storage.reserve(place, more.saturating_mul(motion.bytes() as u64))?;
         }
         placement::make_room(&mut self.scene.instances, more)
             .map_err(|error| Fault::new(place, error.to_string()))
