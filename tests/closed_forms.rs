@@ -135,6 +135,34 @@ fn a_square_light_gives_its_form_factor() {
     assert_mean(&run(scene, &camera, &settings(32, 256, 2)), 0.5 * 3.0 * 4.0 * quarter);
 }
 
+/// A coordinate of zero has no rounding error, so that nothing but the segment's own keeps light
+/// that was sampled off the lamp that it comes from.
+#[test]
+fn lamps_at_a_coordinate_of_zero_are_not_in_their_own_light() {
+    let shining = || Material { emissive: Vec3::splat(3.0), ..lambert(0.0) };
+    let root = 2.0_f32.sqrt();
+    let quarter = 1.0 / (2.0 * PI) * 2.0 * (1.0 / root) * libm::atanf(1.0 / root);
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        let (right, up) = (Vec3::new(axis.y, axis.z, axis.x), Vec3::new(axis.z, axis.x, axis.y));
+        for height in [0.7, 1.0, 3.0, 1000.0] {
+            for off in [0.0, 1e-9, -1e-7] {
+                let lamp = rectangle(axis * off, up * height, right * height);
+                let far = rectangle(axis * height, right * (5.0 * height), up * (5.0 * height));
+                let scene = scene([(far, lambert(0.5)), (lamp, shining())]);
+                // From beside the lamp; the spot is small.
+                let eye = axis * (0.5 * height) + right * (3.0 * height);
+                let camera = Camera::look_at(eye, axis * height, axis, 1e-3);
+                let rendered = run(scene, &camera, &settings(16, 64, 2));
+                let (found, error) = mean(&rendered.picture);
+                let expected = 0.5 * 3.0 * 4.0 * quarter;
+                let off_by = (found - expected).abs();
+                let at = format!("{axis} {height} {off}: {found} +- {error}, not {expected}");
+                assert!(off_by < 5.0 * error && off_by < 0.02 * expected, "{at}");
+            }
+        }
+    }
+}
+
 #[test]
 fn emitters_shine_from_their_front_unless_double_sided() {
     for (double_sided, expected) in [(false, 0.0), (true, 2.0)] {

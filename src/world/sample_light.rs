@@ -7,6 +7,12 @@ use super::{Surface, World};
 use crate::light::{LightSampleContext, Punctual, area_to_solid_angle, sample_triangle};
 use crate::math::{Ray, TriangleId, Vec2, Vec3};
 
+/// What bounds the error of a segment's end, over the segment's length along each axis: 2^-22.
+/// It is kept as its origin and the rounded way to its end, half a unit in the last place off, and
+/// parted anew at each border that it passes. At a coordinate of zero, points themselves have no
+/// error that would keep it off a light.
+pub(super) const SEGMENT_ERROR: f32 = 2.0 * f32::EPSILON;
+
 /// A light chosen for a point, and a direction to it.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
@@ -125,6 +131,7 @@ impl World {
         }
         // From beyond this surface to short of the light's, both by their errors.
         let (point, error) = triangle_point(&triangle, sample.uv.x, sample.uv.y, self.slack);
+        let error = error + towards.abs() * SEGMENT_ERROR;
         let end = offset_origin(point, error, sample.normal, -direction);
         let ray = segment(surface, direction, end);
         Some(LightSample { direction, radiance, pdf, delta: false, ray, end: Some(end) })

@@ -3,6 +3,7 @@
 use super::super::World;
 use super::super::emitters::Emitter;
 use super::super::lights::ChosenLight;
+use super::super::sample_light::SEGMENT_ERROR;
 use super::environment::sample_environment;
 use super::light_samples::LightSamples;
 use super::surface::{SurfaceLanes, offset_origin, triangle_point};
@@ -163,6 +164,7 @@ fn sample_triangles<L: Lanes>(
     let direction = towards.scale(inverse);
     let cosine = -normal.dot(direction);
     let pdf = pmf * (distance2 / (area * cosine.abs()));
+    let error = error + towards.abs().scale(lanes.float(SEGMENT_ERROR));
     let end = offset_origin(lanes, point, error, normal, -direction);
     LightSamples {
         direction,
