@@ -252,12 +252,14 @@ fn peak_bytes(decoder: &impl ImageDecoder, format: ImageFormat) -> u64 {
 /// All values of 8 bits, in `room` if it is large enough.
 fn read_into(mut room: Vec<u8>, decoder: impl ImageDecoder) -> Result<Vec<u8>, ImageError> {
     let length = decoder.total_bytes() as usize;
+    // Zeros throughout: decoders leave out what a damaged file lacks. Those of new memory take none
+    // until something is decoded.
     if room.capacity() < length {
         room = vec![0; length];
+    } else {
+        room.clear();
+        room.resize(length, 0);
     }
-    // Decoders leave out what a damaged file lacks.
-    room.clear();
-    room.resize(length, 0);
     decoder.read_image(&mut room)?;
     Ok(room)
 }
