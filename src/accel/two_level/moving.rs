@@ -52,6 +52,9 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
     }
 
     /// Tests the triangles of a leaf in a mesh, as they are at the ray's time.
+    ///
+    /// It has its own loop over lanes: with one function for this and for what stands still, rays
+    /// in a hall of robots take 5 to 9 % longer.
     #[inline(always)]
     pub fn test_moving_leaf<S: Simd, Q: Query, C: Counters>(
         &self,
