@@ -65,15 +65,22 @@ impl ShearRay {
     /// `t`. The fourth lane has no meaning.
     #[inline(always)]
     fn project<S: Simd>(&self, simd: S, corners: &impl Corners) -> [f64x4<S>; 3] {
-        let along = |axis: usize| {
-            let [a, b, c] = corners.along(axis);
-            let (low, high) = f32x4::load_array(simd, [a, b, c, 0.0]).widen();
-            low.combine(high) - self.origin[axis]
-        };
-        // They are below 3; where the compiler knows, it checks no bounds.
-        let [x, y, z] = self.axes.map(|axis| axis.min(2));
-        let (x, y, z) = (along(x), along(y), along(z));
+        let [x, y, z] = self.axes;
+        let x = self.project_along(simd, corners, x);
+        let y = self.project_along(simd, corners, y);
+        let z = self.project_along(simd, corners, z);
         [x - z * self.shear[0], y - z * self.shear[1], z * self.shear[2]]
+    }
+
+    /// The vertices' coordinates along an axis, from the ray's origin. (No closure: where one is
+    /// not inlined, it is compiled for no instruction set.)
+    #[inline(always)]
+    fn project_along<S: Simd>(&self, simd: S, corners: &impl Corners, axis: usize) -> f64x4<S> {
+        // It is below 3; where the compiler knows, it checks no bounds.
+        let axis = axis.min(2);
+        let [a, b, c] = corners.along(axis);
+        let (low, high) = f32x4::load_array(simd, [a, b, c, 0.0]).widen();
+        low.combine(high) - self.origin[axis]
     }
 }
 
