@@ -11,8 +11,21 @@ use dapple::scene::{Instance, Material, Transform, Triangles};
 use dapple::testing::Random;
 use dapple::{AccelSpec, AnyHit, Batch, ClosestHit, Isa, Scene, VARIANTS, build};
 
-/// The times of the rays, in turn.
-const TIMES: [f32; 8] = [0.0, 0.125, 0.33, 0.5, 0.666, 0.75, 0.999, 1.0];
+/// The times of the rays, in turn; some beside those at which things jump.
+const TIMES: [f32; 12] = [
+    0.0,
+    0.125,
+    0.33,
+    0.399_999_98,
+    0.400_000_03,
+    0.5_f32.next_down(),
+    0.5,
+    0.666,
+    0.75,
+    0.999,
+    1.0_f32.next_down(),
+    1.0,
+];
 
 /// Triangles about the origin.
 fn soup(seed: u64, count: u32) -> Mesh {
@@ -119,6 +132,46 @@ fn crowd() -> Scene {
     scene
 }
 
+/// So many of: one triangle that spins, five that jump as well, twelve on a way of two links, and
+/// three that are bent, last of all just before the shutter closes.
+fn small(count: usize) -> Scene {
+    let meshes = [soup(11, 1), soup(12, 5), soup(13, 12), soup(14, 3)];
+    let (one, jump) = (DVec3::ONE, DVec3::new(1.0, 0.5, 0.0));
+    let jumping = Link::Moving(Arc::new(MovingParts {
+        translation: Track::new(&[(0.0, one), (0.5, jump), (0.5, -jump), (1.0, one), (1.0, jump)])
+            .expect("has keys"),
+        rotation: Track::new(&[(0.0, DQuat::IDENTITY), (1.0, DQuat::from_rotation_y(2.0))])
+            .expect("has keys"),
+        scale: Track::still(DVec3::new(1.0, -0.5, 2.0)),
+    }));
+    let spin = turning(DVec3::new(0.3, 0.2, 1.0), 2.8, [one, one], DVec3::X);
+    let wide = turning(DVec3::Y, 0.4, [one, one * 2.0], DVec3::Y);
+    let ways = [vec![spin.clone()], vec![jumping], vec![wide, spin]];
+    let bent = |(time, by): (f64, f32)| {
+        let positions = meshes[3].positions.iter().map(|p| *p + Vec3::new(by, by * p.x, 0.0));
+        VertexKey { time, positions: positions.collect(), ..VertexKey::default() }
+    };
+    let keys = [(0.0, 0.0), (0.3, 2.0), (0.5, 1.0), (1.0 - 1e-8, 1.5), (1.0, 4.0)];
+    let deformation = Deformation::new(keys.map(bent).to_vec()).expect("has keys");
+    let mut scene = Scene {
+        meshes: meshes.map(Arc::new).to_vec(),
+        materials: vec![Material::default()],
+        ..Scene::default()
+    };
+    for (number, links) in ways.into_iter().map(Some).chain([None]).take(count).enumerate() {
+        let motion = links.map(|links| Motion::new(links).expect("moves"));
+        let start = motion.as_ref().map_or(DAffine3::IDENTITY, |motion| motion.at(0.0));
+        let start = Affine3A::from_cols_array(&start.to_cols_array().map(|x| x as f32));
+        let (transform, material) = (Transform::new(start), MaterialId(0));
+        scene.instances.push(Instance { mesh: MeshId(number as u32), material, transform });
+        match motion {
+            Some(motion) => scene.motion_mut().move_placement(number, Arc::new(motion)),
+            None => scene.motion_mut().deform(3, Arc::new(deformation.clone())),
+        }
+    }
+    scene
+}
+
 /// Rays at what is there at their times, each with its time.
 fn rays(triangles: &Triangles, count: u32) -> (Vec<Ray>, Vec<f32>) {
     let times: Vec<f32> = (0..count).map(|i| TIMES[i as usize % TIMES.len()]).collect();
@@ -199,6 +252,24 @@ fn a_crowd_is_seen_as_brute_force_sees_it() {
     for spec in ["auto", "mbvh8", "mbvh4", "bvh2"] {
         for instances in ["flat", "two-level"] {
             compare(&format!("{spec}:instances={instances}"), &triangles, (&rays, &times));
+        }
+    }
+}
+
+#[test]
+fn small_things_are_seen_as_brute_force_sees_them() {
+    for count in 1..=4 {
+        let triangles = Arc::new(Triangles::new(Arc::new(small(count))).expect("few"));
+        let (rays, times) = rays(&triangles, 1200);
+        for row in ["auto", "mbvh8", "mbvh8:triangles=indexed", "mbvh8:triangles=cache", "bvh2"] {
+            for instances in ["flat", "two-level"] {
+                let options = if row.contains(':') { "," } else { ":" };
+                compare(
+                    &format!("{row}{options}instances={instances}"),
+                    &triangles,
+                    (&rays, &times),
+                );
+            }
         }
     }
 }

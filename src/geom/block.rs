@@ -131,13 +131,7 @@ impl<const W: usize> BlockRef<'_, W> {
         S: Simd,
         V: SimdFloat<S, Element = f32, Array = [f32; W]>,
     {
-        let splat = |p: Vec3| [V::splat(simd, p.x), V::splat(simd, p.y), V::splat(simd, p.z)];
-        let d_norm = V::splat(simd, ray.direction().abs().element_sum());
-        let rays = [splat(ray.origin()), splat(ray.direction())];
-        // With what rounding takes off the bounds.
-        let off = V::splat(simd, 1.001 * slack);
-        let passes = self.edges::<S, V>(simd).find_near(rays, d_norm, V::splat(simd, t_max), off);
-        (passes & ((1_u64 << W) - 1)) as u32
+        self.edges::<S, V>(simd).find_near_ray(simd, ray, t_max, slack)
     }
 
     /// Bit `i` is set if the ray enters the box from vertex `a` to vertex `b` of lane `i` at or
@@ -218,6 +212,28 @@ impl<V> Edges<V> {
         V: SimdFloat<S, Element = f32>,
     {
         self.find(rays, d_norm, t_max, Some(off))
+    }
+
+    /// The same of one ray.
+    #[inline(always)]
+    pub fn find_near_ray<S, const W: usize>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        t_max: f32,
+        slack: f32,
+    ) -> u32
+    where
+        S: Simd,
+        V: SimdFloat<S, Element = f32, Array = [f32; W]>,
+    {
+        let splat = |p: Vec3| [V::splat(simd, p.x), V::splat(simd, p.y), V::splat(simd, p.z)];
+        let d_norm = V::splat(simd, ray.direction().abs().element_sum());
+        let rays = [splat(ray.origin()), splat(ray.direction())];
+        // With what rounding takes off the bounds.
+        let off = V::splat(simd, 1.001 * slack);
+        let passes = self.find_near(rays, d_norm, V::splat(simd, t_max), off);
+        (passes & ((1_u64 << W) - 1)) as u32
     }
 
     #[inline(always)]

@@ -88,6 +88,26 @@ impl Deformation {
         Aabb { min: all.min - room, max: all.max + room }
     }
 
+    /// By how much vertices leave the straight lines between where they are at two times, along any
+    /// axis, in between; with room for what they are rounded.
+    pub fn bend(&self, corners: [u32; 3], [from, to]: [f32; 2]) -> f32 {
+        let ends = [from, to].map(|time| self.between(time));
+        let (first, last) = (self.before(from), self.before(to) + 1);
+        let mut bend = 0.0_f32;
+        for key in &self.keys[first..=last] {
+            let part = (key.time - f64::from(from)) / f64::from(to - from);
+            for corner in corners.map(|corner| corner as usize) {
+                let (at, [from, to]) =
+                    (key.positions[corner], ends.map(|end| end.position(corner)));
+                let within = (0.0..=1.0).contains(&part);
+                let straight = if within { mix(from, to, part as f32) } else { at };
+                let room = at.abs().max_element() * BETWEEN_KEYS;
+                bend = bend.max((at - straight).abs().max_element() + 2.0 * room);
+            }
+        }
+        bend
+    }
+
     /// The number of the key before a time, which is not the last one.
     #[inline]
     fn before(&self, time: f32) -> usize {
@@ -230,5 +250,25 @@ mod tests {
             let room = (held.max - tight.max).max(tight.min - held.min).max_element();
             assert!(room < 0.01, "{span:?}: {room}");
         }
+    }
+
+    #[test]
+    fn vertices_bend_by_what_they_leave_a_straight_line_at_keys_between() {
+        let key = |time: f64, y: f32| VertexKey {
+            time,
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(0.0, y, 0.0)],
+            ..VertexKey::default()
+        };
+        let moving = Deformation::new(vec![key(0.0, 0.0), key(0.5, 3.0), key(1.0, 4.0)]);
+        let moving = moving.expect("has keys");
+        let is_about = |span, expected: f32| {
+            let bend = moving.bend([0, 1, 2], span);
+            assert!((0.0..1e-4).contains(&(bend - expected)), "{span:?}: {bend}");
+        };
+        is_about([0.0, 1.0], 1.0);
+        is_about([0.25, 0.75], 0.5);
+        is_about([0.0, 0.5], 0.0);
+        is_about([0.5, 0.75], 0.0);
+        assert!(moving.bend([0, 1, 0], [0.0, 1.0]) < 1e-4, "those stay");
     }
 }

@@ -6,6 +6,7 @@
 //! | `intersect_bundle` | the same for a bundle of eight rays |
 //! | `intersect_pairs`, `ray_lanes` | the same for sixteen pairs of a ray and a triangle |
 //! | [`block`] | the filter: many triangles against one ray |
+//! | `moving_block` | the same for triangles that move |
 //! | [`planes`] | the filter: rays in lanes against one triangle after the other |
 //! | [`bundle`] | bundles of eight rays: the slab test and the filter |
 //! | [`slab`] | the slab test, and why culling by it is exact |
@@ -24,6 +25,7 @@ mod intersect_bundle;
 mod intersect_pairs;
 pub mod intersect_triangle;
 mod mesh;
+mod moving_block;
 mod numbering;
 pub mod planes;
 mod ray_lanes;
@@ -44,6 +46,7 @@ pub use intersect_bundle::BundleHits;
 pub use intersect_pairs::{PairHits, PairTriangle};
 pub use intersect_triangle::{ShearRay, intersect_triangle};
 pub use mesh::Mesh;
+pub use moving_block::{MovingBlock, MovingTriangle};
 pub use numbering::Numbering;
 pub use planes::{FilterLanes, FilterPlane, FilterSides, Reach};
 pub use ray_lanes::RayLanes;

@@ -139,6 +139,19 @@ pub trait Motions: Send + Sync {
     /// The box that holds the [`own_box`] of a triangle of a mesh from one time to another.
     fn own_box_over(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> Aabb;
 
+    /// By how much the vertices of a triangle leave the straight lines between where they are at
+    /// two times, in the mesh's space, in between.
+    fn bend_of_mesh(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> f32;
+
+    /// By how much points within `reach` of the origin of the mesh's space leave the straight lines
+    /// between where they are at two times, in the world; `None` where that is not known, since the
+    /// placement does not move evenly in between.
+    fn bend(&self, placement: InstanceId, reach: f64, span: [f64; 2]) -> Option<f64>;
+
+    /// The same of the way back: in the mesh's space, of points that stand still in the world,
+    /// where in between one within `reach` is.
+    fn bend_back(&self, placement: InstanceId, reach: f64, span: [f64; 2]) -> Option<f64>;
+
     /// Pieces of the time, in each of which nothing within `reach` of the origin of the mesh's
     /// space moves further than about `margin` in the world, unless the motion is too fast.
     fn pieces(&self, placement: InstanceId, reach: f64, margin: f64) -> Vec<Piece>;

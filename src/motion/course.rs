@@ -20,11 +20,14 @@ use super::link::{Link, MovingParts};
 pub struct Course {
     /// In the order of time; never empty.
     pieces: Vec<CoursePiece>,
+    /// When each begins.
+    begins: Vec<f64>,
 }
 
 /// A chain from one key to the next.
 #[derive(Clone, Copy, Debug)]
 struct CoursePiece {
+    /// When it begins.
     from: f64,
     /// Half of the angle that it turns by, radians in one unit of time.
     half_rate: f64,
@@ -57,18 +60,20 @@ impl Course {
         let around = (still(outer), still(inner));
         let piece = |pair: &[f64]| CoursePiece::new(parts, [pair[0], pair[1]], &around);
         let pieces: Vec<CoursePiece> = times.windows(2).map(piece).collect();
-        (!pieces.is_empty()).then_some(Self { pieces })
+        let begins = pieces.iter().map(|piece| piece.from).collect();
+        (!pieces.is_empty()).then_some(Self { pieces, begins })
     }
 
     /// Bytes of its pieces.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.pieces)
+        size_of_val(&*self.pieces) + size_of_val(&*self.begins)
     }
 
     /// The whole transform at a time from 0 to below 1.
     #[inline]
     pub fn at(&self, time: f64) -> DAffine3 {
-        let after = self.pieces.partition_point(|piece| piece.from <= time);
+        // They are few: to count them all is faster than to guess at each.
+        let after = self.begins.iter().map(|&from| usize::from(from <= time)).sum::<usize>();
         self.pieces[after.saturating_sub(1)].at(time)
     }
 }

@@ -4,13 +4,13 @@ use super::placement::narrow;
 use super::{Scene, SceneMotion, Transform};
 use crate::geom::Posed;
 use crate::light::Punctual;
-use crate::math::{InstanceId, MeshId};
+use crate::math::{Affine3A, InstanceId, MeshId};
 use crate::motion::Motion;
 
 /// From a moving space to the world at a time.
 #[inline]
-fn transform_of(motion: &Motion, time: f32) -> Transform {
-    Transform::new(narrow(&motion.at(f64::from(time))))
+fn to_world_of(motion: &Motion, time: f32) -> Affine3A {
+    narrow(&motion.at(f64::from(time)))
 }
 
 impl Scene {
@@ -23,9 +23,18 @@ impl Scene {
     #[inline(always)]
     pub fn transform_at(&self, instance: InstanceId, time: f32) -> Transform {
         let still = &self.instances[instance.index()].transform;
-        let Some(motion) = &self.motion else { return *still };
-        let moves = motion.placement(instance.index());
-        moves.map_or(*still, |motion| transform_of(motion, time))
+        let moves = self.motion.as_ref().and_then(|motion| motion.placement(instance.index()));
+        moves.map_or(*still, |motion| Transform::new(to_world_of(motion, time)))
+    }
+
+    /// From the space of an instance's mesh to the world at a time.
+    #[inline]
+    pub fn to_world_at(&self, instance: InstanceId, time: f32) -> Affine3A {
+        let moves = self.motion.as_ref().and_then(|motion| motion.placement(instance.index()));
+        match moves {
+            Some(motion) => to_world_of(motion, time),
+            None => self.instances[instance.index()].transform.to_world(),
+        }
     }
 
     /// A mesh at a time.

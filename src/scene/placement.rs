@@ -1,6 +1,6 @@
 //! Where things are placed, in f64 until it is settled, and what may not be.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Mat3A};
 
 use super::Instance;
 use crate::files::memory::{self, TooMuch};
@@ -46,7 +46,9 @@ pub fn make_room(instances: &mut Vec<Instance>, more: u64) -> Result<(), NoRoom>
 
 /// A transform in f32.
 pub fn narrow(to_world: &DAffine3) -> Affine3A {
-    Affine3A::from_cols_array(&to_world.to_cols_array().map(|x| x as f32))
+    let DAffine3 { matrix3, translation } = *to_world;
+    let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(DVec3::as_vec3a);
+    Affine3A { matrix3: Mat3A::from_cols(x, y, z), translation: translation.as_vec3a() }
 }
 
 /// A light at its node; its strength is not scaled with it. None if it has a direction and the

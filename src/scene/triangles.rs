@@ -177,7 +177,7 @@ impl Motions for Triangles {
 
     #[inline]
     fn to_world_at(&self, placement: InstanceId, time: f32) -> Affine3A {
-        self.scene.transform_at(placement, time).to_world()
+        self.scene.to_world_at(placement, time)
     }
 
     fn mesh_at(&self, mesh: MeshId, time: f32) -> Posed<'_> {
@@ -197,6 +197,27 @@ impl Motions for Triangles {
             return own_box(&self.mesh_triangle(mesh, index));
         };
         deformation.own_box(self.scene.meshes[mesh.index()].indices[index as usize], span)
+    }
+
+    fn bend_of_mesh(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> f32 {
+        let corners = || self.scene.meshes[mesh.index()].indices[index as usize];
+        self.deformation(mesh).map_or(0.0, |deformation| deformation.bend(corners(), span))
+    }
+
+    fn bend(&self, placement: InstanceId, reach: f64, span: [f64; 2]) -> Option<f64> {
+        let motion = self.scene.motion.as_ref();
+        match motion.and_then(|motion| motion.placement(placement.index())) {
+            Some(motion) => motion.bend(reach, span),
+            None => Some(0.0),
+        }
+    }
+
+    fn bend_back(&self, placement: InstanceId, reach: f64, span: [f64; 2]) -> Option<f64> {
+        let motion = self.scene.motion.as_ref();
+        match motion.and_then(|motion| motion.placement(placement.index())) {
+            Some(motion) => motion.bend_back(reach, span),
+            None => Some(0.0),
+        }
     }
 
     fn pieces(&self, placement: InstanceId, reach: f64, margin: f64) -> Vec<Piece> {

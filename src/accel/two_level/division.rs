@@ -22,6 +22,20 @@ pub struct Apart {
     pub deforming: bool,
 }
 
+impl Apart {
+    fn new(shape: &Shape, off: f32, deforming: bool) -> Self {
+        let slack = shape.slack(off);
+        Self { off, slack, grown: shape.grown(slack), deforming }
+    }
+
+    /// Allows for vertices that are `off` in the space of a mesh of a `shape`.
+    pub fn allow(&mut self, shape: &Shape, off: f32) {
+        if off > self.off {
+            *self = Self::new(shape, off, self.deforming);
+        }
+    }
+}
+
 /// A scene's placements, divided.
 pub struct Division {
     /// Those that are kept apart, in order, but for what moves, which comes last.
@@ -79,9 +93,9 @@ impl Division {
         let still = apart.partition_point(|placement| !moves(placement));
         let keep = |(mesh, (shape, &off)): (usize, (&Option<Shape>, &f32))| {
             let shape = shape.as_ref().filter(|_| off >= 0.0)?;
-            let (mesh, slack) = (MeshId::from_index(mesh), shape.slack(off));
+            let mesh = MeshId::from_index(mesh);
             let deforming = motions.is_some_and(|motions| motions.is_deforming(mesh));
-            Some(Apart { off, slack, grown: shape.grown(slack), deforming })
+            Some(Apart::new(shape, off, deforming))
         };
         let meshes = shapes.iter().zip(&off).enumerate().map(keep).collect();
         Self { apart, still, flat, shapes, meshes }

@@ -10,6 +10,7 @@ use super::placement::{Shape, ToMesh, world_box};
 use super::sources::{FlatTriangles, MeshTriangles, Placed, PlacementBoxes};
 use super::spans::Spans;
 use super::timed_boxes::TimedBoxes;
+use super::timed_ways::TimedWays;
 use crate::accel::{Phases, PreparedRay};
 use crate::geom::{Placements, TriangleSource};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
@@ -53,11 +54,14 @@ pub struct Levels {
     pub spans: Spans,
     /// The triangles of what is flattened.
     pub flat: FlatTriangles,
-    shapes: Arc<[Option<Shape>]>,
+    /// What all placements of a mesh have in common, of each that is kept apart.
+    pub shapes: Arc<[Option<Shape>]>,
     /// The boxes of all placements if anything moves, else none; see [`find_boxes`].
     boxes: Arc<[Aabb]>,
     /// Those of what moves at its times.
     pub timed_boxes: TimedBoxes,
+    /// The ways into that, as far as they were asked for.
+    pub timed_ways: TimedWays,
 }
 
 /// Each takes 104 bytes.
@@ -89,9 +93,21 @@ impl Levels {
             shapes,
             boxes,
             timed_boxes,
+            timed_ways: TimedWays::default(),
         };
         levels.ways_of_moving = levels.find_ways_of_moving();
         levels
+    }
+
+    /// Has ways into some of what moves, by its numbers, in order. Boxes of meshes may grow by
+    /// that.
+    #[must_use]
+    pub fn with_timed_ways(mut self, moving: &[u32]) -> Self {
+        let all = &self.placements[self.still..];
+        let known = (&*self.shapes, &self.timed_boxes);
+        let (placements, meshes) = (self.placed.get(), &mut self.meshes);
+        self.timed_ways = TimedWays::new(placements, (all, moving), known, meshes);
+        self
     }
 
     fn find_ways_of_moving(&self) -> Vec<Option<ToMesh>> {
@@ -112,7 +128,7 @@ impl Levels {
     pub fn bytes(&self) -> usize {
         let lists = size_of_val(&*self.placements) + size_of_val(&*self.boxes);
         let ways = size_of_val(&*self.ways) + size_of_val(&*self.ways_of_moving);
-        lists + ways + self.timed_boxes.bytes()
+        lists + ways + self.timed_boxes.bytes() + self.timed_ways.bytes()
     }
 
     /// How many triangles and placements the structures are built over.
@@ -156,12 +172,17 @@ impl Levels {
     #[inline]
     pub fn placement(&self, prim: PrimId, time: f32) -> (InstanceId, Affine3A) {
         let placement = self.placements[prim.index()];
+        (placement, self.to_world_at(placement, time))
+    }
+
+    /// Where a placement stands at a time.
+    #[inline]
+    pub fn to_world_at(&self, placement: InstanceId, time: f32) -> Affine3A {
         let placements = self.placed.get();
-        let to_world = match placements.motions() {
+        match placements.motions() {
             None => placements.to_world(placement),
             Some(motions) => motions.to_world_at(placement, time),
-        };
-        (placement, to_world)
+        }
     }
 
     /// The way into a placement's mesh, where it stands at `to_world` at a ray's time; `None` if
@@ -204,8 +225,13 @@ impl Levels {
 
     /// The boxes of those that move over a part of the time, of [`TimedBoxes::parts`].
     pub fn boxes_of_moving(&self, part: usize) -> Vec<Aabb> {
-        let over = |(moving, &ever): (usize, &Aabb)| *self.timed_boxes.over(moving, part, &ever);
-        self.boxes[self.still..].iter().enumerate().map(over).collect()
+        let moving = 0..self.placements.len() - self.still;
+        moving.map(|moving| self.box_of_moving(moving, part)).collect()
+    }
+
+    /// The box of one of them.
+    pub fn box_of_moving(&self, moving: usize, part: usize) -> Aabb {
+        *self.timed_boxes.over(moving, part, &self.boxes[self.still + moving])
     }
 
     /// What holds all that is kept apart over each part of the time, if anything moves.

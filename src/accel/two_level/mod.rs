@@ -39,10 +39,13 @@
 //!    anything can be from there ([`crate::motion::Motion::pieces`]). Placements also have boxes
 //!    for parts of the time (`timed_boxes`). Hierarchies that are walked together have a tree of
 //!    these for each part, and a ray enters that of its time; the other rows ask the box of the
-//!    ray's time before they take it into the mesh's space.
+//!    ray's time before they take it into the mesh's space. In the former, what has few triangles
+//!    is in such trees triangle by triangle instead (`moving_triangles`).
 //! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
 //!    the placement at the ray's time. What vertices may be off by is looked at for that time;
 //!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.
+//!    Hierarchies that are walked together take a way that is found faster, but off by a little
+//!    more, which the mesh's boxes allow for (`timed_ways`).
 //! 3. A mesh that changes its shape has a structure for each of some pieces of the time
 //!    (`spans`); a ray asks that of its own. It is one of boxes, one a triangle, that hold its own
 //!    boxes over the piece ([`crate::geom::Deformation::own_box`]).
@@ -57,6 +60,7 @@
 //! | `sources` | what the structures are built over |
 //! | `spans` | the structures of meshes, by pieces of the time |
 //! | `timed_boxes` | the boxes of what moves, by parts of the time |
+//! | `timed_ways` | the ways into what moves, by parts of the time |
 //! | `outline` | which rays are asked about where anything moves |
 //! | `trees` | some trees in one piece of memory |
 //! | `parts` | placements opened |
@@ -65,19 +69,24 @@
 //! | `wide_levels` | hierarchies of eight children on both levels |
 //! | `wide` | the walk through them, in flight |
 //! | `moving` | the same, of what moves |
+//! | `moving_triangles` | what moves and is small, in the upper trees |
+//! | `upper_trees` | the trees above the meshes |
 
 mod division;
 mod levels;
 mod moving;
+mod moving_triangles;
 mod outline;
 mod parts;
 pub mod placement;
 mod sources;
 mod spans;
 mod timed_boxes;
+mod timed_ways;
 mod trees;
 #[allow(clippy::module_inception)] // what a reader looks for
 mod two_level;
+mod upper_trees;
 mod verdict;
 mod wide;
 mod wide_levels;

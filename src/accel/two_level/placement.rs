@@ -18,7 +18,7 @@
 //! to count. What the verdict computes is off by a few of its own roundings, `2^-20 t` at most with
 //! room to spare, and by that much the limit is raised behind which boxes do not matter.
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use crate::geom::{Motions, Placements};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, Ray};
@@ -111,7 +111,27 @@ impl Shape {
         boxes.into_iter().map(|(_, held)| held).fold(Aabb::EMPTY, Aabb::union)
     }
 
-    fn size(&self) -> f64 {
+    /// The largest magnitude of the coordinates along each axis.
+    pub fn reach(&self) -> DVec3 {
+        self.reach
+    }
+
+    /// Bounds by how much vertices and their own boxes are off in the world from where they are by
+    /// numbers without end.
+    pub fn rounding(&self, to_world: &Affine3A) -> f64 {
+        let (matrix, translation) = widen(to_world);
+        let terms = magnitudes(&matrix) * self.reach + translation.abs();
+        terms.max_element() * ROUNDING + TINY
+    }
+
+    /// Bounds how far a transform takes anything in the mesh.
+    pub fn farthest(&self, transform: &DAffine3) -> f64 {
+        let DAffine3 { matrix3, translation } = *transform;
+        (magnitudes(&(matrix3 - DMat3::IDENTITY)) * self.reach + translation.abs()).length()
+    }
+
+    /// The largest side of the box.
+    pub fn size(&self) -> f64 {
         2.0 * self.half.max_element()
     }
 
@@ -208,25 +228,35 @@ impl ToMesh {
     #[inline(always)]
     pub fn enter(&self, bounds: &[DVec3; 2], ray: &Ray, t_max: f32) -> Entered {
         let origin = self.inverse * (ray.origin().as_dvec3() - self.translation);
-        let direction = self.inverse * ray.direction().as_dvec3();
-        let reciprocal = direction.recip();
-        // A ray that runs within a plane of the box may be left out: there is no number then. The
-        // box is grown, so that nothing lies in its planes.
-        let (low, high) = ((bounds[0] - origin) * reciprocal, (bounds[1] - origin) * reciprocal);
-        let near = |axis: usize| low[axis].min(high[axis]);
-        let far = |axis: usize| low[axis].max(high[axis]);
-        let enter = near(0).max(near(1)).max(near(2)).max(0.0);
-        let exit = far(0).min(far(1)).min(far(2));
-        let beyond = f64::from(t_max) * (1.0 + ROUNDING);
-        if !(enter <= exit && enter <= beyond) {
-            return Entered::Missed;
-        }
-        let from = origin + direction * enter;
-        let size = (bounds[1] - bounds[0]).max_element();
-        let ray = Ray::new(from.as_vec3(), direction.as_vec3(), 0.0, limit(enter, t_max));
-        let is_placed = origin.abs().max_element() <= FARTHEST * size && ray.t_max() >= 0.0;
-        if is_placed { Entered::Inside(LocalRay { ray, shift: enter }) } else { Entered::Far }
+        enter_box([origin, self.inverse * ray.direction().as_dvec3()], bounds, t_max)
     }
+
+    /// The same as one transform.
+    pub fn to_affine(self) -> DAffine3 {
+        DAffine3 { matrix3: self.inverse, translation: -(self.inverse * self.translation) }
+    }
+}
+
+/// See [`ToMesh::enter`], of a ray by its origin and its direction in the mesh's space.
+#[inline(always)]
+pub fn enter_box([origin, direction]: [DVec3; 2], bounds: &[DVec3; 2], t_max: f32) -> Entered {
+    let reciprocal = direction.recip();
+    // A ray that runs within a plane of the box may be left out: there is no number then. The
+    // box is grown, so that nothing lies in its planes.
+    let (low, high) = ((bounds[0] - origin) * reciprocal, (bounds[1] - origin) * reciprocal);
+    let near = |axis: usize| low[axis].min(high[axis]);
+    let far = |axis: usize| low[axis].max(high[axis]);
+    let enter = near(0).max(near(1)).max(near(2)).max(0.0);
+    let exit = far(0).min(far(1)).min(far(2));
+    let beyond = f64::from(t_max) * (1.0 + ROUNDING);
+    if !(enter <= exit && enter <= beyond) {
+        return Entered::Missed;
+    }
+    let from = origin + direction * enter;
+    let size = (bounds[1] - bounds[0]).max_element();
+    let ray = Ray::new(from.as_vec3(), direction.as_vec3(), 0.0, limit(enter, t_max));
+    let is_placed = origin.abs().max_element() <= FARTHEST * size && ray.t_max() >= 0.0;
+    if is_placed { Entered::Inside(LocalRay { ray, shift: enter }) } else { Entered::Far }
 }
 
 /// What no box beyond matters in the mesh's space, once there is a hit at `t`.

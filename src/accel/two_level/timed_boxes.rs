@@ -75,6 +75,13 @@ impl TimedBoxes {
         part_of(time, self.parts)
     }
 
+    /// Where in its part a time lies, from 0 to 1.
+    #[inline(always)]
+    pub fn place(&self, time: f32) -> f32 {
+        // Exact, since there are 2^n parts.
+        time * self.parts as f32 - self.part(time) as f32
+    }
+
     /// What holds a placement over a part of the time; `ever` holds it over all of it.
     pub fn over<'a>(&'a self, moving: usize, part: usize, ever: &'a Aabb) -> &'a Aabb {
         let middle = (part as f32 + 0.5) / self.parts as f32;
@@ -101,6 +108,13 @@ impl TimedBoxes {
 #[inline(always)]
 fn part_of(time: f32, count: usize) -> usize {
     ((time * count as f32) as usize).min(count - 1)
+}
+
+/// The first and the last time of a part, of 2^n: what jumps as it ends has not done so yet.
+pub fn ends_of_part(part: usize, parts: usize) -> [f32; 2] {
+    let [from, to] = [part, part + 1].map(|end| (end as f64 / parts as f64) as f32);
+    // There is no part behind the last.
+    [from, if part + 1 == parts { to } else { to.next_down() }]
 }
 
 /// A part of the time, and what all placements of a mesh have in common over it.

@@ -8,15 +8,18 @@ use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::{Arena, Stripes};
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
 
+/// Lanes of a vector, children of a node.
+pub const W: usize = 8;
+
 /// Hierarchies of eight children that store what is in their leaves.
 pub struct Trees {
-    arena: Arena<8>,
+    arena: Arena<W>,
     roots: Vec<Option<Link>>,
 }
 
 impl Trees {
     /// One tree, which stays where it is.
-    pub fn single(tree: WideBvh<8>) -> Self {
+    pub fn single(tree: WideBvh<W>) -> Self {
         Self { roots: vec![tree.root], arena: tree.arena }
     }
 
@@ -24,7 +27,7 @@ impl Trees {
     ///
     /// # Errors
     /// If there is not as much memory: a tree more than they take by themselves.
-    pub fn new(trees: Vec<Option<WideBvh<8>>>) -> Result<Option<Self>, BuildError> {
+    pub fn new(trees: Vec<Option<WideBvh<W>>>) -> Result<Option<Self>, BuildError> {
         let count = trees.iter().flatten().map(|tree| tree.arena.stripes().count()).sum();
         if count >= Link::LIMIT {
             return Ok(None);
@@ -50,7 +53,7 @@ impl Trees {
 
     /// What the roots lead into.
     #[inline(always)]
-    pub fn stripes(&self) -> Stripes<'_, 8> {
+    pub fn stripes(&self) -> Stripes<'_, W> {
         self.arena.stripes()
     }
 

@@ -7,7 +7,8 @@ use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
 use super::levels::Levels;
-use super::outline::Outline;
+use super::moving_triangles::MovingTriangles;
+use super::outline::{LANES, Outline};
 use super::sources::{FlatTriangles, Placed};
 use super::verdict::Above;
 use super::wide_levels::WideLevels;
@@ -20,7 +21,7 @@ use crate::accel::{
 };
 use crate::files::Meter;
 use crate::geom::{SlabRay, TriangleSource};
-use crate::math::Ray;
+use crate::math::{MeshId, Ray};
 use crate::simd::vectorized;
 
 /// A row of the table with its options.
@@ -49,13 +50,13 @@ impl TwoLevel {
         (level, meter): (Level, &Meter),
     ) -> Result<Box<dyn Accel>, BuildError> {
         let mut phases = Phases::start();
-        let levels = Arc::new(Levels::new(placed, copies, &mut phases));
+        let levels = Levels::new(placed, copies, &mut phases);
         Steps::expect(meter, levels.count_primitives());
         let is_split = !levels.placements.is_empty();
-        let wide = match eight_children(below.0.id).filter(|_| is_split && below.0.id == above.0.id)
-        {
-            Some(eight) => build_together(&levels, below.1, eight, (level, meter, &mut phases))?,
-            None => None,
+        let eight = eight_children(below.0.id).filter(|_| is_split && below.0.id == above.0.id);
+        let (levels, wide) = match eight {
+            Some(eight) => build_together(levels, below.1, eight, (level, meter, &mut phases))?,
+            None => (Arc::new(levels), None),
         };
         let wide = match wide {
             // All is in it.
@@ -74,7 +75,7 @@ impl TwoLevel {
         let (above, below) = match wide {
             Some(wide) => (Some(wide), Vec::new()),
             None if is_split => {
-                let below = build_meshes(&levels, row(below))?;
+                let below = build_meshes(&levels, |_| true, row(below))?;
                 phases.end("meshes");
                 let above = row(above)(Arc::new(levels.boxes()))?;
                 phases.end("tree of placements");
@@ -134,11 +135,11 @@ fn build_row(
 /// Hierarchies of eight children that are walked together, of all or, where anything moves, of what
 /// is kept apart; `None` if they can't be.
 fn build_together(
-    levels: &Arc<Levels>,
+    levels: Levels,
     options: &Options,
     eight: BuildEight,
     (level, meter, phases): (Level, &Meter, &mut Phases),
-) -> Result<Option<WideLevels>, BuildError> {
+) -> Result<(Arc<Levels>, Option<WideLevels>), BuildError> {
     let tree = |source: Arc<dyn TriangleSource>| {
         let steps = &Steps::new(meter, source.len());
         eight(&BuildInput { source, options, level, steps })
@@ -148,25 +149,33 @@ fn build_together(
     } else {
         levels.flat.clone()
     };
-    let below = build_meshes(levels, tree)?;
+    let moving = MovingTriangles::choose(&levels);
+    let levels = &Arc::new(levels.with_timed_ways(moving.rest()));
+    let others = moving.find_meshes_of_others(levels);
+    let needed = |mesh: MeshId| others[mesh.index()];
+    let below = build_meshes(levels, needed, tree)?;
     // Beyond one tree of what moves there is one for each other part of the time.
-    let moving = levels.placements.len() - levels.still;
-    Steps::expect(meter, moving * (levels.timed_boxes.parts() - 1));
+    let boxes = moving.len() + moving.rest().len();
+    Steps::expect(meter, boxes * levels.timed_boxes.parts());
     let mut own = phases.clone();
-    let wide = WideLevels::build(levels, flat, below, tree, &mut own)?;
+    let wide = WideLevels::build(levels, (flat, moving), below, tree, &mut own)?;
     if wide.is_some() {
         *phases = own;
     }
-    Ok(wide)
+    Ok((Arc::clone(levels), wide))
 }
 
-/// The structures of all meshes that are kept apart, as [`Levels::spans`] numbers them, built side
-/// by side.
+/// The structures of those `needed` of the meshes that are kept apart, as [`Levels::spans`] numbers
+/// them, built side by side.
 fn build_meshes<T: Send>(
     levels: &Levels,
+    needed: impl Fn(MeshId) -> bool + Sync,
     build: impl Fn(Arc<dyn TriangleSource>) -> Result<T, BuildError> + Sync,
 ) -> Result<Vec<Option<T>>, BuildError> {
-    let of_mesh = |number| levels.mesh(number).map(|mesh| build(Arc::new(mesh))).transpose();
+    let of_mesh = |number| {
+        let mesh = levels.mesh(number).filter(|mesh| needed(mesh.mesh));
+        mesh.map(|mesh| build(Arc::new(mesh))).transpose()
+    };
     (0..levels.spans.len()).into_par_iter().map(of_mesh).collect()
 }
 
@@ -249,17 +258,33 @@ impl<'a> LevelsTracer<'a> {
         rays.clear();
         numbers.clear();
         times.clear();
-        for (number, ray) in batch.rays().iter().enumerate() {
-            let Some(ray) = up_to(number).map(|t| ray.up_to(t)) else { continue };
-            let time = batch.times().map_or(0.0, |times| times[number]);
-            let meets = outline.as_ref().is_none_or(|outline| {
-                let slab = (&SlabRay::new(&ray), ray.t_min());
-                outline.may_meet(simd, timed_boxes.part(time), slab, ray.t_max())
-            });
-            if meets {
-                rays.push(ray);
-                numbers.push(number as u32);
-                times.push(time);
+        for (group, some) in batch.rays().chunks(LANES).enumerate() {
+            let first = group * LANES;
+            // No ray goes backwards.
+            let mut t_max = [-1.0; LANES];
+            for lane in 0..some.len() {
+                t_max[lane] = up_to(first + lane).unwrap_or(-1.0);
+            }
+            let mut lanes = match outline {
+                Some(outline) => outline.may_ever_meet(some, &t_max),
+                None => {
+                    (0..some.len()).fold(0, |all, lane| all | u32::from(t_max[lane] >= 0.0) << lane)
+                }
+            };
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize % LANES;
+                lanes &= lanes - 1;
+                let (ray, number) = (some[lane].up_to(t_max[lane]), first + lane);
+                let time = batch.times().map_or(0.0, |times| times[number]);
+                let meets = outline.as_ref().is_none_or(|outline| {
+                    let slab = (&SlabRay::new(&ray), ray.t_min());
+                    outline.may_meet(simd, timed_boxes.part(time), slab, ray.t_max())
+                });
+                if meets {
+                    rays.push(ray);
+                    numbers.push(number as u32);
+                    times.push(time);
+                }
             }
         }
     }

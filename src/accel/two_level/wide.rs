@@ -2,9 +2,9 @@
 //!
 //! As in [`crate::accel::bvh::wide`] each ray takes one step in turn and asks for what its next one
 //! needs. The tree above is one of parts of placements and of what is flattened, so that the
-//! nearest comes first whichever it is of; where anything moves, that has a tree of its own, which
-//! comes before. A step may lead into a placement: then the ray goes on
-//! below, in the mesh's space and nodes, on the same stack, where a key of zero marks the way back.
+//! nearest comes first whichever it is of; where anything moves, that has trees of its own, which
+//! come before. A step may lead into a placement: then the ray goes on below, in the mesh's space
+//! and nodes, on the same stack, where a key of zero marks the way back.
 //! So the memory of both levels is waited for together, and nothing is called through a table.
 
 use std::ops::ControlFlow;
@@ -15,8 +15,9 @@ use super::levels::{Levels, Way};
 use super::parts::Part;
 use super::placement::{Entered, LocalRay};
 use super::sources::FlatTriangles;
+use super::trees::W;
 use super::verdict::{Inside, nearest_of_all};
-use super::wide_levels::{BACK, Local, Moved, Scratch, W, WideLevels};
+use super::wide_levels::{BACK, Local, Moved, Scratch, WideLevels};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::node;
@@ -116,11 +117,12 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         // At the bottom of the stack lies the end.
         let (mut root, mut top) = (self.root, 1);
         if MOVES {
-            let moving = self.levels.root_of_moving(self.time(index));
-            if let (Some(still), Some(_)) = (root, moving) {
-                stack.put(1, still, &mut top);
+            for moving in self.levels.roots_of_moving(self.time(index)).into_iter().flatten() {
+                if let Some(before) = root {
+                    stack.put(1, before, &mut top);
+                }
+                root = Some(moving);
             }
-            root = moving.or(root);
         }
         let (key, link) = root.map_or((0, BACK), |root| (1, root));
         Flight { world, inside: None, query, key, link, top, own }
@@ -161,30 +163,36 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
             stack.push(simd, sorting::<Q>(), keys, hits, links, top);
         } else if let Some(inside) = flight.inside {
             if MOVES && inside.moves {
-                self.test_moving_leaf(simd, counters, flight, (local, &moved[flight.own]))?;
+                self.test_moving_leaf(simd, counters, flight, (local, &mut moved[flight.own]))?;
             } else {
                 self.test_leaf(simd, counters, flight, local)?;
             }
         } else if flight.key == 0 {
             return ControlFlow::Break(());
-        } else if flight.link.place() < self.levels.first_part {
+        } else if flight.link.place() < self.levels.places.part {
             self.open_leaf(simd, counters, flight, stack)?;
         } else {
-            counters.count(Event::Restart);
-            let number = flight.link.place() - self.levels.first_part;
-            match number.checked_sub(self.levels.still_parts) {
-                Some(number) if MOVES => {
-                    let moved = &mut moved[flight.own];
-                    self.enter_moving(number, flight, (stack, local, moved))?;
-                }
-                _ => self.enter(number, flight, (stack, local))?,
+            let (place, places) = (flight.link.place(), &self.levels.places);
+            if MOVES && place >= places.block {
+                let moved = &mut moved[flight.own];
+                self.test_moving_block(simd, counters, flight, (place - places.block, moved))?;
+            } else if MOVES && place >= places.whole {
+                let moved = &mut moved[flight.own];
+                counters.count(Event::Restart);
+                self.enter_moving(place - places.whole, flight, (stack, local, moved))?;
+            } else {
+                counters.count(Event::Restart);
+                self.enter(place - places.part, flight, (stack, local))?;
             }
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
         if flight.key == 0 && flight.inside.is_some() {
             leave(flight, stack);
         }
-        self.levels.prefetch(self.stripes_of(flight), flight.link);
+        let is_above = MOVES && flight.inside.is_none();
+        if !(is_above && self.levels.prefetch_moving(flight.link, self.time(flight.world.index))) {
+            self.levels.prefetch(self.stripes_of(flight), flight.link);
+        }
         ControlFlow::Continue(())
     }
 
@@ -206,12 +214,12 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
     ) -> ControlFlow<()> {
         counters.count(Event::Leaf);
         let block = self.stripes.block(flight.link);
-        let WideLevels { flat, first_moving, still_parts, first_part, .. } = self.levels;
+        let WideLevels { flat, places, .. } = self.levels;
         // Trees of what moves have boxes alone, which count on behind those of the other.
-        let (first_box, before) = if MOVES && flight.link.place() >= *first_moving {
-            (0, *still_parts)
+        let (first_box, first) = if MOVES && flight.link.place() >= places.moving {
+            (0, places.whole)
         } else {
-            (flat.len() as u32, 0)
+            (flat.len() as u32, places.part)
         };
         // Lanes that are not used repeat a primitive, without its id.
         let lanes_where = |holds: fn(u32, u32) -> bool| {
@@ -232,7 +240,7 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
         let hits = hits & boxes;
         let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
-        let first = ((first_part + before) as u32).wrapping_sub(first_box);
+        let first = (first as u32).wrapping_sub(first_box);
         let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.0) as usize).0);
         stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
         ControlFlow::Continue(())
@@ -372,7 +380,7 @@ impl Traverse for WideLevels {
             answers: &mut *slice.answers,
             counters: &mut *slice.counters,
         };
-        if self.has_moving_trees() {
+        if self.places.are_moving() {
             self.fly::<_, _, _, true>(slice, scratch);
         } else {
             self.fly::<_, _, _, false>(slice, scratch);

@@ -3,22 +3,20 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::levels::Levels;
+use super::moving_triangles::MovingTriangles;
 use super::parts::{Part, open};
 use super::sources::{Boxes, FlatTriangles, Together};
-use super::trees::Trees;
+use super::trees::{Trees, W};
+use super::upper_trees::{Places, UpperTrees};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::stack::{DEEPEST, Stack};
 use crate::accel::bvh::wide::wide_bvh::{RAYS, WideBvh};
 use crate::accel::{BuildError, Built, MemoryReport, Phases, Structure};
-use crate::geom::{SlabRay, TriangleSource};
-use crate::math::{Affine3A, MeshId, PrimId, Ray};
-
-/// Lanes of a vector, children of a node.
-pub const W: usize = 8;
+use crate::geom::{MovingBlock, SlabRay, TriangleSource};
+use crate::math::{Affine3A, InstanceId, MeshId, Ray};
+use crate::simd::prefetch;
 
 /// A hierarchy of placements and of what is flattened, and one of each mesh. Of what moves there is
 /// one for each part of the time.
@@ -27,16 +25,17 @@ pub struct WideLevels {
     pub levels: Arc<Levels>,
     /// What is flattened and in the upper tree; nothing where anything moves.
     pub flat: FlatTriangles,
-    /// The upper trees: of what stands still, then of what moves, by parts of the time.
+    /// What moves and is in the upper trees by its triangles.
+    pub moving: MovingTriangles,
+    /// The upper trees: of what stands still, then of placements that move, and of triangles that
+    /// do, by parts of the time.
     pub above: Trees,
+    /// The leaves of the last.
+    pub blocks: Vec<MovingBlock<W>>,
     /// Those of meshes.
     pub below: Trees,
-    /// Places of leaves of the upper trees from here on are of what moves.
-    pub first_moving: usize,
-    /// Places of leaves from here on are parts of placements, and behind them what moves.
-    pub first_part: usize,
-    /// How many parts, or whole placements, stand still.
-    pub still_parts: usize,
+    /// What leaves of the upper trees are.
+    pub places: Places,
     /// What the upper tree has of placements; none if it has them whole.
     parts: Vec<Part>,
     built: Built,
@@ -46,14 +45,14 @@ pub struct WideLevels {
 pub const BACK: Link = Link(1 << 31);
 
 impl WideLevels {
-    /// Puts placements and `flat` triangles into a tree, over the trees of meshes; `tree` builds
-    /// one. `None` if they can't be walked together.
+    /// Puts placements and `flat` triangles into a tree, and what moves into others, over the trees
+    /// of meshes; `tree` builds one. `None` if they can't be walked together.
     ///
     /// # Errors
     /// If there is not enough memory, or for limits of a tree.
     pub fn build(
         levels: &Arc<Levels>,
-        flat: FlatTriangles,
+        (flat, moving): (FlatTriangles, MovingTriangles),
         below: Vec<Option<WideBvh<W>>>,
         tree: impl Fn(Arc<dyn TriangleSource>) -> Result<WideBvh<W>, BuildError> + Sync,
         phases: &mut Phases,
@@ -79,38 +78,29 @@ impl WideLevels {
         let together = Together { flat: flat.clone(), boxes };
         BuildError::check_count(together.len())?;
         let standing = tree(Arc::new(together))?;
-        let moving = build_moving(levels, &tree)?;
-        phases.end("tree of placements");
-        let of_all = || std::iter::once(&standing).chain(&moving);
-        // A level of its own each: the leaf of placements, the way back, and a second root.
-        let depth = of_all().map(|tree| tree.report().max_depth).max().unwrap_or(0) + deepest + 3;
-        let first_moving = standing.arena.stripes().count();
-        let first_part: usize = of_all().map(|tree| tree.arena.stripes().count()).sum();
-        let count = still_parts + levels.placements.len() - levels.still;
-        let are_walkable = of_all().all(WideBvh::stores_triangles);
-        if depth > DEEPEST || first_part + count >= Link::LIMIT || !are_walkable {
+        if !standing.stores_triangles() {
             return Ok(None);
         }
-        let first = of_all().find(|tree| tree.root.is_some()).unwrap_or(&standing);
-        let mut report = first.report().clone();
+        let level = standing.level();
+        let trees = UpperTrees::build(standing, (levels, &moving), &tree)?;
+        phases.end("tree of placements");
+        // A level of its own each: the leaf of placements, the way back, and two more roots.
+        let depth = trees.iter().map(|tree| tree.report().max_depth).max().unwrap_or(0);
+        let places = trees.places(still_parts, moving.rest().len());
+        if depth + deepest + 4 > DEEPEST || places.end >= Link::LIMIT {
+            return Ok(None);
+        }
+        let first = trees.iter().find(|tree| tree.root.is_some());
+        let mut report = first.map(|tree| tree.report().clone()).unwrap_or_default();
         (report.phases, report.triangles) = (phases.clone().ended(), levels.placed.len());
-        report.nodes = of_all().map(|tree| tree.report().nodes).sum::<usize>() + nodes;
-        report.leaves = of_all().map(|tree| tree.report().leaves).sum::<usize>() + leaves;
-        let built = Built { level: standing.level(), report };
-        let numbers = (first_part, first_box, still_parts);
-        let Some(above) = bring_together(standing, moving, numbers)? else { return Ok(None) };
+        report.nodes = trees.iter().map(|tree| tree.report().nodes).sum::<usize>() + nodes;
+        report.leaves = trees.iter().map(|tree| tree.report().leaves).sum::<usize>() + leaves;
+        let built = Built { level, report };
+        let Some((above, blocks)) = trees.bring_together(&places, first_box)? else {
+            return Ok(None);
+        };
         let levels = Arc::clone(levels);
-        Ok(Some(Self {
-            levels,
-            flat,
-            above,
-            below,
-            first_moving,
-            first_part,
-            still_parts,
-            parts,
-            built,
-        }))
+        Ok(Some(Self { levels, flat, moving, above, blocks, below, places, parts, built }))
     }
 
     /// A part of a placement that stands still, by its number.
@@ -125,70 +115,46 @@ impl WideLevels {
         Some(Cow::Owned(Part { way, root, grown: apart.grown, slack: apart.slack }))
     }
 
-    /// The root of the upper tree of what moves, at a time.
+    /// The roots of the upper trees of what moves, at a time.
     #[inline(always)]
-    pub fn root_of_moving(&self, time: f32) -> Option<Link> {
-        self.above.root(1 + self.levels.timed_boxes.part(time))
+    pub fn roots_of_moving(&self, time: f32) -> [Option<Link>; 2] {
+        let timed = &self.levels.timed_boxes;
+        let (part, parts) = (timed.part(time), timed.parts());
+        [self.above.root(1 + part), self.above.root(1 + parts + part)]
     }
 
-    /// Whether there are such trees.
+    /// Prefetches what a link leads to if that moves; whether it does.
     #[inline(always)]
-    pub fn has_moving_trees(&self) -> bool {
-        self.first_moving < self.first_part
+    pub fn prefetch_moving(&self, link: Link, time: f32) -> bool {
+        let place = link.place();
+        if !link.is_leaf() || place < self.places.whole {
+            return false;
+        }
+        match place.checked_sub(self.places.block) {
+            Some(block) => prefetch(&self.blocks, block, size_of::<MovingBlock<W>>()),
+            None => {
+                if let Some(&number) = self.moving.rest().get(place - self.places.whole) {
+                    let part = self.levels.timed_boxes.part(time);
+                    self.levels.timed_ways.prefetch(number as usize, part);
+                }
+            }
+        }
+        true
     }
 
     /// Prefetches what a link leads to: a node or a leaf among `stripes`, or a part of a placement.
     #[inline(always)]
     pub fn prefetch(&self, stripes: Stripes<'_, W>, link: Link) {
         let place = link.place();
-        let number = place.wrapping_sub(self.first_part);
+        let number = place.wrapping_sub(self.places.part);
         if self.parts.is_empty() {
             // Both: one of them is there already.
             self.levels.prefetch_way(number.min(place));
             stripes.prefetch(link);
         } else {
-            stripes.prefetch_or((&self.parts, number), place < self.first_part, link);
+            stripes.prefetch_or((&self.parts, number), place < self.places.part, link);
         }
     }
-}
-
-/// The trees of what moves over each part of the time; none if nothing does.
-fn build_moving(
-    levels: &Levels,
-    tree: &(impl Fn(Arc<dyn TriangleSource>) -> Result<WideBvh<W>, BuildError> + Sync),
-) -> Result<Vec<WideBvh<W>>, BuildError> {
-    if levels.still == levels.placements.len() {
-        return Ok(Vec::new());
-    }
-    let over = |part| tree(Arc::new(Boxes(levels.boxes_of_moving(part))));
-    (0..levels.timed_boxes.parts()).into_par_iter().map(over).collect()
-}
-
-/// Brings the upper trees together. Leaves of one box are passed by: it is that which leads there;
-/// links lead to its placement, by where parts of placements begin and by how many numbers there
-/// are before those of the tree's boxes.
-fn bring_together(
-    mut standing: WideBvh<W>,
-    mut moving: Vec<WideBvh<W>>,
-    (first_part, first_box, still_parts): (usize, usize, usize),
-) -> Result<Option<Trees>, BuildError> {
-    let pass_by = |tree: &mut WideBvh<W>, first_tree: usize, first_box: usize, before: usize| {
-        tree.redirect(|ids| {
-            let number = ids[0].index().checked_sub(first_box)?;
-            let place = first_part + before + number - first_tree;
-            (ids[1] == PrimId::NONE).then(|| Link::to_leaf(place))
-        });
-    };
-    pass_by(&mut standing, 0, first_box, 0);
-    if moving.is_empty() {
-        return Ok(Some(Trees::single(standing)));
-    }
-    let mut first_tree = standing.arena.stripes().count();
-    for tree in &mut moving {
-        pass_by(tree, first_tree, 0, still_parts);
-        first_tree += tree.arena.stripes().count();
-    }
-    Trees::new(std::iter::once(standing).chain(moving).map(Some).collect())
 }
 
 /// What a tracer has for each ray in flight.
@@ -204,12 +170,23 @@ pub struct Scratch {
 /// A placement at the time of a ray.
 #[derive(Clone, Copy, Default)]
 pub struct Moved {
-    /// Where it stands.
-    pub to_world: Affine3A,
-    /// The time, from 0 to 1.
-    pub time: f32,
-    /// Its mesh, if that changes its shape.
+    /// Which it is, and when.
+    at: Option<(InstanceId, f32)>,
+    /// Where that stands.
+    to_world: Affine3A,
+    /// The mesh that the ray is in, if that changes its shape.
     pub deforming: Option<MeshId>,
+}
+
+impl Moved {
+    /// Where a placement stands at a time, as is known from the last time or found.
+    #[inline(always)]
+    pub fn find(&mut self, at: (InstanceId, f32), levels: &Levels) -> Affine3A {
+        if self.at != Some(at) {
+            (self.at, self.to_world) = (Some(at), levels.to_world_at(at.0, at.1));
+        }
+        self.to_world
+    }
 }
 
 /// A ray in the space of a mesh, and for boxes there.
@@ -248,9 +225,10 @@ impl Structure for WideLevels {
     }
 
     fn memory(&self) -> MemoryReport {
-        let list = self.levels.bytes() + size_of_val(&*self.parts);
+        let list = self.levels.bytes() + self.moving.bytes() + size_of_val(&*self.parts);
         MemoryReport::new([
             ("placements and flat meshes", self.above.bytes()),
+            ("triangles that move", size_of_val(&*self.blocks)),
             ("meshes", self.below.bytes()),
             ("list of placements", list),
         ])

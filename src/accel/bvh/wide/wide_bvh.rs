@@ -101,19 +101,40 @@ where
         self.root.map(moved)
     }
 
-    /// Leads links to leaves elsewhere: `link` is asked about a leaf's place and its ids.
-    pub fn redirect(&mut self, link: impl Fn(&[PrimId; W]) -> Option<Link>) {
-        let (first_leaf, blocks) = (self.first_leaf, self.blocks);
-        let stripes = self.arena.stripes();
-        let to = |leaf: usize| link(stripes.block(Link::to_leaf(first_leaf + leaf * BLOCK)).ids);
-        let redirected: Vec<Option<Link>> = (0..blocks).map(to).collect();
+    /// The ids of all leaves that store their triangles.
+    pub fn leaves(&self) -> impl ExactSizeIterator<Item = &[PrimId; W]> {
+        let (first_leaf, stripes) = (self.first_leaf, self.arena.stripes());
+        (0..self.blocks)
+            .map(move |leaf| stripes.block(Link::to_leaf(first_leaf + leaf * BLOCK)).ids)
+    }
+
+    /// Leads links to leaves elsewhere, where there is such a link for one.
+    pub fn redirect(&mut self, links: &[Option<Link>]) {
+        let first_leaf = self.first_leaf;
         let to = |old: Link| {
             let leaf = old.is_leaf().then(|| (old.place() - first_leaf) / BLOCK);
-            leaf.and_then(|leaf| redirected[leaf]).unwrap_or(old)
+            leaf.and_then(|leaf| links[leaf]).unwrap_or(old)
         };
         for node in self.arena.floats_mut()[..first_leaf].chunks_exact_mut(NODE) {
             map_links(node, to);
         }
+        self.root = self.root.map(to);
+    }
+
+    /// Forgets what is in its leaves; links to them stay.
+    ///
+    /// # Errors
+    /// If there is not enough memory for nodes alone beside the whole.
+    pub fn drop_leaves(&mut self) -> Result<(), BuildError> {
+        let mut arena = Self::reserve(self.first_leaf)?;
+        arena.floats_mut().copy_from_slice(&self.arena.floats_mut()[..self.first_leaf]);
+        self.arena = arena;
+        Ok(())
+    }
+
+    fn reserve(stripes: usize) -> Result<Arena<W>, BuildError> {
+        let needed = (stripes * size_of::<[f32; W]>()) as u64;
+        Arena::new(stripes).map_err(|_| BuildError::NoMemory { needed })
     }
 
     /// How it was built.
@@ -150,9 +171,7 @@ where
             let limit = (count as u64 * Link::LIMIT as u64 / stripes as u64) as usize;
             return Err(BuildError::TooManyTriangles { count, limit });
         }
-        let mut arena = Arena::new(stripes).map_err(|_| BuildError::NoMemory {
-            needed: (stripes * size_of::<[f32; W]>()) as u64,
-        })?;
+        let mut arena = Self::reserve(stripes)?;
         shape.write_nodes(&mut arena, inline, by_octant);
         phases.end("nodes");
         let (root, parts, first_leaf) = (shape.root(), shape.parts, shape.first_leaf());
