@@ -5,7 +5,7 @@ use fearless_simd::{Simd, SimdFloat};
 
 use super::Triangle;
 use super::block::Edges;
-use crate::math::{Aabb, PrimId, Ray, Vec3};
+use crate::math::{Aabb, Ray, TriangleId, Vec3};
 
 /// A triangle over a part of the time, in the world.
 #[derive(Clone, Copy, Debug)]
@@ -38,17 +38,20 @@ pub struct MovingBlock<const W: usize> {
     way: [[f32; W]; 9],
     slack: f32,
     /// Whose they are.
-    pub ids: [PrimId; W],
+    pub ids: [TriangleId; W],
 }
 
 impl<const W: usize> MovingBlock<W> {
     /// Of triangles, of which there is at least one.
-    pub fn new(triangles: &[(PrimId, MovingTriangle)]) -> Self {
+    pub fn new(triangles: &[(TriangleId, MovingTriangle)]) -> Self {
         let mut block = Self {
             from: [[0.0; W]; 9],
             way: [[0.0; W]; 9],
-            slack: triangles.iter().map(|(_, triangle)| finite(triangle.slack)).fold(0.0, f32::max),
-            ids: [PrimId::NONE; W],
+            slack: triangles
+                .iter()
+                .map(|(_, triangle)| or_infinite(triangle.slack))
+                .fold(0.0, f32::max),
+            ids: [TriangleId::NONE; W],
         };
         for lane in 0..W {
             let (id, triangle) = triangles.get(lane).unwrap_or(&triangles[0]);
@@ -103,8 +106,8 @@ impl<const W: usize> MovingBlock<W> {
     }
 }
 
-/// A bound that is not known is none.
-fn finite(slack: f32) -> f32 {
+/// A bound that is no number bounds nothing.
+fn or_infinite(slack: f32) -> f32 {
     if slack.is_nan() { f32::INFINITY } else { slack }
 }
 
@@ -115,7 +118,12 @@ mod tests {
 
     use super::*;
     use crate::geom::{ShearRay, SlabRay, intersect_triangle};
+    use crate::math::InstanceId;
     use crate::simd::baseline;
+
+    fn id(index: u32) -> TriangleId {
+        TriangleId { instance: InstanceId(2), index }
+    }
 
     fn point() -> impl Strategy<Value = Vec3> {
         prop::array::uniform3(-1.0_f32..1.0).prop_map(Vec3::from_array)
@@ -133,7 +141,7 @@ mod tests {
             (place, slack) in (0.0_f32..1.0, 1e-5_f32..0.1),
         ) {
             let triangle = MovingTriangle { from, to, slack };
-            let block = MovingBlock::<8>::new(&[(PrimId(3), triangle)]);
+            let block = MovingBlock::<8>::new(&[(id(3), triangle)]);
             // It bends by less than it may.
             let mix = |a: Vec3, b: Vec3, off: Vec3| a + (b - a) * place + off * slack * 0.99;
             let now = Triangle {
@@ -163,7 +171,7 @@ mod tests {
             Triangle { a: corner(0.0, 0.0), b: corner(1.0, 0.0), c: corner(0.0, 1.0) }
         };
         let triangle = |shift| MovingTriangle { from: at(shift), to: at(shift + 4.0), slack: 0.01 };
-        let triangles = [(PrimId(5), triangle(0.0)), (PrimId(9), triangle(1.0))];
+        let triangles = [(id(5), triangle(0.0)), (id(9), triangle(1.0))];
         let block = MovingBlock::<8>::new(&triangles);
         let find = |origin: [f32; 3], place, t_max| {
             let ray = Ray::new(Vec3::from_array(origin), Vec3::X, 0.0, f32::INFINITY);
@@ -175,6 +183,6 @@ mod tests {
         assert_eq!(find([2.5, 0.2, 0.2], 0.5, 10.0), 2);
         assert_eq!(find([2.5, 0.2, 0.2], 0.0, 10.0), 0);
         assert_eq!(find([0.0, 0.8, 0.8], 0.5, 10.0), 0);
-        assert_eq!(block.ids[..3], [PrimId(5), PrimId(9), PrimId::NONE]);
+        assert_eq!(block.ids[..3], [id(5), id(9), TriangleId::NONE]);
     }
 }

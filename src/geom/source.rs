@@ -1,12 +1,14 @@
 //! Triangles in world space, and where they come from.
 
+use glam::DAffine3;
+
 use super::clip::clip_bounds;
 use super::deformation::Posed;
 use super::numbering::Numbering;
 use super::slab::own_box;
 use super::triangle::Triangle;
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
-use crate::motion::Piece;
+use crate::motion::{Frame, Piece};
 
 /// Hands out the triangles of a scene in world space, by a running number over all instances.
 ///
@@ -142,6 +144,9 @@ pub trait Motions: Send + Sync {
     /// By how much the vertices of a triangle leave the straight lines between where they are at
     /// two times, in the mesh's space, in between.
     fn bend_of_mesh(&self, mesh: MeshId, index: u32, span: [f32; 2]) -> f32;
+
+    /// The moving space that a placement stands still in, and where; `None` if it does not move.
+    fn frame(&self, placement: InstanceId) -> Option<(Frame, DAffine3)>;
 
     /// By how much points within `reach` of the origin of the mesh's space leave the straight lines
     /// between where they are at two times, in the world; `None` where that is not known, since the

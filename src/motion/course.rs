@@ -14,6 +14,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::link::{Link, MovingParts};
+use super::sincos::sincos;
 
 /// A chain between all its keys.
 #[derive(Clone, Debug)]
@@ -72,9 +73,16 @@ impl Course {
     /// The whole transform at a time from 0 to below 1.
     #[inline]
     pub fn at(&self, time: f64) -> DAffine3 {
-        // They are few: to count them all is faster than to guess at each.
-        let after = self.begins.iter().map(|&from| usize::from(from <= time)).sum::<usize>();
-        self.pieces[after.saturating_sub(1)].at(time)
+        // Most keys are at even distances: then the first guess is right.
+        let last = self.begins.len() - 1;
+        let mut piece = ((time * self.begins.len() as f64) as usize).min(last);
+        while piece > 0 && self.begins[piece] > time {
+            piece -= 1;
+        }
+        while piece < last && self.begins[piece + 1] <= time {
+            piece += 1;
+        }
+        self.pieces[piece].at(time)
     }
 }
 
@@ -116,7 +124,7 @@ impl CoursePiece {
         let (passed, mut at) = ((time - self.from).max(0.0), self.start);
         at.translation += self.drift * passed;
         if self.half_rate != 0.0 {
-            let (sine, cosine) = libm::sincos(self.half_rate * passed);
+            let (sine, cosine) = sincos(self.half_rate * passed);
             let (side, back) = (2.0 * sine * cosine, 2.0 * sine * sine);
             at.matrix3 += self.side.matrix3 * side + self.back.matrix3 * back;
             at.translation += self.side.translation * side + self.back.translation * back;

@@ -10,17 +10,22 @@
 //! | `track` | a value over time, piece by piece |
 //! | `link` | a transform of a chain |
 //! | `path` | a chain of transforms over time |
+//! | `frame` | what goes along with what |
 //! | `course` | the same prepared, where one link moves |
+//! | `sincos` | sine and cosine of small angles |
 //! | `rigid` | what is left of a transform of something without size |
 //! | `pieces` | how fast that moves at most, and so which boxes hold it |
 
 mod course;
+mod frame;
 mod link;
 mod path;
 mod pieces;
 mod rigid;
+mod sincos;
 mod track;
 
+pub use frame::Frame;
 pub use link::{Link, MovingParts};
 pub use path::Motion;
 pub use pieces::Piece;

@@ -98,9 +98,10 @@ impl Motion {
         let (_, moving) = parts.translation.within(from, to);
         let (_, turning) = parts.rotation.within(from, to);
         let duration = to - from;
-        let away = norm(&within) * reach + within.translation.length() + moving * duration;
+        let away =
+            frobenius_norm(&within) * reach + within.translation.length() + moving * duration;
         let acceleration = turning * (turning * away + 2.0 * moving);
-        let bend = norm(&within.inverse()) * acceleration * duration * duration / 8.0;
+        let bend = frobenius_norm(&within.inverse()) * acceleration * duration * duration / 8.0;
         bend.is_finite().then_some(bend * (1.0 + 1e-9))
     }
 
@@ -119,7 +120,7 @@ impl Motion {
         for link in self.links().iter().rev() {
             match link {
                 Link::Still(transform) => {
-                    let norm = norm(transform);
+                    let norm = frobenius_norm(transform);
                     (speed, acceleration) = (norm * speed, norm * acceleration);
                     reach = norm * reach + transform.translation.length();
                 }
@@ -144,7 +145,7 @@ impl Motion {
 }
 
 /// Bounds by how much a transform makes anything longer.
-fn norm(transform: &DAffine3) -> f64 {
+fn frobenius_norm(transform: &DAffine3) -> f64 {
     let matrix = transform.matrix3;
     let squares = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::length_squared);
     squares.iter().sum::<f64>().sqrt()

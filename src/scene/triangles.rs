@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use glam::DAffine3;
+
 use super::{Instance, Scene};
 use crate::geom::{
     Deformation, Motions, Numbering, Placements, Posed, Triangle, TriangleSource, own_box,
 };
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId, TriangleId};
-use crate::motion::Piece;
+use crate::motion::{Frame, Motion, Piece};
 use crate::simd::prefetch;
 
 /// A scene has more placed meshes than ids can number.
@@ -31,6 +33,10 @@ impl Triangles {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    fn motion(&self, placement: InstanceId) -> Option<&Motion> {
+        Some(&**self.scene.motion.as_ref()?.placement(placement.index())?)
     }
 
     fn deformation(&self, mesh: MeshId) -> Option<&Deformation> {
@@ -167,8 +173,7 @@ impl Motions for Triangles {
     }
 
     fn stays(&self, placement: InstanceId) -> bool {
-        let motion = self.scene.motion.as_ref();
-        motion.is_none_or(|motion| motion.placement(placement.index()).is_none())
+        self.motion(placement).is_none()
     }
 
     fn is_deforming(&self, mesh: MeshId) -> bool {
@@ -204,25 +209,20 @@ impl Motions for Triangles {
         self.deformation(mesh).map_or(0.0, |deformation| deformation.bend(corners(), span))
     }
 
+    fn frame(&self, placement: InstanceId) -> Option<(Frame, DAffine3)> {
+        self.motion(placement).map(Motion::frame)
+    }
+
     fn bend(&self, placement: InstanceId, reach: f64, span: [f64; 2]) -> Option<f64> {
-        let motion = self.scene.motion.as_ref();
-        match motion.and_then(|motion| motion.placement(placement.index())) {
-            Some(motion) => motion.bend(reach, span),
-            None => Some(0.0),
-        }
+        self.motion(placement).map_or(Some(0.0), |motion| motion.bend(reach, span))
     }
 
     fn bend_back(&self, placement: InstanceId, reach: f64, span: [f64; 2]) -> Option<f64> {
-        let motion = self.scene.motion.as_ref();
-        match motion.and_then(|motion| motion.placement(placement.index())) {
-            Some(motion) => motion.bend_back(reach, span),
-            None => Some(0.0),
-        }
+        self.motion(placement).map_or(Some(0.0), |motion| motion.bend_back(reach, span))
     }
 
     fn pieces(&self, placement: InstanceId, reach: f64, margin: f64) -> Vec<Piece> {
-        let motion = self.scene.motion.as_ref();
-        match motion.and_then(|motion| motion.placement(placement.index())) {
+        match self.motion(placement) {
             Some(motion) => motion.pieces(reach, margin),
             None => vec![Piece { span: [0.0, 1.0], middle: 0.0, margin: 0.0 }],
         }

@@ -28,6 +28,11 @@ impl Apart {
         Self { off, slack, grown: shape.grown(slack), deforming }
     }
 
+    /// Of a stiff body; `None` if its vertices are off by too much.
+    pub fn of_body(shape: &Shape, off: f64) -> Option<Self> {
+        shape.allows(off).then(|| Self::new(shape, off as f32, false))
+    }
+
     /// Allows for vertices that are `off` in the space of a mesh of a `shape`.
     pub fn allow(&mut self, shape: &Shape, off: f32) {
         if off > self.off {

@@ -40,7 +40,9 @@
 //!    for parts of the time (`timed_boxes`). Hierarchies that are walked together have a tree of
 //!    these for each part, and a ray enters that of its time; the other rows ask the box of the
 //!    ray's time before they take it into the mesh's space. In the former, what has few triangles
-//!    is in such trees triangle by triangle instead (`moving_triangles`).
+//!    is in such trees triangle by triangle instead (`moving_triangles`), and what keeps its places
+//!    to each other is one body (`bodies`). Where a few triangles are all that is kept apart, there
+//!    is no tree (`few_moving`).
 //! 2. *Below*, a mesh that keeps its shape is in its own space as ever: the way into it is that of
 //!    the placement at the ray's time. What vertices may be off by is looked at for that time;
 //!    where it is more than the mesh's boxes allow for, the ray is held against all triangles.
@@ -62,23 +64,37 @@
 //! | `timed_boxes` | the boxes of what moves, by parts of the time |
 //! | `timed_ways` | the ways into what moves, by parts of the time |
 //! | `outline` | which rays are asked about where anything moves |
+//! | `slab` | two planes between which all of that stays |
 //! | `trees` | some trees in one piece of memory |
 //! | `parts` | placements opened |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
+//! | `levels_tracer` | what a thread asks of these |
 //! | `wide_levels` | hierarchies of eight children on both levels |
 //! | `wide` | the walk through them, in flight |
 //! | `moving` | the same, of what moves |
-//! | `moving_triangles` | what moves and is small, in the upper trees |
+//! | `moved` | where that is at a ray's time |
+//! | `bodies` | which of what moves keep their places to each other |
+//! | `body` | these, as one |
+//! | `moving_triangles` | what moves and is small, triangle by triangle |
+//! | `moving_blocks` | blocks of these, held against a ray |
+//! | `few_moving` | these alone, where they are very few |
 //! | `upper_trees` | the trees above the meshes |
 
+mod bodies;
+mod body;
 mod division;
+mod few_moving;
 mod levels;
+mod levels_tracer;
+mod moved;
 mod moving;
+mod moving_blocks;
 mod moving_triangles;
 mod outline;
 mod parts;
 pub mod placement;
+mod slab;
 mod sources;
 mod spans;
 mod timed_boxes;

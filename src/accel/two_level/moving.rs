@@ -4,18 +4,33 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Simd, f32x8};
 
+use super::body::OwnTriangle;
+use super::moved::{Moved, Within, test_at};
 use super::placement::{Entered, LocalRay};
 use super::trees::W;
 use super::verdict::Inside;
 use super::wide::{Above, Flight, test_all};
-use super::wide_levels::{BACK, Local, Moved};
+use super::wide_levels::{BACK, Local, Mover};
+use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::stack::Stack;
-use crate::accel::{ClosestHit, Counters, Event, PreparedRay, Query};
-use crate::math::{PrimId, TriangleId};
+use crate::accel::{Counters, Event, Query};
+use crate::math::{InstanceId, PrimId, TriangleId};
+
+/// What a ray finds where it is to enter.
+struct Entry {
+    /// The placement, of a body its base.
+    placement: InstanceId,
+    /// Of its structure.
+    root: Link,
+    entered: Entered,
+    /// How far off its vertices may be.
+    slack: f32,
+    within: Within,
+}
 
 impl<'a, const MOVES: bool> Above<'a, MOVES> {
-    /// Takes a ray into a placement that moves, if it meets its box at the ray's time; by its
-    /// number among those.
+    /// Takes a ray into what moves as a whole, if it meets its box at the ray's time; by its number
+    /// in the upper trees.
     #[inline(never)]
     pub fn enter_moving<Q: Query>(
         &self,
@@ -23,37 +38,93 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         flight: &mut Flight<'a, Q>,
         (stack, local, moved): (&mut Stack<W>, &mut Local, &mut Moved),
     ) -> ControlFlow<()> {
+        let entry = match self.levels.mover(number) {
+            Mover::Placement(number) => self.entry_of_placement(number, flight, moved),
+            Mover::Body(number) => self.entry_of_body(number, flight, moved),
+        };
+        let Some(Entry { placement, root, entered, slack, within }) = entry else {
+            return ControlFlow::Continue(());
+        };
+        let (ray, shift) = match entered {
+            Entered::Missed => return ControlFlow::Continue(()),
+            Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
+            Entered::Far => return self.test_whole(placement, within, flight),
+        };
+        flight.inside = Some(Inside::new(placement, slack, shift).moving());
+        moved.within = within;
+        *local = Local::new(ray);
+        flight.query.set_limit(ray.t_max());
+        stack.put(0, BACK, &mut flight.top);
+        stack.put(1, root, &mut flight.top);
+        ControlFlow::Continue(())
+    }
+
+    /// What a ray finds at a placement that moves, by its number among those.
+    #[inline(always)]
+    fn entry_of_placement<Q: Query>(
+        &self,
+        number: usize,
+        flight: &Flight<'a, Q>,
+        moved: &mut Moved,
+    ) -> Option<Entry> {
         let (levels, time) = (&*self.levels.levels, self.time(flight.world.index));
-        let number = self.levels.moving.rest()[number] as usize;
         let prim = PrimId::from_index(levels.still + number);
         let placement = levels.placements[prim.index()];
         let mesh = levels.placed.get().mesh(placement);
-        let structure = levels.spans.find(mesh, time);
-        let (Some(apart), Some(root)) =
-            (&levels.meshes[mesh.index()], self.levels.below.root(structure))
-        else {
-            return ControlFlow::Continue(());
-        };
+        let apart = levels.meshes[mesh.index()].as_ref()?;
+        let root = self.levels.below.root(levels.spans.find(mesh, time))?;
         let (ray, t_max) = (&flight.world.ray, flight.query.nearest().t);
         let timed = &levels.timed_boxes;
         let entered = if let Some(way) = levels.timed_ways.find(number, timed.part(time)) {
             way.enter(timed.place(time), &apart.grown, ray, t_max)
         } else {
-            let to_world = moved.find((placement, time), levels);
+            let to_world = moved.find((placement, time), levels.placed.get().motions()?);
             let to_mesh = levels.to_mesh(prim, &to_world);
             to_mesh.map_or(Entered::Far, |to_mesh| to_mesh.enter(&apart.grown, ray, t_max))
         };
-        let (ray, shift) = match entered {
-            Entered::Missed => return ControlFlow::Continue(()),
-            Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
-            Entered::Far => return test_all(levels, flight, placement, time),
+        let within = if apart.deforming { Within::Deforming } else { Within::Stiff };
+        Some(Entry { placement, root, entered, slack: apart.slack, within })
+    }
+
+    /// What a ray finds at a body.
+    #[inline(always)]
+    fn entry_of_body<Q: Query>(
+        &self,
+        number: usize,
+        flight: &Flight<'a, Q>,
+        moved: &mut Moved,
+    ) -> Option<Entry> {
+        let (levels, time) = (&*self.levels.levels, self.time(flight.world.index));
+        let body = &self.levels.bodies[number];
+        let (placement, apart) = (body.base, &body.apart);
+        let root = self.levels.root_of_body(number)?;
+        let (ray, t_max) = (&flight.world.ray, flight.query.nearest().t);
+        let entered = if let Some(entered) = body.enter(time, ray, t_max) {
+            entered
+        } else {
+            let to_world = moved.find((placement, time), levels.placed.get().motions()?);
+            let to_body = body.find_way(&to_world);
+            to_body.map_or(Entered::Far, |to_body| to_body.enter(&apart.grown, ray, t_max))
         };
-        flight.inside = Some(Inside::new(placement, apart.slack, shift).moving());
-        moved.deforming = apart.deforming.then_some(mesh);
-        *local = Local::new(ray);
-        flight.query.set_limit(ray.t_max());
-        stack.put(0, BACK, &mut flight.top);
-        stack.put(1, root, &mut flight.top);
+        let within = Within::Body(number);
+        Some(Entry { placement, root, entered, slack: apart.slack, within })
+    }
+
+    /// Holds a ray that can't be placed against all triangles of a placement, or a body.
+    #[cold]
+    fn test_whole<Q: Query>(
+        &self,
+        placement: InstanceId,
+        within: Within,
+        flight: &mut Flight<'a, Q>,
+    ) -> ControlFlow<()> {
+        let (levels, time) = (&*self.levels.levels, self.time(flight.world.index));
+        let Within::Body(number) = within else {
+            return test_all(levels, flight, placement, time);
+        };
+        for &placement in self.levels.bodies[number].placements() {
+            test_all(levels, flight, placement, time)?;
+        }
         ControlFlow::Continue(())
     }
 
@@ -68,42 +139,8 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
     ) -> ControlFlow<()> {
         let Flight { world, query, .. } = flight;
         counters.count(Event::Leaf);
-        counters.count(Event::TriangleTest);
-        let (time, block) = (self.time(world.index), &self.levels.blocks[block]);
-        let place = self.levels.levels.timed_boxes.place(time);
-        let mut lanes = block.find_near::<S, f32x8<S>>(simd, &world.ray, place, query.t_max());
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % W;
-            lanes &= lanes - 1;
-            let id = block.ids[lane];
-            if id == PrimId::NONE {
-                continue;
-            }
-            counters.count(Event::ExactTest);
-            if let Some(hit) = self.test_moving(simd, (id, time), (world, query), moved) {
-                query.take(hit, hit.t)?;
-            }
-        }
-        ControlFlow::Continue(())
-    }
-
-    /// What the exact test says of a triangle that moves, at a time.
-    #[inline(always)]
-    fn test_moving<S: Simd, Q: Query>(
-        &self,
-        simd: S,
-        (id, time): (PrimId, f32),
-        (world, query): (&PreparedRay<'_>, &Q),
-        moved: &mut Moved,
-    ) -> Option<ClosestHit> {
-        let placements = self.levels.levels.placed.get();
-        let motions = placements.motions()?;
-        let TriangleId { instance: placement, index } = self.levels.moving.locate(id);
-        let to_world = moved.find((placement, time), &self.levels.levels);
-        let triangle = motions.mesh_at(placements.mesh(placement), time).triangle(index);
-        let inside = Inside::new(placement, 0.0, 0.0);
-        let at = (&to_world, world);
-        inside.test(simd, at, (PrimId(index), &triangle), &query.nearest(), Q::ANY)
+        let time = self.time(world.index);
+        self.levels.moving.test(simd, counters, block, (world, time), (query, moved))
     }
 
     /// Tests the triangles of a leaf in a mesh, as they are at the ray's time.
@@ -123,19 +160,17 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         counters.count(Event::Leaf);
         counters.count(Event::TriangleTest);
         let block = self.meshes.block(*link);
-        let mut lanes = match moved.deforming {
+        let mut lanes = match moved.within {
             // The leaves of a mesh that changes its shape hold boxes.
-            Some(_) => block.find_boxes::<S, f32x8<S>>(simd, &local.slab, query.t_max()),
-            None => block.find_near::<S, f32x8<S>>(simd, &local.ray, query.t_max(), inside.slack),
+            Within::Deforming => block.find_boxes::<S, f32x8<S>>(simd, &local.slab, query.t_max()),
+            _ => block.find_near::<S, f32x8<S>>(simd, &local.ray, query.t_max(), inside.slack),
         };
-        if lanes == 0 {
+        let (placements, time) = (self.levels.levels.placed.get(), self.time(world.index));
+        let Some(motions) = placements.motions().filter(|_| lanes != 0) else {
             return ControlFlow::Continue(());
-        }
-        let motions = self.levels.levels.placed.get().motions();
-        let time = self.time(world.index);
-        let posed = moved.deforming.zip(motions);
-        let posed = posed.map(|(mesh, motions)| motions.mesh_at(mesh, time));
-        let to_world = moved.find((inside.placement, time), &self.levels.levels);
+        };
+        let placement = inside.placement;
+        let of_placement = |prim: PrimId| TriangleId { instance: placement, index: prim.0 };
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % W;
             lanes &= lanes - 1;
@@ -144,12 +179,18 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
                 continue;
             }
             counters.count(Event::ExactTest);
-            let triangle = match &posed {
-                Some(posed) => posed.triangle(prim.0),
-                None => block.triangle(lane),
+            let (id, corners) = match moved.within {
+                Within::Body(number) => {
+                    let OwnTriangle { id, corners } = *self.levels.bodies[number].own(prim);
+                    (id, corners)
+                }
+                Within::Stiff => (of_placement(prim), block.triangle(lane)),
+                Within::Deforming => {
+                    let id = of_placement(prim);
+                    (id, motions.mesh_at(placements.mesh(placement), time).triangle(prim.0))
+                }
             };
-            let (at, nearest) = ((&to_world, &*world), query.nearest());
-            let hit = inside.test(simd, at, (prim, &triangle), &nearest, Q::ANY);
+            let hit = test_at(simd, motions, (id, &corners, time), (world, query), moved);
             if let Some(hit) = hit {
                 query.take(hit, inside.limit(hit.t))?;
             }

@@ -11,6 +11,7 @@
 
 use rayon::prelude::*;
 
+use super::body::Body;
 use super::levels::Levels;
 use super::placement::Shape;
 use super::sources::FlatTriangles;
@@ -22,6 +23,9 @@ use crate::motion::Piece;
 /// So many triangles in all parts of the time, of some 120 bytes each: beyond what a core's cache
 /// holds it is faster to walk the structures of meshes.
 const MOST_TRIANGLES: usize = 1 << 16;
+
+/// So many are met without a tree as fast as with one, or with a body: three blocks of eight.
+pub const FEW_TRIANGLES: usize = 24;
 
 /// So many boxes of triangles, of which a ray meets eight at once, are met as fast as a placement
 /// is entered.
@@ -37,7 +41,7 @@ const SAMPLES: usize = 4;
 pub struct MovingTriangles {
     flat: FlatTriangles,
     chosen: Vec<Chosen>,
-    /// The other placements that move, by their numbers among those.
+    /// The other placements that move, but for those in bodies, by their numbers among all these.
     rest: Vec<u32>,
 }
 
@@ -51,18 +55,27 @@ struct Chosen {
 }
 
 impl MovingTriangles {
-    /// Chooses placements: those of the fewest triangles, as long as there is room, where rays that
-    /// meet the placement's box meet few of its triangles'. What moves and is deformed stays whole.
-    pub fn choose(levels: &Levels) -> Self {
+    /// Chooses placements that are in no body: those of the fewest triangles, as long as there is
+    /// room, where rays that meet the placement's box meet few of its triangles'. What moves and is
+    /// deformed stays whole.
+    pub fn choose(levels: &Levels, bodies: &[Body]) -> Self {
         let placements = levels.placed.get();
         let moving = &levels.placements[levels.still..];
-        let Some(motions) = placements.motions() else { return Self::of(levels, Vec::new()) };
+        let mut taken = vec![false; moving.len()];
+        for member in bodies.iter().flat_map(|body| &body.members) {
+            taken[*member as usize] = true;
+        }
+        let Some(motions) = placements.motions() else {
+            return Self::of(levels, &taken, Vec::new());
+        };
         let mesh = |number: &u32| placements.mesh(moving[*number as usize]);
         let is_plain = |number: &u32| {
             !motions.is_deforming(mesh(number)) || motions.stays(moving[*number as usize])
         };
         let len = |number: &u32| placements.mesh_len(mesh(number));
-        let mut numbers: Vec<u32> = (0..moving.len() as u32).filter(is_plain).collect();
+        let is_free = |number: &u32| !taken[*number as usize];
+        let free = (0..moving.len() as u32).filter(is_free);
+        let mut numbers: Vec<u32> = free.filter(is_plain).collect();
         numbers.sort_by_key(len);
         let mut room = MOST_TRIANGLES / levels.timed_boxes.parts();
         let fits = |number: &u32| {
@@ -79,14 +92,14 @@ impl MovingTriangles {
             let chosen = Chosen { placement, mesh, shape, pieces };
             chosen.pays(levels, motions).then_some((number, chosen))
         };
-        Self::of(levels, numbers.into_par_iter().filter_map(choose).collect())
+        Self::of(levels, &taken, numbers.into_par_iter().filter_map(choose).collect())
     }
 
-    fn of(levels: &Levels, chosen: Vec<(u32, Chosen)>) -> Self {
-        let moving = levels.placements.len() - levels.still;
+    fn of(levels: &Levels, taken: &[bool], chosen: Vec<(u32, Chosen)>) -> Self {
         let (numbers, chosen): (Vec<u32>, Vec<Chosen>) = chosen.into_iter().unzip();
-        let is_rest = |number: &u32| numbers.binary_search(number).is_err();
-        let rest = (0..moving as u32).filter(is_rest).collect();
+        let is_rest =
+            |number: &u32| !taken[*number as usize] && numbers.binary_search(number).is_err();
+        let rest = (0..taken.len() as u32).filter(is_rest).collect();
         let placements = chosen.iter().map(|chosen| chosen.placement).collect();
         Self { flat: FlatTriangles::new(levels.placed.clone(), placements), chosen, rest }
     }
@@ -102,12 +115,12 @@ impl MovingTriangles {
         self.flat.locate(prim)
     }
 
-    /// The other placements that move, by their numbers among those.
+    /// The other placements that move, but for those in bodies, by their numbers among all these.
     pub fn rest(&self) -> &[u32] {
         &self.rest
     }
 
-    /// Of each mesh, whether a placement that is kept apart is not among these.
+    /// Of each mesh, whether a placement that is kept apart is neither among these nor in a body.
     pub fn find_meshes_of_others(&self, levels: &Levels) -> Vec<bool> {
         let placements = levels.placed.get();
         let (still, moving) = levels.placements.split_at(levels.still);
@@ -171,7 +184,7 @@ impl Chosen {
         let transforms = ends.iter().map(|end| &end.to_world);
         let transforms = transforms.chain(bends.iter().map(|bend| &bend.to_world));
         let rounding = transforms.map(|to_world| shape.rounding(to_world)).fold(0.0, f64::max);
-        let scale = ends.iter().map(|end| norm(&end.to_world)).fold(0.0, f64::max);
+        let scale = ends.iter().map(|end| infinity_norm(&end.to_world)).fold(0.0, f64::max);
         let triangle = |index: u32| {
             let [from, to] = ends.each_ref().map(|end| end.triangle(index));
             let off = bend.unwrap_or_else(|| {
@@ -259,8 +272,8 @@ fn longest(from: &Triangle, to: &Triangle) -> f64 {
     ways.map(|(from, to)| f64::from((to - from).abs().max_element())).fold(0.0, f64::max)
 }
 
-/// By how much more at most something is off along an axis of the world than in the mesh's space.
-fn norm(to_world: &Affine3A) -> f64 {
+/// By how much more something is off along an axis of the world, at most, than in the mesh's space.
+fn infinity_norm(to_world: &Affine3A) -> f64 {
     let columns = [0, 1, 2].map(|axis| to_world.matrix3.col(axis).as_dvec3().abs());
     (columns[0] + columns[1] + columns[2]).max_element()
 }

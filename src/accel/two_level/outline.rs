@@ -3,6 +3,7 @@
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
+use super::slab::Slab;
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::NodeStripes;
 use crate::accel::bvh::wide::node;
@@ -17,6 +18,8 @@ pub struct Outline {
     parts: Vec<[[f32; W]; 6]>,
     /// What holds them over all of the time, with room for rounding.
     whole: Aabb,
+    /// Likewise, if that is known; without room.
+    slab: Option<Slab>,
 }
 
 /// Rays side by side.
@@ -41,7 +44,13 @@ impl Outline {
         let (parts, all): (Vec<_>, Vec<_>) = found.unzip();
         let Aabb { min, max } = all.into_iter().fold(Aabb::EMPTY, Aabb::union);
         let room = (min.abs().max(max.abs())) * ROUNDING;
-        Self { parts, whole: Aabb { min: min - room, max: max + room } }
+        Self { parts, whole: Aabb { min: min - room, max: max + room }, slab: None }
+    }
+
+    /// The same of what lies in a slab at all times.
+    #[must_use]
+    pub fn within(self, slab: Option<Slab>) -> Self {
+        Self { slab, ..self }
     }
 
     /// Which of up to [`LANES`] rays may meet any at any time before their `t_max`, by bits. It
@@ -67,9 +76,29 @@ impl Outline {
                 exit[lane] = smaller(exit[lane], larger(a, b));
             }
         }
+        let mut meets = [false; LANES];
+        for lane in 0..LANES {
+            meets[lane] = enter[lane] <= exit[lane] * (1.0 + ROUNDING);
+        }
+        if let Some(slab) = &self.slab {
+            let Slab { normal: n, low, high } = *slab;
+            for lane in 0..LANES {
+                let [o, d] = [&origin, &direction];
+                let from = n.x * o[0][lane] + n.y * o[1][lane] + n.z * o[2][lane];
+                let along = n.x * d[0][lane] + n.y * d[1][lane] + n.z * d[2][lane];
+                let (a, b) = (from + along * enter[lane], from + along * exit[lane]);
+                let far = o[0][lane].abs() + o[1][lane].abs() + o[2][lane].abs();
+                let way = d[0][lane].abs() + d[1][lane].abs() + d[2][lane].abs();
+                let room = (far + way * exit[lane]) * ROUNDING;
+                let (low, high) = (low - room, high + room);
+                // Where there is no number, it may meet.
+                let passes_by = smaller(a, b) > high || larger(a, b) < low;
+                meets[lane] &= !passes_by;
+            }
+        }
         let mut meet = 0;
         for lane in 0..LANES {
-            meet |= u32::from(enter[lane] <= exit[lane] * (1.0 + ROUNDING)) << lane;
+            meet |= u32::from(meets[lane]) << lane;
         }
         meet & ((1_u64 << rays.len().min(LANES)) - 1) as u32
     }
@@ -113,6 +142,7 @@ mod tests {
     use super::*;
     use crate::math::{Ray, Vec3};
     use crate::simd::baseline;
+    use crate::testing::Random;
 
     #[test]
     fn eight_boxes_stand_for_themselves_and_more_for_their_neighbours() {
@@ -141,5 +171,31 @@ mod tests {
             (t_max[3], t_max[4]) = (1.0, 0.9);
             assert_eq!(outline.may_ever_meet(&rays, &t_max), 0b01001);
         }
+    }
+
+    #[test]
+    fn rays_that_meet_the_box_and_not_the_slab_pass_by() {
+        let whole = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
+        let normal = Vec3::new(0.6, 0.0, 0.8);
+        let slab = Slab { normal, low: -0.1, high: 0.2 };
+        let outline = Outline::new(1, |_| vec![whole]).within(Some(slab));
+        let mut seen = [0; 2];
+        for number in 0..4_000 {
+            let random = &mut Random::new(6, number);
+            let from = (random.cube() - 0.5) * 6.0;
+            let to = (random.cube() - 0.5) * 2.0;
+            // Along the ray, where it is in both.
+            let is_in = |step: i32| {
+                let at = from + (to - from) * (step as f32 / 500.0);
+                let along = normal.dot(at);
+                at.abs().max_element() <= 1.0 && (-0.1..=0.2).contains(&along)
+            };
+            let ray = Ray::new(from, to - from, 0.0, 2.0);
+            let t_max = [2.0; LANES];
+            let may = outline.may_ever_meet(&[ray], &t_max) == 1;
+            assert!(may || !(0..=1000).any(is_in), "{ray:?}");
+            seen[usize::from(may)] += 1;
+        }
+        assert!(seen[0] > 500 && seen[1] > 500, "{seen:?}");
     }
 }

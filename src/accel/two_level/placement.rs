@@ -130,6 +130,11 @@ impl Shape {
         (magnitudes(&(matrix3 - DMat3::IDENTITY)) * self.reach + translation.abs()).length()
     }
 
+    /// The same, with terms of vertices that reach as far as `reach` along each axis.
+    pub fn reaching(self, reach: DVec3) -> Self {
+        Self { reach: self.reach.max(reach), ..self }
+    }
+
     /// The largest side of the box.
     pub fn size(&self) -> f64 {
         2.0 * self.half.max_element()
@@ -139,6 +144,11 @@ impl Shape {
     pub fn slack(&self, off: f32) -> f32 {
         let rounding = 0.5 * ROUNDING * (self.reach.max_element() + 2.0 * self.size());
         (f64::from(off) * (1.0 + ROUNDING) + rounding + TINY) as f32
+    }
+
+    /// Whether vertices may be `off` by so much in a structure of the mesh.
+    pub fn allows(&self, off: f64) -> bool {
+        self.slack(off as f32) <= (MOST_SLACK * self.size()) as f32
     }
 
     /// The box of what a structure holds that is grown by `slack`, and once more by as much.
@@ -220,7 +230,7 @@ impl ToMesh {
         let sum = turned + translation.abs();
         let rounded = (turned * 4.0 + sum * 1.0625) * HALF_ULP + TINY;
         let off = (magnitudes(&self.inverse) * rounded).max_element();
-        (shape.slack(off as f32) <= (MOST_SLACK * shape.size()) as f32).then_some(off as f32)
+        shape.allows(off).then_some(off as f32)
     }
 
     /// Takes a ray into the space of a mesh whose box, grown, is `bounds`; hits beyond `t_max` do
@@ -271,6 +281,6 @@ fn widen(to_world: &Affine3A) -> (DMat3, DVec3) {
 }
 
 /// The magnitudes of all entries.
-fn magnitudes(matrix: &DMat3) -> DMat3 {
+pub fn magnitudes(matrix: &DMat3) -> DMat3 {
     DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
 }

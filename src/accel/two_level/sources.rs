@@ -101,6 +101,17 @@ impl FlatTriangles {
         let numbering = Arc::new(Numbering::new(placements.iter().map(count)));
         Self { placed, placements: placements.into(), numbering }
     }
+
+    /// The placements.
+    pub fn placements(&self) -> &[InstanceId] {
+        &self.placements
+    }
+
+    /// The place among these of the one that has a triangle, and the triangle's number there.
+    #[inline]
+    pub fn find(&self, prim: PrimId) -> (usize, u32) {
+        self.numbering.find(u64::from(prim.0))
+    }
 }
 
 impl TriangleSource for FlatTriangles {
@@ -113,7 +124,7 @@ impl TriangleSource for FlatTriangles {
     }
 
     fn locate(&self, prim: PrimId) -> TriangleId {
-        let (at, index) = self.numbering.find(u64::from(prim.0));
+        let (at, index) = self.find(prim);
         TriangleId { instance: self.placements[at], index }
     }
 }

@@ -106,7 +106,7 @@ impl TimedBoxes {
 
 /// Which of `count` equal parts a time from 0 to 1 lies in: exact, since there are 2^n of them.
 #[inline(always)]
-fn part_of(time: f32, count: usize) -> usize {
+pub fn part_of(time: f32, count: usize) -> usize {
     ((time * count as f32) as usize).min(count - 1)
 }
 

@@ -59,11 +59,7 @@ impl TimedWays {
         let find = |(&placement, &chosen): (&InstanceId, &bool)| {
             let mesh = placements.mesh(placement).index();
             let shape = shapes[mesh].as_ref().filter(|_| chosen)?;
-            let way = |part| find_way(motions, placement, shape, (part, parts));
-            let found: Vec<_> = (0..parts).map(way).collect();
-            let (ways, off): (Vec<_>, Vec<_>) = found.into_iter().map(Option::unzip).collect();
-            let off = off.into_iter().flatten().reduce(f64::max)?;
-            Some((ways, off))
+            find_ways(motions, placement, shape, parts)
         };
         let found: Vec<_> = moving.par_iter().zip(&chosen).map(find).collect();
         let (mut first, mut all) = (vec![0], Vec::new());
@@ -114,6 +110,20 @@ impl TimedWay {
         let origin = matrix * ray.origin().as_dvec3() + translation;
         enter_box([origin, matrix * ray.direction().as_dvec3()], bounds, t_max)
     }
+}
+
+/// The ways into a placement over each of so many `parts` of the time, as far as they are known,
+/// and how far off any of them is; `None` without any.
+pub fn find_ways(
+    motions: &dyn Motions,
+    placement: InstanceId,
+    shape: &Shape,
+    parts: usize,
+) -> Option<(Vec<Option<TimedWay>>, f64)> {
+    let way = |part| find_way(motions, placement, shape, (part, parts));
+    let found: Vec<_> = (0..parts).map(way).collect();
+    let (ways, off): (Vec<_>, Vec<_>) = found.into_iter().map(Option::unzip).collect();
+    Some((ways, off.into_iter().flatten().reduce(f64::max)?))
 }
 
 /// The way into a placement over a part of the time, of so many, and how far off it is; `None` if

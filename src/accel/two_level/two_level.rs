@@ -1,43 +1,45 @@
 //! A structure over placements, and one of each mesh that is placed.
 
-use std::cell::RefCell;
 use std::sync::Arc;
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Level;
 use rayon::prelude::*;
 
+use super::bodies::find_bodies;
+use super::body::Body;
+use super::few_moving::FewMoving;
 use super::levels::Levels;
 use super::moving_triangles::MovingTriangles;
-use super::outline::{LANES, Outline};
+use super::outline::Outline;
 use super::sources::{FlatTriangles, Placed};
-use super::verdict::Above;
 use super::wide_levels::WideLevels;
 use crate::accel::bvh::wide::build_auto_tree;
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::accel::located::Located;
 use crate::accel::{
-    Accel, AnyHit, Batch, BuildError, BuildInput, BuildReport, ClosestHit, Counts, HitFilter,
-    MemoryReport, Options, Phases, Steps, Tracer, Variant,
+    Accel, BuildError, BuildInput, BuildReport, MemoryReport, Options, Phases, Steps, Tracer,
+    Variant,
 };
 use crate::files::Meter;
-use crate::geom::{SlabRay, TriangleSource};
-use crate::math::{MeshId, Ray};
-use crate::simd::vectorized;
+use crate::geom::TriangleSource;
+use crate::math::MeshId;
 
 /// A row of the table with its options.
 pub type Row<'a> = (&'static Variant, &'a Options);
 
 /// Two levels of any two rows of the table.
 pub struct TwoLevel {
-    levels: Arc<Levels>,
-    flat: Option<Located>,
+    pub(super) levels: Arc<Levels>,
+    pub(super) flat: Option<Located>,
     /// `None` without placements that are kept apart.
-    above: Option<Box<dyn Accel>>,
-    /// What holds all of these, if anything moves.
-    outline: Option<Outline>,
+    pub(super) above: Option<Box<dyn Accel>>,
+    /// In place of that: what moves, if it is all that is kept apart and is little.
+    pub(super) few: Option<FewMoving>,
+    /// What holds all that is kept apart, if anything of it moves.
+    pub(super) outline: Option<Outline>,
     /// Of each mesh, or of a piece of its time; nothing if those are a part of `above`.
-    below: Vec<Option<Box<dyn Accel>>>,
-    level: Level,
+    pub(super) below: Vec<Option<Box<dyn Accel>>>,
+    pub(super) level: Level,
     report: BuildReport,
 }
 
@@ -58,10 +60,12 @@ impl TwoLevel {
             Some(eight) => build_together(levels, below.1, eight, (level, meter, &mut phases))?,
             None => (Arc::new(levels), None),
         };
-        let wide = match wide {
+        let (wide, few) = match wide {
             // All is in it.
-            Some(wide) if !levels.are_moving() => return Ok(Box::new(wide)),
-            wide => wide.map(|wide| Box::new(wide) as Box<dyn Accel>),
+            Some(Kept::Wide(wide)) if !levels.are_moving() => return Ok(wide),
+            Some(Kept::Wide(wide)) => (Some(wide as Box<dyn Accel>), None),
+            Some(Kept::Few(few)) => (None, Some(few)),
+            None => (None, None),
         };
         let row = |row| move |source| build_row(row, source, (level, meter));
         let flat = (!levels.flat.is_empty()).then(|| {
@@ -74,7 +78,7 @@ impl TwoLevel {
         phases.end("flat meshes");
         let (above, below) = match wide {
             Some(wide) => (Some(wide), Vec::new()),
-            None if is_split => {
+            None if is_split && few.is_none() => {
                 let below = build_meshes(&levels, |_| true, row(below))?;
                 phases.end("meshes");
                 let above = row(above)(Arc::new(levels.boxes()))?;
@@ -83,8 +87,9 @@ impl TwoLevel {
             }
             None => (None, Vec::new()),
         };
-        let (outline, report) = (levels.outline(), BuildReport::default());
-        let mut two_level = Self { levels, flat, above, outline, below, level, report };
+        let outline = levels.outline().filter(|_| few.is_none());
+        let report = BuildReport::default();
+        let mut two_level = Self { levels, flat, above, few, outline, below, level, report };
         two_level.report = two_level.sum_up(phases);
         Ok(Box::new(two_level))
     }
@@ -107,20 +112,6 @@ impl TwoLevel {
             ..first
         }
     }
-
-    fn trace<'a>(&'a self, make: fn(&'a dyn Accel) -> Box<dyn Tracer + 'a>) -> LevelsTracer<'a> {
-        LevelsTracer {
-            two_level: self,
-            make,
-            flat: self.flat.as_ref().map(|flat| make(flat)),
-            above: self.above.as_deref().map(make),
-            below: RefCell::new((0..self.below.len()).map(|_| None).collect()),
-            rays: Vec::new(),
-            numbers: Vec::new(),
-            times: Vec::new(),
-            hits: Vec::new(),
-        }
-    }
 }
 
 fn build_row(
@@ -132,6 +123,14 @@ fn build_row(
     (variant.build)(&BuildInput { source, options, level, steps })
 }
 
+/// What both levels are built into together.
+enum Kept {
+    /// Hierarchies.
+    Wide(Box<WideLevels>),
+    /// What moves, and no hierarchy.
+    Few(FewMoving),
+}
+
 /// Hierarchies of eight children that are walked together, of all or, where anything moves, of what
 /// is kept apart; `None` if they can't be.
 fn build_together(
@@ -139,7 +138,7 @@ fn build_together(
     options: &Options,
     eight: BuildEight,
     (level, meter, phases): (Level, &Meter, &mut Phases),
-) -> Result<(Arc<Levels>, Option<WideLevels>), BuildError> {
+) -> Result<(Arc<Levels>, Option<Kept>), BuildError> {
     let tree = |source: Arc<dyn TriangleSource>| {
         let steps = &Steps::new(meter, source.len());
         eight(&BuildInput { source, options, level, steps })
@@ -149,20 +148,31 @@ fn build_together(
     } else {
         levels.flat.clone()
     };
-    let moving = MovingTriangles::choose(&levels);
+    let bodies = find_bodies(&levels);
+    let moving = MovingTriangles::choose(&levels, &bodies);
     let levels = &Arc::new(levels.with_timed_ways(moving.rest()));
+    if let Some(few) = FewMoving::new(levels, (&moving, &bodies), level) {
+        phases.end("triangles that move");
+        // Their meshes have no structures.
+        drop(Steps::new(meter, levels.count_primitives() - levels.flat.len()));
+        return Ok((Arc::clone(levels), Some(Kept::Few(few))));
+    }
     let others = moving.find_meshes_of_others(levels);
     let needed = |mesh: MeshId| others[mesh.index()];
-    let below = build_meshes(levels, needed, tree)?;
+    let mut below = build_meshes(levels, needed, tree)?;
+    Steps::expect(meter, bodies.iter().map(|body| body.triangles().len()).sum());
+    let body = |body: &Body| tree(Arc::new(body.triangles())).map(Some);
+    below.extend(bodies.par_iter().map(body).collect::<Result<Vec<_>, BuildError>>()?);
     // Beyond one tree of what moves there is one for each other part of the time.
-    let boxes = moving.len() + moving.rest().len();
+    let boxes = moving.len() + moving.rest().len() + bodies.len();
     Steps::expect(meter, boxes * levels.timed_boxes.parts());
     let mut own = phases.clone();
-    let wide = WideLevels::build(levels, (flat, moving), below, tree, &mut own)?;
+    let parts = (flat, moving, bodies);
+    let wide = WideLevels::build(levels, parts, below, tree, &mut own)?;
     if wide.is_some() {
         *phases = own;
     }
-    Ok((Arc::clone(levels), wide))
+    Ok((Arc::clone(levels), wide.map(|wide| Kept::Wide(Box::new(wide)))))
 }
 
 /// The structures of those `needed` of the meshes that are kept apart, as [`Levels::spans`] numbers
@@ -193,11 +203,11 @@ fn eight_children(id: &str) -> Option<BuildEight> {
 
 impl Accel for TwoLevel {
     fn tracer(&self) -> Box<dyn Tracer + '_> {
-        Box::new(self.trace(|accel| accel.tracer()))
+        self.trace(false, |accel| accel.tracer())
     }
 
     fn counting_tracer(&self) -> Box<dyn Tracer + '_> {
-        Box::new(self.trace(|accel| accel.counting_tracer()))
+        self.trace(true, |accel| accel.counting_tracer())
     }
 
     fn level(&self) -> Level {
@@ -209,165 +219,19 @@ impl Accel for TwoLevel {
         let mut parts = match &self.above {
             // It has the meshes and the list as well.
             Some(together) if self.below.is_empty() => together.memory().parts,
+            None if self.few.is_some() => Vec::new(),
             above => vec![
                 ("placements", above.iter().map(|accel| total(&**accel)).sum()),
                 ("meshes", self.below.iter().flatten().map(|accel| total(&**accel)).sum()),
                 ("list of placements", self.levels.bytes()),
             ],
         };
+        parts.extend(self.few.iter().map(|few| ("triangles that move", few.bytes())));
         parts.push(("flat meshes", self.flat.iter().map(|flat| total(flat)).sum()));
         MemoryReport::new(parts)
     }
 
     fn report(&self) -> &BuildReport {
         &self.report
-    }
-}
-
-/// Traces what is flattened first, then what is placed, as far as that can be nearer.
-struct LevelsTracer<'a> {
-    two_level: &'a TwoLevel,
-    make: fn(&'a dyn Accel) -> Box<dyn Tracer + 'a>,
-    flat: Option<Box<dyn Tracer + 'a>>,
-    above: Option<Box<dyn Tracer + 'a>>,
-    below: RefCell<Vec<Option<Box<dyn Tracer + 'a>>>>,
-    /// Those that may meet what is placed.
-    rays: Vec<Ray>,
-    /// Their numbers in the batch.
-    numbers: Vec<u32>,
-    /// Their times.
-    times: Vec<f32>,
-    hits: Vec<ClosestHit>,
-}
-
-impl<'a> LevelsTracer<'a> {
-    /// Chooses the rays that may meet what is placed, each up to where that would count.
-    fn choose(&mut self, batch: &Batch<'_>, up_to: impl Fn(usize) -> Option<f32>) {
-        vectorized!(self.two_level.level, simd => self.choose_by(simd, batch, up_to));
-    }
-
-    #[inline(always)]
-    fn choose_by<S: Simd>(
-        &mut self,
-        simd: S,
-        batch: &Batch<'_>,
-        up_to: impl Fn(usize) -> Option<f32>,
-    ) {
-        let Self { two_level, rays, numbers, times, .. } = self;
-        let (timed_boxes, outline) = (&two_level.levels.timed_boxes, &two_level.outline);
-        rays.clear();
-        numbers.clear();
-        times.clear();
-        for (group, some) in batch.rays().chunks(LANES).enumerate() {
-            let first = group * LANES;
-            // No ray goes backwards.
-            let mut t_max = [-1.0; LANES];
-            for lane in 0..some.len() {
-                t_max[lane] = up_to(first + lane).unwrap_or(-1.0);
-            }
-            let mut lanes = match outline {
-                Some(outline) => outline.may_ever_meet(some, &t_max),
-                None => {
-                    (0..some.len()).fold(0, |all, lane| all | u32::from(t_max[lane] >= 0.0) << lane)
-                }
-            };
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize % LANES;
-                lanes &= lanes - 1;
-                let (ray, number) = (some[lane].up_to(t_max[lane]), first + lane);
-                let time = batch.times().map_or(0.0, |times| times[number]);
-                let meets = outline.as_ref().is_none_or(|outline| {
-                    let slab = (&SlabRay::new(&ray), ray.t_min());
-                    outline.may_meet(simd, timed_boxes.part(time), slab, ray.t_max())
-                });
-                if meets {
-                    rays.push(ray);
-                    numbers.push(number as u32);
-                    times.push(time);
-                }
-            }
-        }
-    }
-
-    /// Has the upper structure asked about `self.rays`.
-    fn ask(&mut self, batch: &Batch<'_>, ask: impl FnOnce(&mut dyn Tracer, &Batch<'_>)) {
-        let Self { two_level, make, above, below, rays, numbers, times, .. } = self;
-        let Some(tracer) = above else { return };
-        let two_level: &'a TwoLevel = two_level;
-        // The hints are about all rays.
-        let is_whole = rays.len() == batch.rays().len();
-        let chosen = if is_whole { batch.with_rays(rays) } else { Batch::new(rays) };
-        if two_level.below.is_empty() {
-            let filter = batch.filter().map(|filter| ChosenFilter { filter, numbers });
-            let filter = filter.as_ref().map(|filter| filter as &dyn HitFilter);
-            return ask(&mut **tracer, &chosen.with_filter(filter).with_times(Some(times)));
-        }
-        let make =
-            |mesh: usize| make(two_level.below[mesh].as_deref().expect("its mesh is kept apart"));
-        let verdict = Above {
-            levels: &two_level.levels,
-            tracers: below,
-            make: &make,
-            rays,
-            numbers,
-            filter: batch.filter(),
-            times: batch.times(),
-        };
-        ask(&mut **tracer, &chosen.with_filter(None).with_verdict(&verdict));
-    }
-}
-
-/// The filter of a batch, for some of its rays.
-struct ChosenFilter<'a> {
-    filter: &'a dyn HitFilter,
-    /// Their numbers in the batch.
-    numbers: &'a [u32],
-}
-
-impl HitFilter for ChosenFilter<'_> {
-    fn accepts(&self, ray: usize, hit: &ClosestHit) -> bool {
-        self.filter.accepts(self.numbers[ray] as usize, hit)
-    }
-}
-
-impl Tracer for LevelsTracer<'_> {
-    fn closest_hits(&mut self, batch: &Batch<'_>, hits: &mut [ClosestHit]) {
-        match &mut self.flat {
-            Some(flat) => flat.closest_hits(batch, hits),
-            None => hits.fill(ClosestHit::MISS),
-        }
-        self.choose(batch, |number| Some(hits[number].t));
-        let mut found = std::mem::take(&mut self.hits);
-        found.clear();
-        found.resize(self.rays.len(), ClosestHit::MISS);
-        self.ask(batch, |tracer, batch| tracer.closest_hits(batch, &mut found));
-        for (&number, found) in self.numbers.iter().zip(&found) {
-            let hit = &mut hits[number as usize];
-            if found.is_before(hit) {
-                *hit = *found;
-            }
-        }
-        self.hits = found;
-    }
-
-    fn any_hits(&mut self, batch: &Batch<'_>, hits: &mut [AnyHit]) {
-        match &mut self.flat {
-            Some(flat) => flat.any_hits(batch, hits),
-            None => hits.fill(AnyHit(false)),
-        }
-        let rays = batch.rays();
-        self.choose(batch, |number| (!hits[number].0).then(|| rays[number].t_max()));
-        let mut found = vec![AnyHit(false); self.rays.len()];
-        self.ask(batch, |tracer, batch| tracer.any_hits(batch, &mut found));
-        for (&number, found) in self.numbers.iter().zip(found) {
-            hits[number as usize].0 |= found.0;
-        }
-    }
-
-    fn counts(&self) -> Counts {
-        let below = self.below.borrow();
-        let below = below.iter().flatten().map(|tracer| tracer.counts());
-        let above = self.above.iter().chain(&self.flat).map(|tracer| tracer.counts());
-        above.chain(below).fold(Counts::default(), |sum, counts| sum + counts)
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::body::Body;
 use super::levels::Levels;
 use super::moving_triangles::MovingTriangles;
 use super::sources::Boxes;
@@ -12,14 +13,14 @@ use crate::accel::BuildError;
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::geom::{MovingBlock, MovingTriangle, TriangleSource};
-use crate::math::PrimId;
+use crate::math::{Aabb, PrimId};
 
 type Tree = WideBvh<W>;
 
 /// All trees above the meshes, before they are brought together.
 pub struct UpperTrees {
     standing: Tree,
-    /// Of placements that move, by parts of the time.
+    /// Of placements that move, then of bodies, by parts of the time.
     whole: Vec<Option<Tree>>,
     /// Of the triangles of others, likewise, without their leaves; each with the number of its
     /// first block.
@@ -35,7 +36,7 @@ pub struct Places {
     pub moving: usize,
     /// From here on: parts of placements that stand still.
     pub part: usize,
-    /// From here on: placements that move.
+    /// From here on: placements that move, and then bodies.
     pub whole: usize,
     /// From here on: blocks of triangles that move.
     pub block: usize,
@@ -58,7 +59,7 @@ impl UpperTrees {
     /// If there is not enough memory, or for limits of a tree.
     pub fn build(
         standing: Tree,
-        (levels, moving): (&Levels, &MovingTriangles),
+        (levels, moving, bodies): (&Levels, &MovingTriangles, &[Body]),
         tree: &(impl Fn(Arc<dyn TriangleSource>) -> Result<Tree, BuildError> + Sync),
     ) -> Result<Self, BuildError> {
         let (mut triangles, mut blocks) = (Vec::new(), Vec::new());
@@ -68,8 +69,10 @@ impl UpperTrees {
         let build = |boxes| tree(Arc::new(Boxes(boxes)));
         let whole = |part| {
             let rest = moving.rest().iter();
-            let boxes = rest.map(|&rest| levels.box_of_moving(rest as usize, part)).collect();
-            (!moving.rest().is_empty()).then(|| build(boxes)).transpose()
+            let rest = rest.map(|&rest| levels.box_of_moving(rest as usize, part));
+            let bodies = bodies.iter().map(|body| body.bounds(levels, part));
+            let boxes: Vec<Aabb> = rest.chain(bodies).collect();
+            (!boxes.is_empty()).then(|| build(boxes)).transpose()
         };
         let parts = || (0..levels.timed_boxes.parts()).into_par_iter();
         let whole = parts().map(whole).collect::<Result<_, BuildError>>()?;
@@ -80,7 +83,9 @@ impl UpperTrees {
             let Some(mut tree) = tree.transpose()? else { return Ok(None) };
             let block = |ids: &[PrimId; W]| {
                 let ids = ids.iter().filter(|&&id| id != PrimId::NONE);
-                MovingBlock::new(&ids.map(|&id| (id, over[id.index()])).collect::<Vec<_>>())
+                MovingBlock::new(
+                    &ids.map(|&id| (moving.locate(id), over[id.index()])).collect::<Vec<_>>(),
+                )
             };
             let blocks: Vec<_> = tree.leaves().map(block).collect();
             tree.drop_leaves()?;

@@ -48,12 +48,7 @@ impl Inside {
         nearest: &ClosestHit,
         any: bool,
     ) -> Option<ClosestHit> {
-        let [a, b, c] = corners.corners().map(
-            #[inline(always)]
-            |p: Vec3| to_world.transform_point3(p),
-        );
-        let mirrored = to_world.matrix3.determinant() < 0.0;
-        let triangle = if mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } };
+        let triangle = place(to_world, corners);
         let [t, u, v] = intersect_triangle(simd, &world.slab, &world.shear, &triangle)?;
         let triangle = TriangleId { instance: self.placement, index: prim.0 };
         let hit = ClosestHit { t, u, v, triangle };
@@ -66,6 +61,18 @@ impl Inside {
     pub fn limit(&self, t: f32) -> f32 {
         limit(self.shift, t)
     }
+}
+
+/// A triangle in the world, by its corners in the mesh's space; counter-clockwise from the front,
+/// mirrored or not.
+#[inline(always)]
+pub fn place(to_world: &Affine3A, corners: &Triangle) -> Triangle {
+    let [a, b, c] = corners.corners().map(
+        #[inline(always)]
+        |p: Vec3| to_world.transform_point3(p),
+    );
+    let mirrored = to_world.matrix3.determinant() < 0.0;
+    if mirrored { Triangle { a, b: c, c: b } } else { Triangle { a, b, c } }
 }
 
 /// Holds a ray against all triangles of a placement, as it stands at a time: for those that can't

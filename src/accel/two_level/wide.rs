@@ -12,12 +12,13 @@ use std::ops::ControlFlow;
 use fearless_simd::{Simd, f32x8};
 
 use super::levels::{Levels, Way};
+use super::moved::Moved;
 use super::parts::Part;
 use super::placement::{Entered, LocalRay};
 use super::sources::FlatTriangles;
 use super::trees::W;
 use super::verdict::{Inside, nearest_of_all};
-use super::wide_levels::{BACK, Local, Moved, Scratch, WideLevels};
+use super::wide_levels::{BACK, Local, Scratch, WideLevels};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::node;

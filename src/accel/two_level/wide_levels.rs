@@ -3,7 +3,10 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::body::Body;
 use super::levels::Levels;
+use super::moved::Moved;
+use super::moving_blocks::MovingBlocks;
 use super::moving_triangles::MovingTriangles;
 use super::parts::{Part, open};
 use super::sources::{Boxes, FlatTriangles, Together};
@@ -14,9 +17,8 @@ use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::stack::{DEEPEST, Stack};
 use crate::accel::bvh::wide::wide_bvh::{RAYS, WideBvh};
 use crate::accel::{BuildError, Built, MemoryReport, Phases, Structure};
-use crate::geom::{MovingBlock, SlabRay, TriangleSource};
-use crate::math::{Affine3A, InstanceId, MeshId, Ray};
-use crate::simd::prefetch;
+use crate::geom::{SlabRay, TriangleSource};
+use crate::math::Ray;
 
 /// A hierarchy of placements and of what is flattened, and one of each mesh. Of what moves there is
 /// one for each part of the time.
@@ -26,13 +28,13 @@ pub struct WideLevels {
     /// What is flattened and in the upper tree; nothing where anything moves.
     pub flat: FlatTriangles,
     /// What moves and is in the upper trees by its triangles.
-    pub moving: MovingTriangles,
+    pub moving: MovingBlocks,
+    /// What moves as stiff bodies.
+    pub bodies: Vec<Body>,
     /// The upper trees: of what stands still, then of placements that move, and of triangles that
     /// do, by parts of the time.
     pub above: Trees,
-    /// The leaves of the last.
-    pub blocks: Vec<MovingBlock<W>>,
-    /// Those of meshes.
+    /// Those of meshes, then those of bodies.
     pub below: Trees,
     /// What leaves of the upper trees are.
     pub places: Places,
@@ -46,13 +48,13 @@ pub const BACK: Link = Link(1 << 31);
 
 impl WideLevels {
     /// Puts placements and `flat` triangles into a tree, and what moves into others, over the trees
-    /// of meshes; `tree` builds one. `None` if they can't be walked together.
+    /// of meshes and then of bodies; `tree` builds one. `None` if they can't be walked together.
     ///
     /// # Errors
     /// If there is not enough memory, or for limits of a tree.
     pub fn build(
         levels: &Arc<Levels>,
-        (flat, moving): (FlatTriangles, MovingTriangles),
+        (flat, moving, bodies): (FlatTriangles, MovingTriangles, Vec<Body>),
         below: Vec<Option<WideBvh<W>>>,
         tree: impl Fn(Arc<dyn TriangleSource>) -> Result<WideBvh<W>, BuildError> + Sync,
         phases: &mut Phases,
@@ -82,11 +84,11 @@ impl WideLevels {
             return Ok(None);
         }
         let level = standing.level();
-        let trees = UpperTrees::build(standing, (levels, &moving), &tree)?;
+        let trees = UpperTrees::build(standing, (levels, &moving, &bodies), &tree)?;
         phases.end("tree of placements");
         // A level of its own each: the leaf of placements, the way back, and two more roots.
         let depth = trees.iter().map(|tree| tree.report().max_depth).max().unwrap_or(0);
-        let places = trees.places(still_parts, moving.rest().len());
+        let places = trees.places(still_parts, moving.rest().len() + bodies.len());
         if depth + deepest + 4 > DEEPEST || places.end >= Link::LIMIT {
             return Ok(None);
         }
@@ -100,7 +102,8 @@ impl WideLevels {
             return Ok(None);
         };
         let levels = Arc::clone(levels);
-        Ok(Some(Self { levels, flat, moving, above, blocks, below, places, parts, built }))
+        let moving = MovingBlocks { levels: Arc::clone(&levels), triangles: moving, blocks };
+        Ok(Some(Self { levels, flat, moving, bodies, above, below, places, parts, built }))
     }
 
     /// A part of a placement that stands still, by its number.
@@ -113,6 +116,22 @@ impl WideLevels {
         let root = self.below.root(self.levels.spans.of_mesh(way.mesh).start)?;
         let apart = self.levels.meshes[way.mesh.index()].as_ref()?;
         Some(Cow::Owned(Part { way, root, grown: apart.grown, slack: apart.slack }))
+    }
+
+    /// What moves as a whole, by its number in the upper trees.
+    #[inline(always)]
+    pub fn mover(&self, number: usize) -> Mover {
+        let rest = self.moving.triangles.rest();
+        match rest.get(number) {
+            Some(&placement) => Mover::Placement(placement as usize),
+            None => Mover::Body(number - rest.len()),
+        }
+    }
+
+    /// The root of a body's tree.
+    #[inline(always)]
+    pub fn root_of_body(&self, body: usize) -> Option<Link> {
+        self.below.root(self.levels.spans.len() + body)
     }
 
     /// The roots of the upper trees of what moves, at a time.
@@ -131,13 +150,14 @@ impl WideLevels {
             return false;
         }
         match place.checked_sub(self.places.block) {
-            Some(block) => prefetch(&self.blocks, block, size_of::<MovingBlock<W>>()),
-            None => {
-                if let Some(&number) = self.moving.rest().get(place - self.places.whole) {
+            Some(block) => self.moving.prefetch(block),
+            None => match self.mover(place - self.places.whole) {
+                Mover::Placement(number) => {
                     let part = self.levels.timed_boxes.part(time);
-                    self.levels.timed_ways.prefetch(number as usize, part);
+                    self.levels.timed_ways.prefetch(number, part);
                 }
-            }
+                Mover::Body(number) => self.bodies[number].prefetch(time),
+            },
         }
         true
     }
@@ -157,6 +177,15 @@ impl WideLevels {
     }
 }
 
+/// What moves as a whole.
+#[derive(Clone, Copy)]
+pub enum Mover {
+    /// A placement, by its number among those that move.
+    Placement(usize),
+    /// A body.
+    Body(usize),
+}
+
 /// What a tracer has for each ray in flight.
 pub struct Scratch {
     /// What waits for it.
@@ -165,28 +194,6 @@ pub struct Scratch {
     pub locals: Box<[Local]>,
     /// That placement, if it moves.
     pub moved: Box<[Moved]>,
-}
-
-/// A placement at the time of a ray.
-#[derive(Clone, Copy, Default)]
-pub struct Moved {
-    /// Which it is, and when.
-    at: Option<(InstanceId, f32)>,
-    /// Where that stands.
-    to_world: Affine3A,
-    /// The mesh that the ray is in, if that changes its shape.
-    pub deforming: Option<MeshId>,
-}
-
-impl Moved {
-    /// Where a placement stands at a time, as is known from the last time or found.
-    #[inline(always)]
-    pub fn find(&mut self, at: (InstanceId, f32), levels: &Levels) -> Affine3A {
-        if self.at != Some(at) {
-            (self.at, self.to_world) = (Some(at), levels.to_world_at(at.0, at.1));
-        }
-        self.to_world
-    }
 }
 
 /// A ray in the space of a mesh, and for boxes there.
@@ -225,10 +232,12 @@ impl Structure for WideLevels {
     }
 
     fn memory(&self) -> MemoryReport {
-        let list = self.levels.bytes() + self.moving.bytes() + size_of_val(&*self.parts);
+        let bodies = self.bodies.iter().map(Body::bytes).sum::<usize>();
+        let list = self.levels.bytes() + self.moving.triangles.bytes() + bodies;
+        let list = list + size_of_val(&*self.parts);
         MemoryReport::new([
             ("placements and flat meshes", self.above.bytes()),
-            ("triangles that move", size_of_val(&*self.blocks)),
+            ("triangles that move", size_of_val(&*self.moving.blocks)),
             ("meshes", self.below.bytes()),
             ("list of placements", list),
         ])
