@@ -199,9 +199,9 @@ impl BodyTriangles {
         is_finite.then(|| Shape::of_box(&bounds).reaching(reach))
     }
 
-    /// Whether the members' transforms are the base's times their places, to `off`, as shutter
-    /// opens, midway and as it closes. Where numbers cancel that are far larger than the body, they
-    /// may not be.
+    /// Whether the members' transforms are the base's times their places, to `off`, as the
+    /// shutter opens, midway and as it closes. Where numbers cancel that are far larger than the
+    /// body, they may not be.
     fn keep_places(
         &self,
         levels: &Levels,

@@ -1,4 +1,4 @@
-//! What moves, in the walk of `wide`: a placement as it stands at the ray's time.
+//! What moves, in the walk of `wide`: placements and bodies as they stand at the ray's time.
 
 use std::ops::ControlFlow;
 
