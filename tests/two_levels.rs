@@ -207,6 +207,25 @@ fn any_row_may_be_on_top_of_any() {
 }
 
 #[test]
+fn copies_that_are_too_many_to_be_opened_or_kept_change_no_hit() {
+    for count in [20_000, 270_000] {
+        let at = |i: u32| direction(i + 77) * (40.0 * unit(i, 9).sqrt());
+        let source = placed((0..count).map(|i| transform(i, 0.3, 0.5, at(i))).collect());
+        let rays = rays(&*source, 400);
+        let (expected, _) = answers("bvh2:instances=two-level", &source, &rays);
+        assert!(expected.iter().filter(|hit| hit.is_hit()).count() > 200, "{count}");
+        for row in ["mbvh8", "auto"] {
+            let (name, spec) = (format!("{count} copies"), format!("{row}:instances=two-level"));
+            compare(&name, &spec, &source, &rays, &expected);
+            let accel = build(&spec.parse().expect("a row"), Arc::clone(&source), Isa::Auto);
+            let bytes = accel.expect("builds").memory().total();
+            // A flat tree takes fifty times as much.
+            assert!(bytes < 300 * count as usize, "{name}: {bytes}");
+        }
+    }
+}
+
+#[test]
 fn hits_name_placement_and_triangle_whatever_the_structure() {
     let (_, source) = scenes().swap_remove(7);
     let rays = rays(&*source, 100);

@@ -10,7 +10,7 @@ use super::breakdown::Breakdown;
 use super::fair_mutex::FairMutex;
 use super::noise::{Grid, dark_level, tell_error};
 use super::noise_target::NoiseTarget;
-use super::passes::{pass_ends, spread};
+use super::passes::{Growth, pass_ends, spread};
 use super::preview::assemble_preview;
 use super::progress::Progress;
 use super::rendered::Rendered;
@@ -171,7 +171,11 @@ impl Film {
         self.start.get_or_init(Instant::now);
         *lock(&self.running) = Some(Instant::now());
         let pixels = self.settings.crop.area() as u64;
-        let passes = pass_ends(self.range.start..end, self.next_sample(), pixels);
+        let in_tiles = world.scene.textures.iter().any(|texture| texture.image().is_tiled());
+        // The noise is looked at wherever samples have doubled.
+        let is_fast = in_tiles && self.settings.noise.is_none();
+        let growth = if is_fast { Growth::Fast } else { Growth::Usual };
+        let passes = pass_ends(self.range.start..end, self.next_sample(), pixels, growth);
         let shoot = Shoot { film: self, world, camera, accel, cancel };
         match self.settings.noise {
             None => shoot.take(&passes),

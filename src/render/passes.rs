@@ -11,13 +11,28 @@ use super::tile::SIDE;
 /// first: so the whole frame is there after a second or two.
 const LONG_PASS: u64 = 1 << 21;
 
-/// The sample at which each pass over a run of samples ends, beyond `done`: doubling, so that the
-/// sums of a pixel are few nodes. `pixels` tells whether the first pass is to be a short one.
-pub(super) fn pass_ends(run: Range<u64>, done: u64, pixels: u64) -> Vec<u64> {
+/// By how much the samples of a pixel grow from pass to pass: a power of two, so that their sums
+/// are few nodes.
+#[derive(Clone, Copy)]
+pub(super) enum Growth {
+    /// Twofold.
+    Usual,
+    /// Fourfold at least: where each pass reads the tiles of textures anew.
+    Fast,
+}
+
+/// The sample at which each pass over a run of samples ends, beyond `done`. `pixels` tells whether
+/// the first pass is to be a short one.
+pub(super) fn pass_ends(run: Range<u64>, done: u64, pixels: u64, growth: Growth) -> Vec<u64> {
     let first = (pixels * BLOCK >= LONG_PASS).then_some(1);
-    let doubling = std::iter::successors(Some(BLOCK), |length| length.checked_mul(2));
-    let ends = first.into_iter().chain(doubling).map(|length| run.start.saturating_add(length));
-    ends.take_while(|&pass| pass < run.end).filter(|&pass| pass > done).chain([run.end]).collect()
+    // The last pass but one ends where at least half as many samples are left.
+    let (factor, last) = match growth {
+        Growth::Usual => (2, run.end),
+        Growth::Fast => (4, run.start + (run.end - run.start).div_ceil(2)),
+    };
+    let growing = std::iter::successors(Some(BLOCK), |length| length.checked_mul(factor));
+    let ends = first.into_iter().chain(growing).map(|length| run.start.saturating_add(length));
+    ends.take_while(|&pass| pass < last).filter(|&pass| pass > done).chain([run.end]).collect()
 }
 
 /// The order in which tiles are taken: first one of every 8x8, then one of every 4x4, and so on, so
@@ -39,14 +54,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn passes_double_and_end_at_the_last_sample() {
-        assert_eq!(pass_ends(0..1, 0, 1), [1]);
-        assert_eq!(pass_ends(0..16, 0, 1), [16]);
-        assert_eq!(pass_ends(0..100, 0, 1), [16, 32, 64, 100]);
-        assert_eq!(pass_ends(0..100, 16, 1), [32, 64, 100]);
-        assert_eq!(pass_ends(0..24, 20, 1), [24]);
-        assert_eq!(pass_ends(64..200, 70, 1), [80, 96, 128, 192, 200]);
-        assert_eq!(pass_ends(0..40, 0, 1 << 20), [1, 16, 32, 40]);
+    fn passes_grow_and_end_at_the_last_sample() {
+        let ends = |run, done, pixels| pass_ends(run, done, pixels, Growth::Usual);
+        assert_eq!(ends(0..1, 0, 1), [1]);
+        assert_eq!(ends(0..16, 0, 1), [16]);
+        assert_eq!(ends(0..100, 0, 1), [16, 32, 64, 100]);
+        assert_eq!(ends(0..100, 16, 1), [32, 64, 100]);
+        assert_eq!(ends(0..24, 20, 1), [24]);
+        assert_eq!(ends(64..200, 70, 1), [80, 96, 128, 192, 200]);
+        assert_eq!(ends(0..40, 0, 1 << 20), [1, 16, 32, 40]);
+        let ends = |run, done, pixels| pass_ends(run, done, pixels, Growth::Fast);
+        assert_eq!(ends(0..16, 0, 1), [16]);
+        assert_eq!(ends(0..100, 0, 1), [16, 100]);
+        assert_eq!(ends(100..420, 0, 1 << 20), [101, 116, 164, 420]);
+        assert_eq!(ends(0..320, 64, 1), [320]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use fearless_simd::Level;
 use crate::names::choices;
 
 pub use pick::pick;
-pub use prefetch::{prefetch, prefetch_either};
+pub use prefetch::prefetch;
 pub use vectors::{Vectors, Width};
 
 /// An instruction set to compute with; never changes a result.

@@ -12,20 +12,6 @@ pub fn prefetch<T>(slice: &[T], at: usize, bytes: usize) {
     prefetch_lines(slice.as_ptr().wrapping_add(at).cast(), bytes);
 }
 
-/// The same of the first slice and place if `is_first`, else of the second; without a branch, since
-/// what decides is often known too late to guess.
-#[inline(always)]
-pub fn prefetch_either<T, U>(
-    is_first: bool,
-    (first, i): (&[T], usize),
-    (second, j): (&[U], usize),
-    bytes: usize,
-) {
-    let (first, second) = (first.as_ptr().wrapping_add(i), second.as_ptr().wrapping_add(j));
-    let start = std::hint::select_unpredictable(is_first, first.cast::<i8>(), second.cast());
-    prefetch_lines(start, bytes);
-}
-
 /// Asks for the cache lines from an address on.
 #[inline(always)]
 #[allow(unsafe_code)]

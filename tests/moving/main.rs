@@ -12,7 +12,7 @@ use dapple::motion::Motion;
 use dapple::scene::Triangles;
 use dapple::testing::Random;
 use dapple::{AccelSpec, AnyHit, Batch, ClosestHit, Isa, Scene, VARIANTS, build};
-use scenes::{bodies, crowd, scene, small, turning};
+use scenes::{bodies, crowd, many_copies, scene, small, turning};
 
 /// The times of the rays, in turn; some beside those at which things jump.
 const TIMES: [f32; 12] = [
@@ -113,6 +113,13 @@ fn a_crowd_is_seen_as_brute_force_sees_it() {
             compare(&format!("{spec}:instances={instances}"), &triangles, (&rays, &times));
         }
     }
+}
+
+#[test]
+fn what_moves_among_many_copies_is_seen_as_brute_force_sees_it() {
+    let triangles = Arc::new(Triangles::new(Arc::new(many_copies())).expect("few"));
+    let (rays, times) = rays(&triangles, 300);
+    compare("mbvh8:instances=two-level", &triangles, (&rays, &times));
 }
 
 #[test]

@@ -115,6 +115,20 @@ pub fn crowd() -> Scene {
     scene
 }
 
+/// As many copies as are too many to be looked into, beside what moves.
+pub fn many_copies() -> Scene {
+    let mut scene = scene();
+    let mesh = MeshId(scene.meshes.len() as u32);
+    scene.meshes.push(Arc::new(soup(7, 20)));
+    for number in 0..17_000_u32 {
+        let random = &mut Random::new(8, u64::from(number));
+        let to_world = Affine3A::from_translation(random.cube() * 60.0 - 30.0);
+        let transform = Transform::new(to_world);
+        scene.instances.push(Instance { mesh, material: MaterialId(0), transform });
+    }
+    scene
+}
+
 /// Thirty triangles that stand still, and so many of: one triangle that spins, five that jump as
 /// well, twelve on a way of two links, and three that are bent, last of all just before the shutter
 /// closes.

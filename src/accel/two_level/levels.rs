@@ -1,6 +1,6 @@
 //! Both levels, built.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -14,7 +14,6 @@ use super::timed_ways::TimedWays;
 use crate::accel::{Phases, PreparedRay};
 use crate::geom::{Placements, TriangleSource};
 use crate::math::{Aabb, Affine3A, InstanceId, MeshId, PrimId};
-use crate::simd::prefetch;
 
 /// The way into a placement.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +42,8 @@ pub struct Levels {
     pub placements: Arc<[InstanceId]>,
     /// How many of them stand still.
     pub still: usize,
-    /// The ways into those, as long as they are few; else each is computed when it is needed.
-    ways: Vec<Way>,
+    /// The ways into those, if they are kept; else each is computed when it is needed.
+    ways: OnceLock<Vec<Way>>,
     /// Those into what moves, where only its shape does and nothing is off by too much; as long as
     /// they are few.
     ways_of_moving: Vec<Option<ToMesh>>,
@@ -72,9 +71,6 @@ impl Levels {
     pub fn new(placed: Placed, copies: bool, phases: &mut Phases) -> Self {
         let placements = placed.get();
         let Division { apart, still, flat, shapes, meshes } = Division::new(placements, copies);
-        // What moves has no way but at a time.
-        let few = if still <= MOST_WAYS { &apart[..still] } else { &[] };
-        let ways = few.par_iter().map(|&placement| Way::new(placements, placement)).collect();
         let boxes = find_boxes(placements, &apart, &shapes).into();
         let spans = Spans::new(placements);
         let timed_boxes = TimedBoxes::new(placements, &apart[still..], &shapes, &spans);
@@ -85,7 +81,7 @@ impl Levels {
             placed,
             placements,
             still,
-            ways,
+            ways: OnceLock::new(),
             ways_of_moving: Vec::new(),
             meshes,
             spans,
@@ -127,7 +123,8 @@ impl Levels {
     /// Bytes of the lists of placements, and of the ways and boxes that are kept.
     pub fn bytes(&self) -> usize {
         let lists = size_of_val(&*self.placements) + size_of_val(&*self.boxes);
-        let ways = size_of_val(&*self.ways) + size_of_val(&*self.ways_of_moving);
+        let ways = self.ways.get().map_or(0, |ways| size_of_val(&**ways));
+        let ways = ways + size_of_val(&*self.ways_of_moving);
         lists + ways + self.timed_boxes.bytes() + self.timed_ways.bytes()
     }
 
@@ -142,19 +139,28 @@ impl Levels {
         self.placed.get().motions().is_some()
     }
 
+    /// The structure, or the first of them, of the mesh of a placement, by its number.
+    #[inline]
+    pub fn structure_of(&self, number: usize) -> usize {
+        self.spans.of_mesh(self.placed.get().mesh(self.placements[number])).start
+    }
+
+    /// Keeps the ways into what stands still, as long as they are few.
+    pub fn keep_ways(&self) {
+        let placements = self.placed.get();
+        // What moves has no way but at a time.
+        let few = if self.still <= MOST_WAYS { &self.placements[..self.still] } else { &[] };
+        let way = |&placement: &InstanceId| Way::new(placements, placement);
+        self.ways.get_or_init(|| few.par_iter().map(way).collect());
+    }
+
     /// The way into a placement that stands still, by its number in the upper structure.
     #[inline(always)]
     pub fn way(&self, number: usize) -> Way {
-        match self.ways.get(number) {
+        match self.ways.get().and_then(|ways| ways.get(number)) {
             Some(known) => *known,
             None => Way::new(self.placed.get(), self.placements[number]),
         }
-    }
-
-    /// Prefetches the way into a placement, if it is kept.
-    #[inline(always)]
-    pub fn prefetch_way(&self, number: usize) {
-        prefetch(&self.ways, number, size_of::<Way>());
     }
 
     /// Whether a ray may meet a placement at a time, before `t_max`, as far as boxes tell.

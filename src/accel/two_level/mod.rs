@@ -65,8 +65,8 @@
 //! | `timed_ways` | the ways into what moves, by parts of the time |
 //! | `outline` | which rays are asked about where anything moves |
 //! | `slab` | two planes between which all of that stays |
-//! | `trees` | some trees in one piece of memory |
-//! | `parts` | placements opened |
+//! | `trees` | all trees that are walked together, in one piece of memory |
+//! | `parts` | placements as that has them: whole or opened |
 //! | `verdict` | who says what is hit on each level |
 //! | `two_level` | both levels of any two rows |
 //! | `levels_tracer` | what a thread asks of these |

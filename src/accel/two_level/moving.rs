@@ -9,12 +9,12 @@ use super::moved::{Moved, Within, test_at};
 use super::placement::{Entered, LocalRay};
 use super::trees::W;
 use super::verdict::Inside;
-use super::wide::{Above, Flight, test_all};
-use super::wide_levels::{BACK, Local, Mover};
+use super::wide::{Flight, Walk, test_all};
+use super::wide_levels::Mover;
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::stack::Stack;
 use crate::accel::{Counters, Event, Query};
-use crate::math::{InstanceId, PrimId, TriangleId};
+use crate::math::{InstanceId, PrimId, Ray, TriangleId};
 
 /// What a ray finds where it is to enter.
 struct Entry {
@@ -28,7 +28,7 @@ struct Entry {
     within: Within,
 }
 
-impl<'a, const MOVES: bool> Above<'a, MOVES> {
+impl<'a, const MOVES: bool> Walk<'a, MOVES> {
     /// Takes a ray into what moves as a whole, if it meets its box at the ray's time; by its number
     /// in the upper trees.
     #[inline(never)]
@@ -36,7 +36,7 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         &self,
         number: usize,
         flight: &mut Flight<'a, Q>,
-        (stack, local, moved): (&mut Stack<W>, &mut Local, &mut Moved),
+        (stack, local, moved): (&mut Stack<W>, &mut Ray, &mut Moved),
     ) -> ControlFlow<()> {
         let entry = match self.levels.mover(number) {
             Mover::Placement(number) => self.entry_of_placement(number, flight, moved),
@@ -50,12 +50,9 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
             Entered::Far => return self.test_whole(placement, within, flight),
         };
-        flight.inside = Some(Inside::new(placement, slack, shift).moving());
-        moved.within = within;
-        *local = Local::new(ray);
-        flight.query.set_limit(ray.t_max());
-        stack.put(0, BACK, &mut flight.top);
-        stack.put(1, root, &mut flight.top);
+        let inside = Inside::new(placement, slack, shift).moving();
+        flight.enter((inside, ray), root, stack);
+        (*local, moved.within) = (ray, within);
         ControlFlow::Continue(())
     }
 
@@ -72,7 +69,7 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         let placement = levels.placements[prim.index()];
         let mesh = levels.placed.get().mesh(placement);
         let apart = levels.meshes[mesh.index()].as_ref()?;
-        let root = self.levels.below.root(levels.spans.find(mesh, time))?;
+        let root = self.levels.root_of_mesh(levels.spans.find(mesh, time))?;
         let (ray, t_max) = (&flight.world.ray, flight.query.nearest().t);
         let timed = &levels.timed_boxes;
         let entered = if let Some(way) = levels.timed_ways.find(number, timed.part(time)) {
@@ -153,17 +150,17 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         simd: S,
         counters: &mut C,
         flight: &mut Flight<'_, Q>,
-        (local, moved): (&Local, &mut Moved),
+        (local, moved): (&Ray, &mut Moved),
     ) -> ControlFlow<()> {
-        let Flight { world, query, link, inside, .. } = flight;
+        let Flight { world, slab, query, link, inside, .. } = flight;
         let Some(inside) = inside else { return ControlFlow::Continue(()) };
         counters.count(Event::Leaf);
         counters.count(Event::TriangleTest);
-        let block = self.meshes.block(*link);
+        let block = self.stripes.block(*link);
         let mut lanes = match moved.within {
             // The leaves of a mesh that changes its shape hold boxes.
-            Within::Deforming => block.find_boxes::<S, f32x8<S>>(simd, &local.slab, query.t_max()),
-            _ => block.find_near::<S, f32x8<S>>(simd, &local.ray, query.t_max(), inside.slack),
+            Within::Deforming => block.find_boxes::<S, f32x8<S>>(simd, slab, query.t_max()),
+            _ => block.find_near::<S, f32x8<S>>(simd, local, query.t_max(), inside.slack),
         };
         let (placements, time) = (self.levels.levels.placed.get(), self.time(world.index));
         let Some(motions) = placements.motions().filter(|_| lanes != 0) else {

@@ -9,14 +9,19 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::levels::{Levels, Way};
-use super::trees::Trees;
+use super::placement::ToMesh;
+use super::trees::W;
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
+use crate::accel::bvh::wide::wide_bvh::WideBvh;
 use crate::geom::own_box;
 use crate::math::{Aabb, InstanceId, PrimId, TriangleId, Vec3};
 
 /// More placements are left whole.
 const MOST_OPENED: usize = 1 << 14;
+
+/// The parts of more placements are not kept: each is found when it is needed.
+const MOST_KEPT: usize = 1 << 18;
 
 /// What is larger than the mean placement by this is opened. Smaller parts are entered more often
 /// than their boxes spare.
@@ -30,45 +35,94 @@ const EVERYWHERE: Aabb =
 const DEPTH: u32 = 2;
 
 /// A subtree of a placement.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Part {
-    /// The way to it.
-    pub way: Way,
-    /// The root of the subtree.
-    pub root: Link,
+    /// Into the mesh's space.
+    pub to_mesh: ToMesh,
     /// What holds it in the mesh's space, with room for a ray to begin in.
     pub grown: [DVec3; 2],
+    /// The placement.
+    pub placement: InstanceId,
+    /// The root of the subtree.
+    pub root: Link,
     /// By how much the boxes of its mesh are grown.
     pub slack: f32,
+    unused: u32,
+}
+
+impl Part {
+    /// The stripes that it takes in an arena.
+    pub const STRIPES: usize = size_of::<Self>() / size_of::<[f32; W]>();
+
+    /// All of a placement that stands still, by its number; `root` is that of a structure.
+    #[inline]
+    pub fn whole(
+        levels: &Levels,
+        number: usize,
+        root: impl FnOnce(usize) -> Option<Link>,
+    ) -> Option<Self> {
+        let Way { placement, mesh, to_mesh } = levels.way(number);
+        let root = root(levels.structure_of(number))?;
+        let apart = levels.meshes[mesh.index()].as_ref()?;
+        let (grown, slack) = (apart.grown, apart.slack);
+        Some(Self { to_mesh, grown, placement, root, slack, unused: 0 })
+    }
+
+    /// What it is as stripes of an arena, where structures begin at place `first`.
+    pub fn to_stripes(self, first: usize) -> [[f32; W]; Self::STRIPES] {
+        bytemuck::cast(Self { root: self.root.moved(first as u32), ..self })
+    }
 }
 
 /// The parts of all placements that are kept apart and stand still, each with its box in the world;
-/// `None` if it would take too long to look at all triangles.
-pub fn open(levels: &Levels, trees: &Trees) -> Option<Vec<(Part, Aabb)>> {
+/// whole ones if it would take too long to look at all triangles, `None` if they are too many.
+/// `trees` are the meshes' structures, one behind the other.
+pub fn find_parts(levels: &Levels, trees: &[Option<WideBvh<W>>]) -> Option<Vec<(Part, Aabb)>> {
     let count = levels.still;
-    if count > MOST_OPENED || !levels.are_few_triangles() {
+    if count > MOST_KEPT {
         return None;
     }
     let boxes = levels.boxes_of_still();
-    let area = |number| boxes.world_box(PrimId::from_index(number)).half_area();
-    let large = (0..count).map(area).sum::<f64>() / count as f64 * LARGE;
+    let world_box = |number| boxes.world_box(PrimId::from_index(number));
+    let boxes: Vec<Aabb> = (0..count).into_par_iter().map(world_box).collect();
+    let firsts = find_firsts(trees);
+    let whole = |number| {
+        let root =
+            |structure: usize| Some(trees[structure].as_ref()?.root?.moved(firsts[structure]));
+        Part::whole(levels, number, root)
+    };
+    if count > MOST_OPENED || !levels.are_few_triangles() {
+        let boxes = boxes.into_par_iter().enumerate();
+        return Some(boxes.filter_map(|(number, held)| Some((whole(number)?, held))).collect());
+    }
+    let large = boxes.iter().map(|held| held.half_area()).sum::<f64>() / count as f64 * LARGE;
     let open_one = |number| {
-        let way = levels.way(number);
-        let structure = levels.spans.of_mesh(way.mesh).start;
-        let (Some(apart), Some(root)) = (&levels.meshes[way.mesh.index()], trees.root(structure))
-        else {
-            return Vec::new();
-        };
-        let (stripes, slack) = (trees.stripes(), apart.slack);
-        let placement = Placement { levels, stripes, placement: way.placement, slack };
-        let mut parts = Vec::new();
-        placement.look((root, apart.grown), &EVERYWHERE, DEPTH).cut(large, &mut |node: &Node| {
-            let part = Part { way, root: node.link, grown: node.inside, slack: apart.slack };
-            parts.push((part, node.bounds));
+        let structure = levels.structure_of(number);
+        let (mut parts, tree) = (Vec::new(), trees[structure].as_ref());
+        let (Some(whole), Some(tree)) = (whole(number), tree) else { return parts };
+        let Some(root) = tree.root else { return parts };
+        let Part { placement, slack, .. } = whole;
+        let placement = Placement { levels, stripes: tree.arena.stripes(), placement, slack };
+        let all = placement.look((root, whole.grown), &EVERYWHERE, DEPTH);
+        all.cut(large, &mut |node: &Node| {
+            let root = node.link.moved(firsts[structure]);
+            parts.push((Part { root, grown: node.inside, ..whole }, node.bounds));
         });
         parts
     };
     Some((0..count).into_par_iter().flat_map_iter(open_one).collect())
+}
+
+/// Where trees begin that lie one behind the other.
+fn find_firsts(trees: &[Option<WideBvh<W>>]) -> Vec<u32> {
+    let mut end = 0;
+    let first = |tree: &Option<WideBvh<W>>| {
+        let first = end;
+        end += tree.as_ref().map_or(0, |tree| tree.count_stripes() as u32);
+        first
+    };
+    trees.iter().map(first).collect()
 }
 
 /// A node of a placement's tree, with what is below it as far as it was looked at.
@@ -96,7 +150,7 @@ impl Node {
 /// A placement whose triangles are looked at.
 struct Placement<'a> {
     levels: &'a Levels,
-    stripes: Stripes<'a, 8>,
+    stripes: Stripes<'a, W>,
     placement: InstanceId,
     /// By how much the boxes of its mesh are grown.
     slack: f32,

@@ -205,7 +205,8 @@ pub enum Entered {
 }
 
 /// From the world to a mesh's space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct ToMesh {
     inverse: DMat3,
     translation: DVec3,

@@ -1,4 +1,4 @@
-//! Some trees, in one piece of memory.
+//! Some trees, in one piece of memory, with room behind them for what else is walked to.
 //!
 //! Those of meshes are small, most of them; by themselves they would lie on small pages, and a walk
 //! would wait for their addresses: on a hall of 700 parts that took a third of the time.
@@ -11,38 +11,43 @@ use crate::accel::bvh::wide::wide_bvh::WideBvh;
 /// Lanes of a vector, children of a node.
 pub const W: usize = 8;
 
-/// Hierarchies of eight children that store what is in their leaves.
+/// Hierarchies of eight children that store what is in their leaves, and room behind them.
 pub struct Trees {
     arena: Arena<W>,
     roots: Vec<Option<Link>>,
+    /// Where that room begins.
+    end: usize,
 }
 
 impl Trees {
-    /// One tree, which stays where it is.
-    pub fn single(tree: WideBvh<W>) -> Self {
-        Self { roots: vec![tree.root], arena: tree.arena }
-    }
-
-    /// Moves trees together; `None` if there are too many nodes to link to.
+    /// Moves trees together behind the first one, with room for `more` stripes behind them. The
+    /// first stays where it is if it has room for the others.
     ///
     /// # Errors
     /// If there is not as much memory: a tree more than they take by themselves.
-    pub fn new(trees: Vec<Option<WideBvh<W>>>) -> Result<Option<Self>, BuildError> {
-        let count = trees.iter().flatten().map(|tree| tree.arena.stripes().count()).sum();
-        if count >= Link::LIMIT {
-            return Ok(None);
-        }
-        let mut arena = Arena::new(count)
-            .map_err(|_| BuildError::NoMemory { needed: (count * size_of::<[f32; 8]>()) as u64 })?;
-        let (mut roots, mut first) = (Vec::with_capacity(trees.len()), 0);
-        for tree in trees {
+    pub fn new(
+        first: WideBvh<W>,
+        others: Vec<Option<WideBvh<W>>>,
+        more: usize,
+    ) -> Result<Self, BuildError> {
+        let count = first.count_stripes() + count_stripes(&others) + more;
+        let (mut roots, mut end) = (vec![first.root], first.count_stripes());
+        let mut arena = if first.arena.stripes().count() >= count {
+            first.arena
+        } else {
+            let mut arena = WideBvh::reserve(count)?;
+            first.copy_to(arena.floats_mut(), 0);
+            drop(first);
+            arena
+        };
+        for tree in others {
             roots.push(tree.and_then(|tree| {
-                let root = tree.copy_to(arena.floats_mut(), first);
-                first += tree.arena.stripes().count();
+                let root = tree.copy_to(arena.floats_mut(), end);
+                end += tree.count_stripes();
                 root
             }));
         }
-        Ok(Some(Self { arena, roots }))
+        Ok(Self { arena, roots, end })
     }
 
     /// The root of a tree; `None` where there is nothing.
@@ -57,8 +62,13 @@ impl Trees {
         self.arena.stripes()
     }
 
-    /// Bytes of all trees.
-    pub fn bytes(&self) -> usize {
-        self.arena.bytes()
+    /// The room behind them.
+    pub fn room_mut(&mut self) -> &mut [[f32; W]] {
+        &mut self.arena.floats_mut()[self.end..]
     }
+}
+
+/// How many stripes trees take.
+pub fn count_stripes(trees: &[Option<WideBvh<W>>]) -> usize {
+    trees.iter().flatten().map(WideBvh::count_stripes).sum()
 }

@@ -79,6 +79,7 @@ impl TwoLevel {
         let (above, below) = match wide {
             Some(wide) => (Some(wide), Vec::new()),
             None if is_split && few.is_none() => {
+                levels.keep_ways();
                 let below = build_meshes(&levels, |_| true, row(below))?;
                 phases.end("meshes");
                 let above = row(above)(Arc::new(levels.boxes()))?;
@@ -139,10 +140,11 @@ fn build_together(
     eight: BuildEight,
     (level, meter, phases): (Level, &Meter, &mut Phases),
 ) -> Result<(Arc<Levels>, Option<Kept>), BuildError> {
-    let tree = |source: Arc<dyn TriangleSource>| {
+    let tree_with_room = |source: Arc<dyn TriangleSource>, room: usize| {
         let steps = &Steps::new(meter, source.len());
-        eight(&BuildInput { source, options, level, steps })
+        eight(&BuildInput { source, options, level, steps }, room)
     };
+    let tree = |source: Arc<dyn TriangleSource>| tree_with_room(source, 0);
     let flat = if levels.are_moving() {
         FlatTriangles::new(levels.placed.clone(), Vec::new())
     } else {
@@ -168,7 +170,7 @@ fn build_together(
     Steps::expect(meter, boxes * levels.timed_boxes.parts());
     let mut own = phases.clone();
     let parts = (flat, moving, bodies);
-    let wide = WideLevels::build(levels, parts, below, tree, &mut own)?;
+    let wide = WideLevels::build(levels, parts, below, tree_with_room, &mut own)?;
     if wide.is_some() {
         *phases = own;
     }
@@ -189,14 +191,14 @@ fn build_meshes<T: Send>(
     (0..levels.spans.len()).into_par_iter().map(of_mesh).collect()
 }
 
-/// What builds a hierarchy of eight children.
-type BuildEight = fn(&BuildInput<'_>) -> Result<WideBvh<8>, BuildError>;
+/// What builds a hierarchy of eight children, with room to spare.
+type BuildEight = fn(&BuildInput<'_>, usize) -> Result<WideBvh<8>, BuildError>;
 
 /// The same for those rows that are such hierarchies: both levels of them are walked together.
 fn eight_children(id: &str) -> Option<BuildEight> {
     match id {
         "auto" => Some(build_auto_tree),
-        "mbvh8" => Some(WideBvh::<8>::build),
+        "mbvh8" => Some(WideBvh::<8>::build_with_room),
         _ => None,
     }
 }

@@ -8,7 +8,7 @@ use super::body::Body;
 use super::levels::Levels;
 use super::moving_triangles::MovingTriangles;
 use super::sources::Boxes;
-use super::trees::{Trees, W};
+use super::trees::W;
 use crate::accel::BuildError;
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::wide_bvh::WideBvh;
@@ -26,16 +26,21 @@ pub struct UpperTrees {
     /// first block.
     triangles: Vec<Option<(Tree, usize)>>,
     /// The leaves of those.
-    pub blocks: Vec<MovingBlock<W>>,
+    blocks: Vec<MovingBlock<W>>,
 }
 
-/// What the places of leaves lead to: first come those that lie in the trees.
+/// What places of links lead to: first come those that lie in trees, of what stands still, of
+/// meshes and bodies, and of what moves.
 #[derive(Clone, Copy)]
 pub struct Places {
-    /// From here on: leaves of trees of placements that move.
+    /// From here on: trees of meshes and bodies.
+    pub below: usize,
+    /// From here on: upper trees of what moves.
     pub moving: usize,
     /// From here on: parts of placements that stand still.
     pub part: usize,
+    /// How many places each of those takes: its stripes, or one if they are not kept.
+    part_size: usize,
     /// From here on: placements that move, and then bodies.
     pub whole: usize,
     /// From here on: blocks of triangles that move.
@@ -49,6 +54,12 @@ impl Places {
     #[inline(always)]
     pub fn are_moving(&self) -> bool {
         self.whole < self.end
+    }
+
+    /// Whether parts of placements lie at their places.
+    #[inline(always)]
+    pub fn keep_parts(&self) -> bool {
+        self.part_size > 1
     }
 }
 
@@ -103,42 +114,37 @@ impl UpperTrees {
     }
 
     /// All trees, in the order in which they are brought together.
-    pub fn iter(&self) -> impl Iterator<Item = &Tree> {
+    pub fn iter(&self) -> impl Iterator<Item = &Tree> + Clone {
         let triangles = self.triangles.iter().flatten().map(|(tree, _)| tree);
         std::iter::once(&self.standing).chain(self.whole.iter().flatten()).chain(triangles)
     }
 
-    /// What places lead to, where there are so many parts of placements, and placements that move.
-    pub fn places(&self, parts: usize, whole: usize) -> Places {
-        let moving = self.standing.arena.stripes().count();
-        let part = self.iter().map(|tree| tree.arena.stripes().count()).sum();
-        let whole_from = part + parts;
+    /// What places lead to, with `below` stripes of meshes and bodies, so many parts of placements,
+    /// of so many stripes each if they are kept, and so much that moves as a whole.
+    pub fn places(&self, below: usize, (parts, part_size): (usize, usize), whole: usize) -> Places {
+        let stripes: usize = self.iter().map(WideBvh::count_stripes).sum();
+        let standing = self.standing.count_stripes();
+        let part = stripes + below;
+        let whole_from = part + parts * part_size;
         let block = whole_from + whole;
-        Places { moving, part, whole: whole_from, block, end: block + self.blocks.len() }
+        let (moving, end) = (standing + below, block + self.blocks.len());
+        Places { below: standing, moving, part, part_size, whole: whole_from, block, end }
     }
 
-    /// Brings them together; in the tree of what stands still, primitives are boxes from
-    /// `first_box` on. `None` if there are too many nodes to link to.
-    ///
-    /// Leaves of one box are passed by: it is that which leads there.
-    ///
-    /// # Errors
-    /// If there is not enough memory.
-    pub fn bring_together(
+    /// That of what stands still, the others in order, and the blocks, all linked to places; in the
+    /// first, primitives are boxes from `first_box` on.
+    pub fn link(
         self,
         places: &Places,
         first_box: usize,
-    ) -> Result<Option<(Trees, Vec<MovingBlock<W>>)>, BuildError> {
+    ) -> (Tree, Vec<Option<Tree>>, Vec<MovingBlock<W>>) {
         let Self { mut standing, mut whole, triangles, blocks } = self;
+        link_boxes(&mut standing, 0, first_box, |number| places.part + number * places.part_size);
         // All links of a tree are moved by where it begins.
-        let mut begin = standing.arena.stripes().count();
-        pass_by(&mut standing, places.part, first_box);
-        if !places.are_moving() {
-            return Ok(Some((Trees::single(standing), blocks)));
-        }
+        let mut begin = places.moving;
         for tree in whole.iter_mut().flatten() {
-            pass_by(tree, places.whole - begin, 0);
-            begin += tree.arena.stripes().count();
+            link_boxes(tree, begin, 0, |number| places.whole + number);
+            begin += tree.count_stripes();
         }
         let mut of_triangles = Vec::with_capacity(triangles.len());
         for built in triangles {
@@ -146,21 +152,27 @@ impl UpperTrees {
                 let link = |leaf: usize| Some(Link::to_leaf(places.block + first + leaf - begin));
                 let links: Vec<_> = (0..tree.leaves().len()).map(link).collect();
                 tree.redirect(&links);
-                begin += tree.arena.stripes().count();
+                begin += tree.count_stripes();
                 tree
             }));
         }
-        let all = std::iter::once(Some(standing)).chain(whole).chain(of_triangles);
-        Ok(Trees::new(all.collect())?.map(|trees| (trees, blocks)))
+        (standing, whole.into_iter().chain(of_triangles).collect(), blocks)
     }
 }
 
-/// Leads links to leaves of one box, from `first_box` on, to places from `first` on instead.
-fn pass_by(tree: &mut Tree, first: usize, first_box: usize) {
-    let link = |ids: &[PrimId; W]| {
-        let number = ids[0].index().checked_sub(first_box)?;
-        (ids[1] == PrimId::NONE).then(|| Link::to_leaf(first + number))
-    };
+/// Makes the ids of boxes, from `first_box` on, links to leaves at their places; those of triangles
+/// are below, and [`PrimId::NONE`] is none, since there are fewer places than [`Link::LIMIT`]. A
+/// leaf of one box is passed by: it is that place which a node leads to.
+fn link_boxes(
+    tree: &mut Tree,
+    begin: usize,
+    first_box: usize,
+    place: impl Fn(usize) -> usize + Copy,
+) {
+    let number = |id: PrimId| id.index().checked_sub(first_box).filter(|_| id != PrimId::NONE);
+    let only = |ids: &[PrimId; W]| number(ids[0]).filter(|_| ids[1] == PrimId::NONE);
+    let link = |ids| only(ids).map(|number| Link::to_leaf(place(number) - begin));
     let links: Vec<_> = tree.leaves().map(link).collect();
     tree.redirect(&links);
+    tree.relabel(|id| number(id).map_or(id, |number| PrimId(Link::to_leaf(place(number)).0)));
 }

@@ -4,35 +4,43 @@
 //! needs. The tree above is one of parts of placements and of what is flattened, so that the
 //! nearest comes first whichever it is of; where anything moves, that has trees of its own, which
 //! come before. A step may lead into a placement: then the ray goes on below, in the mesh's space
-//! and nodes, on the same stack, where a key of zero marks the way back.
-//! So the memory of both levels is waited for together, and nothing is called through a table.
+//! and nodes, on the same stack, where a key of zero marks the way back. As the stack's end, that
+//! is found at the ray's next turn.
+//!
+//! All that links lead to lies in one piece of memory, whichever level it is of, and boxes are held
+//! against the ray as it is where it is: so a step in a node takes the same on both levels, and as
+//! long as in one flat tree.
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x8, u32x8};
 
-use super::levels::{Levels, Way};
+use super::levels::Levels;
 use super::moved::Moved;
 use super::parts::Part;
 use super::placement::{Entered, LocalRay};
 use super::sources::FlatTriangles;
 use super::trees::W;
 use super::verdict::{Inside, nearest_of_all};
-use super::wide_levels::{BACK, Local, Scratch, WideLevels};
+use super::wide_levels::{BACK, Scratch, WideLevels};
 use crate::accel::bvh::link::Link;
 use crate::accel::bvh::wide::arena::Stripes;
 use crate::accel::bvh::wide::node;
 use crate::accel::bvh::wide::stack::{Sorting, Stack};
 use crate::accel::bvh::wide::wide_bvh::RAYS;
 use crate::accel::{ClosestHit, Counters, Event, PreparedRay, Query, SliceContext, Traverse};
-use crate::geom::{BlockRef, TriangleSource, intersect_triangle};
-use crate::math::{InstanceId, PrimId};
+use crate::geom::{BlockRef, SlabRay, TriangleSource, intersect_triangle};
+use crate::math::{InstanceId, PrimId, Ray};
 use crate::simd::order::key_limit;
 
 /// A ray under way.
 pub struct Flight<'a, Q> {
     /// The ray.
     pub world: PreparedRay<'a>,
+    /// The ray for boxes, where it is: in the world or in the space of a mesh.
+    pub slab: SlabRay,
+    /// Where it begins there.
+    t_min: f32,
     /// The placement that it is in; then what it is there lies among [`Scratch::locals`].
     pub inside: Option<Inside>,
     /// The question, with the best answer so far.
@@ -47,15 +55,14 @@ pub struct Flight<'a, Q> {
     own: usize,
 }
 
-/// The upper trees, as a walk reads them. Where nothing `MOVES`, it is compiled without all that is
+/// Both levels, as a walk reads them. Where nothing `MOVES`, it is compiled without all that is
 /// asked for that.
 #[derive(Clone, Copy)]
-pub struct Above<'a, const MOVES: bool> {
-    /// Both levels.
+pub struct Walk<'a, const MOVES: bool> {
+    /// What was built.
     pub levels: &'a WideLevels,
-    stripes: Stripes<'a, W>,
-    /// Of all meshes.
-    pub meshes: Stripes<'a, W>,
+    /// Of all trees.
+    pub stripes: Stripes<'a, W>,
     /// Of the tree of what stands still.
     root: Option<Link>,
     /// The times of the batch's rays.
@@ -70,9 +77,9 @@ impl WideLevels {
         slice: &mut SliceContext<'a, S, Q, C>,
         scratch: &mut Scratch,
     ) {
-        let (stripes, meshes) = (self.above.stripes(), self.below.stripes());
-        let (root, times) = (self.above.root(0), slice.batch.times());
-        let above = Above::<MOVES> { levels: self, stripes, meshes, root, times };
+        let (stripes, root, times) =
+            (self.trees.stripes(), self.root_of_standing(), slice.batch.times());
+        let walk = Walk::<MOVES> { levels: self, stripes, root, times };
         if root.is_none() && !MOVES {
             return slice.answer_nothing();
         }
@@ -80,7 +87,7 @@ impl WideLevels {
         let count = slice.batch.rays().len();
         let mut next = count.min(RAYS);
         let mut flights: Vec<Flight<'_, Q>> =
-            (0..next).map(|index| above.start(slice, (index, index), &mut stacks[index])).collect();
+            (0..next).map(|index| walk.start(slice, (index, index), &mut stacks[index])).collect();
         while !flights.is_empty() {
             let mut turn = 0;
             while turn < flights.len() {
@@ -88,13 +95,13 @@ impl WideLevels {
                 let own = flight.own;
                 let (simd, counters) = (slice.simd, &mut *slice.counters);
                 let waiting = (&mut stacks[own], &mut locals[own], &mut **moved);
-                if above.take_turn(simd, counters, flight, waiting).is_continue() {
+                if walk.take_turn(simd, counters, flight, waiting).is_continue() {
                     turn += 1;
                     continue;
                 }
                 slice.answers[flight.world.index] = flight.query.answer();
                 if next < count {
-                    flights[turn] = above.start(slice, (next, own), &mut stacks[own]);
+                    flights[turn] = walk.start(slice, (next, own), &mut stacks[own]);
                     next += 1;
                     turn += 1;
                 } else {
@@ -105,7 +112,7 @@ impl WideLevels {
     }
 }
 
-impl<'a, const MOVES: bool> Above<'a, MOVES> {
+impl<'a, const MOVES: bool> Walk<'a, MOVES> {
     #[inline(always)]
     fn start<Q: Query>(
         &self,
@@ -126,7 +133,8 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
             }
         }
         let (key, link) = root.map_or((0, BACK), |root| (1, root));
-        Flight { world, inside: None, query, key, link, top, own }
+        let (slab, t_min) = (world.slab, world.ray.t_min());
+        Flight { world, slab, t_min, inside: None, query, key, link, top, own }
     }
 
     /// The time of a ray, by its place in the batch.
@@ -142,69 +150,63 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         simd: S,
         counters: &mut C,
         flight: &mut Flight<'a, Q>,
-        (stack, local, moved): (&mut Stack<W>, &mut Local, &mut [Moved]),
+        (stack, local, moved): (&mut Stack<W>, &mut Ray, &mut [Moved]),
     ) -> ControlFlow<()> {
         let limit = key_limit(flight.query.t_max());
         while flight.key > limit {
             (flight.key, flight.link) = stack.pop(&mut flight.top);
         }
-        if flight.key == 0 && flight.inside.is_some() {
-            leave(flight, stack);
-            return ControlFlow::Continue(());
-        }
-        if !flight.link.is_leaf() {
-            let stripes = self.stripes_of(flight);
-            let Flight { world, inside, query, link, top, .. } = flight;
+        if flight.key == 0 {
+            flight.leave()?;
+        } else if flight.link.is_leaf() {
+            let moved = &mut moved[flight.own];
+            self.visit(simd, counters, flight, (stack, local, moved))?;
+        } else {
+            let Flight { slab, t_min, query, link, top, .. } = flight;
             counters.count(Event::InnerNode);
             counters.count(Event::BoxTest);
-            let (planes, links) = stripes.node(*link);
-            // A local ray begins at zero.
-            let ray = if inside.is_some() { (&local.slab, 0.0) } else { world.for_boxes() };
+            let (planes, links) = self.stripes.node(*link);
+            let ray = (&*slab, *t_min);
             let (keys, hits) = node::intersect_children(simd, planes, ray, query.t_max());
             stack.push(simd, sorting::<Q>(), keys, hits, links, top);
-        } else if let Some(inside) = flight.inside {
-            if MOVES && inside.moves {
-                self.test_moving_leaf(simd, counters, flight, (local, &mut moved[flight.own]))?;
-            } else {
-                self.test_leaf(simd, counters, flight, local)?;
-            }
-        } else if flight.key == 0 {
-            return ControlFlow::Break(());
-        } else if flight.link.place() < self.levels.places.part {
-            self.open_leaf(simd, counters, flight, stack)?;
-        } else {
-            let (place, places) = (flight.link.place(), &self.levels.places);
-            if MOVES && place >= places.block {
-                let moved = &mut moved[flight.own];
-                self.test_moving_block(simd, counters, flight, (place - places.block, moved))?;
-            } else if MOVES && place >= places.whole {
-                let moved = &mut moved[flight.own];
-                counters.count(Event::Restart);
-                self.enter_moving(place - places.whole, flight, (stack, local, moved))?;
-            } else {
-                counters.count(Event::Restart);
-                self.enter(place - places.part, flight, (stack, local))?;
-            }
         }
         (flight.key, flight.link) = stack.pop(&mut flight.top);
-        if flight.key == 0 && flight.inside.is_some() {
-            leave(flight, stack);
-        }
-        let is_above = MOVES && flight.inside.is_none();
-        if !(is_above && self.levels.prefetch_moving(flight.link, self.time(flight.world.index))) {
-            self.levels.prefetch(self.stripes_of(flight), flight.link);
+        if !(MOVES && self.levels.prefetch_moving(flight.link, self.time(flight.world.index))) {
+            self.stripes.prefetch(flight.link);
         }
         ControlFlow::Continue(())
     }
 
-    /// What a ray's links lead into.
+    /// Does what is to be done at what is no node.
     #[inline(always)]
-    fn stripes_of<Q: Query>(&self, flight: &Flight<'a, Q>) -> Stripes<'a, W> {
-        if flight.inside.is_some() { self.meshes } else { self.stripes }
+    fn visit<S: Simd, Q: Query, C: Counters>(
+        &self,
+        simd: S,
+        counters: &mut C,
+        flight: &mut Flight<'a, Q>,
+        (stack, local, moved): (&mut Stack<W>, &mut Ray, &mut Moved),
+    ) -> ControlFlow<()> {
+        let (place, places) = (flight.link.place(), &self.levels.places);
+        if let Some(inside) = flight.inside {
+            if MOVES && inside.moves {
+                return self.test_moving_leaf(simd, counters, flight, (local, moved));
+            }
+            self.test_leaf(simd, counters, flight, local)
+        } else if place < places.part {
+            self.open_leaf(simd, counters, flight, stack)
+        } else if !MOVES || place < places.whole {
+            counters.count(Event::Restart);
+            self.enter(place, flight, (stack, local))
+        } else if place < places.block {
+            counters.count(Event::Restart);
+            self.enter_moving(place - places.whole, flight, (stack, local, moved))
+        } else {
+            self.test_moving_block(simd, counters, flight, (place - places.block, moved))
+        }
     }
 
-    /// Tests the triangles of a leaf of the upper tree, and puts those of its placements on the
-    /// stack whose boxes the ray enters.
+    /// Tests the triangles of a leaf of an upper tree, and puts those of its boxes on the stack
+    /// that the ray enters: their ids are links.
     #[inline(always)]
     fn open_leaf<S: Simd, Q: Query, C: Counters>(
         &self,
@@ -215,35 +217,24 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
     ) -> ControlFlow<()> {
         counters.count(Event::Leaf);
         let block = self.stripes.block(flight.link);
-        let WideLevels { flat, places, .. } = self.levels;
-        // Trees of what moves have boxes alone, which count on behind those of the other.
-        let (first_box, first) = if MOVES && flight.link.place() >= places.moving {
-            (0, places.whole)
-        } else {
-            (flat.len() as u32, places.part)
-        };
-        // Lanes that are not used repeat a primitive, without its id.
-        let lanes_where = |holds: fn(u32, u32) -> bool| {
-            (0..W).fold(0, |lanes, lane| {
-                lanes | u32::from(holds(block.ids[lane].0, first_box)) << lane
-            })
-        };
-        let triangles = lanes_where(|id, first_box| id < first_box);
+        let links = self.stripes.links(flight.link);
+        let ids = u32x8::load_array_ref(simd, links);
+        let are_triangles = (ids & Link::LEAF).simd_eq(0);
+        let triangles = are_triangles.to_bitmask() as u32;
         if triangles != 0 {
-            test_flat(simd, counters, flight, (&block, triangles), flat)?;
+            test_flat(simd, counters, flight, (&block, triangles), &self.levels.flat)?;
         }
-        let boxes = lanes_where(|id, first_box| id >= first_box && id != PrimId::NONE.0);
+        // Lanes that are not used repeat a primitive, without its id.
+        let are_boxes = !(are_triangles | ids.simd_eq(PrimId::NONE.0));
+        let boxes = are_boxes.to_bitmask() as u32;
         if boxes == 0 {
             return ControlFlow::Continue(());
         }
         counters.count(Event::BoxTest);
-        let (ray, t_max) = (flight.world.for_boxes(), flight.query.t_max());
+        let (ray, t_max) = ((&flight.slab, flight.t_min), flight.query.t_max());
         let (keys, hits) = node::intersect_boxes(simd, block.vertices, ray, t_max);
-        let hits = hits & boxes;
-        let keys = std::array::from_fn(|lane| if hits >> lane & 1 == 1 { keys[lane] } else { 0 });
-        let first = (first as u32).wrapping_sub(first_box);
-        let links = block.ids.map(|id| Link::to_leaf(first.wrapping_add(id.0) as usize).0);
-        stack.push(simd, sorting::<Q>(), keys, hits, &links, &mut flight.top);
+        let keys = are_boxes.select(u32x8::load_array(simd, keys), u32x8::splat(simd, 0));
+        stack.push(simd, sorting::<Q>(), keys.to_array(), hits & boxes, links, &mut flight.top);
         ControlFlow::Continue(())
     }
 
@@ -251,25 +242,24 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
     #[inline(always)]
     fn enter<Q: Query>(
         &self,
-        number: usize,
+        place: usize,
         flight: &mut Flight<'a, Q>,
-        (stack, local): (&mut Stack<W>, &mut Local),
+        (stack, local): (&mut Stack<W>, &mut Ray),
     ) -> ControlFlow<()> {
         let levels = &*self.levels.levels;
-        let Some(part) = self.levels.part(number) else { return ControlFlow::Continue(()) };
-        let Part { way: Way { placement, to_mesh, .. }, root, grown, slack } = &*part;
+        let Some(part) = self.levels.part(self.stripes, place) else {
+            return ControlFlow::Continue(());
+        };
+        let Part { to_mesh, grown, placement, root, slack, .. } = &*part;
         let t_max = flight.query.nearest().t;
         let (ray, shift) = match to_mesh.enter(grown, &flight.world.ray, t_max) {
             Entered::Missed => return ControlFlow::Continue(()),
             Entered::Inside(LocalRay { ray, shift }) => (ray, shift),
             Entered::Far => return test_all(levels, flight, *placement, 0.0),
         };
-        flight.inside = Some(Inside::new(*placement, *slack, shift));
         levels.placed.get().prefetch(*placement);
-        *local = Local::new(ray);
-        flight.query.set_limit(ray.t_max());
-        stack.put(0, BACK, &mut flight.top);
-        stack.put(1, *root, &mut flight.top);
+        flight.enter((Inside::new(*placement, *slack, shift), ray), *root, stack);
+        *local = ray;
         ControlFlow::Continue(())
     }
 
@@ -280,15 +270,14 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
         simd: S,
         counters: &mut C,
         flight: &mut Flight<'_, Q>,
-        local: &Local,
+        local: &Ray,
     ) -> ControlFlow<()> {
         let Flight { world, query, link, inside, .. } = flight;
         let Some(inside) = inside else { return ControlFlow::Continue(()) };
         counters.count(Event::Leaf);
         counters.count(Event::TriangleTest);
-        let block = self.meshes.block(*link);
-        let mut lanes =
-            block.find_near::<S, f32x8<S>>(simd, &local.ray, query.t_max(), inside.slack);
+        let block = self.stripes.block(*link);
+        let mut lanes = block.find_near::<S, f32x8<S>>(simd, local, query.t_max(), inside.slack);
         if lanes == 0 {
             return ControlFlow::Continue(());
         }
@@ -312,12 +301,28 @@ impl<'a, const MOVES: bool> Above<'a, MOVES> {
     }
 }
 
-/// Takes a ray back among placements.
-#[inline(always)]
-fn leave<Q: Query>(flight: &mut Flight<'_, Q>, stack: &Stack<W>) {
-    flight.inside = None;
-    flight.query.set_limit(flight.query.nearest().t);
-    (flight.key, flight.link) = stack.pop(&mut flight.top);
+impl<Q: Query> Flight<'_, Q> {
+    /// Goes on in the space of a mesh, from a root.
+    #[inline(always)]
+    pub fn enter(&mut self, (inside, ray): (Inside, Ray), root: Link, stack: &mut Stack<W>) {
+        self.inside = Some(inside);
+        (self.slab, self.t_min) = (SlabRay::new(&ray), ray.t_min());
+        self.query.set_limit(ray.t_max());
+        stack.put(0, BACK, &mut self.top);
+        stack.put(1, root, &mut self.top);
+    }
+
+    /// Goes back among placements; `Break` if it is there.
+    #[inline(always)]
+    fn leave(&mut self) -> ControlFlow<()> {
+        if self.inside.is_none() {
+            return ControlFlow::Break(());
+        }
+        self.inside = None;
+        (self.slab, self.t_min) = (self.world.slab, self.world.ray.t_min());
+        self.query.set_limit(self.query.nearest().t);
+        ControlFlow::Continue(())
+    }
 }
 
 #[inline(always)]

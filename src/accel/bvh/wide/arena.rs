@@ -1,24 +1,26 @@
 //! The memory of a wide tree: nodes and leaves as stripes of `W` numbers.
 //!
-//! All in one piece, so that a link's place is a stripe of it whatever it leads to, and a walk can
-//! ask for that place ahead of time without a branch. A node is eight stripes: the lower and the
-//! upper planes along x, y and z, the links, and the lists of `octants`, or one to spare,
-//! which keeps nodes on cache lines. A leaf that stores its triangles is nine stripes of
-//! coordinates and one of ids; one that does not is its ids.
+//! All in one piece, so that a link's place is a stripe of it whether it leads to a node or a leaf,
+//! and a walk can ask for that place ahead of time without a branch. A node is eight stripes: the
+//! lower and the upper planes along x, y and z, the links, and the lists of `octants`, or one to
+//! spare, which keeps nodes on cache lines. A leaf that stores its triangles is nine stripes of
+//! coordinates and one of ids; one that does not is its ids. Behind them may lie what is neither.
 
-use bytemuck::cast_slice;
+use bytemuck::{Pod, cast_slice};
 use memmap2::{Advice, MmapMut};
 
 use super::octants;
 use crate::accel::bvh::link::Link;
 use crate::geom::{BlockRef, TriangleBlock};
 use crate::math::{Aabb, PrimId, Vec3};
-use crate::simd::{prefetch, prefetch_either};
+use crate::simd::prefetch;
 
 /// Stripes of a node.
 pub const NODE: usize = 8;
 /// Stripes of a leaf that stores its triangles.
 pub const BLOCK: usize = 10;
+/// The stripe of a leaf that holds its triangles' ids.
+const IDS: usize = 9;
 /// The stripe of a node that holds its links.
 const LINKS: usize = 6;
 /// The stripe of a node that holds its children's orders.
@@ -119,8 +121,15 @@ pub fn map_links<const W: usize>(node: &mut [[f32; W]], to: impl Fn(Link) -> Lin
 
 /// Puts triangles into a leaf's stripes.
 pub fn write_block<const W: usize>(stripes: &mut [[f32; W]], block: &TriangleBlock<W>) {
-    stripes[..9].copy_from_slice(&block.vertices);
-    write_ids(&mut stripes[9..], &block.ids);
+    stripes[..IDS].copy_from_slice(&block.vertices);
+    write_ids(&mut stripes[IDS..], &block.ids);
+}
+
+/// Replaces all ids of a leaf that stores its triangles, by its stripes.
+pub fn map_ids<const W: usize>(leaf: &mut [[f32; W]], to: impl Fn(PrimId) -> PrimId) {
+    for bits in &mut leaf[IDS] {
+        *bits = f32::from_bits(to(PrimId(bits.to_bits())).0);
+    }
 }
 
 /// Puts ids into a stripe.
@@ -134,9 +143,9 @@ impl<'a, const W: usize> Stripes<'a, W> {
         self.floats.len()
     }
 
-    /// Copies all of them.
+    /// Copies as many of them as there is room for.
     pub fn copy_to(&self, stripes: &mut [[f32; W]]) {
-        stripes.copy_from_slice(self.floats);
+        stripes.copy_from_slice(&self.floats[..stripes.len()]);
     }
 
     /// A node's planes, lower and upper by axis, and its links.
@@ -157,8 +166,14 @@ impl<'a, const W: usize> Stripes<'a, W> {
     #[inline(always)]
     pub fn block(&self, link: Link) -> BlockRef<'a, W> {
         let stripe = link.place();
-        let vertices = self.floats[stripe..stripe + 9].try_into().expect("nine stripes");
-        BlockRef { vertices, ids: &self.ids[stripe + 9] }
+        let vertices = self.floats[stripe..stripe + IDS].try_into().expect("nine stripes");
+        BlockRef { vertices, ids: &self.ids[stripe + IDS] }
+    }
+
+    /// The same ids as numbers: of a leaf whose ids are links.
+    #[inline(always)]
+    pub fn links(&self, leaf: Link) -> &'a [u32; W] {
+        &self.bits[leaf.place() + IDS]
     }
 
     /// The ids of a leaf that does not store its triangles.
@@ -173,10 +188,10 @@ impl<'a, const W: usize> Stripes<'a, W> {
         prefetch(self.floats, link.place(), BLOCK * size_of::<[f32; W]>());
     }
 
-    /// Prefetches a node or a leaf if `is_here`, else a place of another slice.
+    /// What lies from a place on, neither node nor leaf: of whole stripes, and aligned as these.
     #[inline(always)]
-    pub fn prefetch_or<T>(&self, elsewhere: (&[T], usize), is_here: bool, link: Link) {
-        let here = (self.floats, link.place());
-        prefetch_either(is_here, here, elsewhere, BLOCK * size_of::<[f32; W]>());
+    pub fn read<T: Pod>(&self, place: usize) -> &'a T {
+        let stripes = size_of::<T>() / size_of::<[f32; W]>();
+        bytemuck::from_bytes(cast_slice(self.floats[place..place + stripes].as_flattened()))
     }
 }

@@ -57,20 +57,21 @@ pub const AUTO: Variant = Variant {
         if let Some(flat) = Flat::build(input) {
             return Ok(Box::new(flat));
         }
-        let mut tree = build_auto_tree(input)?;
+        let mut tree = build_auto_tree(input, 0)?;
         tree.side_by_side = input.source.boxes() == 0;
         Ok(Box::new(tree))
     },
 };
 
-/// The tree of [`AUTO`].
-pub fn build_auto_tree(input: &BuildInput<'_>) -> Result<WideBvh<8>, BuildError> {
+/// The tree of [`AUTO`], with room as in [`WideBvh::build_with_room`].
+pub fn build_auto_tree(input: &BuildInput<'_>, room: usize) -> Result<WideBvh<8>, BuildError> {
     let many_boxes = input.source.boxes() > MANY_BOXES;
     let choices =
         if many_boxes { "leaves=shared,build=direct" } else { "leaves=shared,collapse=optimal" };
     let options = Options::parse(MBVH8.id, MBVH8.options, choices);
     let options = &options.expect("declared by its row");
-    WideBvh::<8>::build(&BuildInput { options, source: input.source.clone(), ..*input })
+    let input = BuildInput { options, source: input.source.clone(), ..*input };
+    WideBvh::<8>::build_with_room(&input, room)
 }
 
 /// More placements than this are put into a tree in one pass, which takes half the memory.

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::{Level, Simd};
 
-use super::arena::{Arena, BLOCK, NODE, Stripes, map_links};
+use super::arena::{Arena, BLOCK, NODE, Stripes, map_ids, map_links};
 use super::packet::PacketScratch;
 use super::shape::{Shape, Source};
 use super::stack::{Sorting, Stack};
@@ -28,8 +28,10 @@ use crate::simd::{Vectors, Width};
 pub struct WideBvh<const W: usize> {
     /// `None` without triangles.
     pub root: Option<Link>,
-    /// Nodes and leaves.
+    /// Nodes and leaves, and room behind them.
     pub arena: Arena<W>,
+    /// How many stripes that is.
+    room: usize,
     /// `None` if the leaves store their triangles.
     fetch: Option<Fetch>,
     /// Whether children are taken in the order of the direction's octant.
@@ -64,6 +66,11 @@ where
 {
     /// Builds the tree, binary first or in one pass, and says how long each phase took.
     pub fn build(input: &BuildInput<'_>) -> Result<Self, BuildError> {
+        Self::build_with_room(input, 0)
+    }
+
+    /// The same with `room` stripes to spare, which take no memory until something is put there.
+    pub fn build_with_room(input: &BuildInput<'_>, room: usize) -> Result<Self, BuildError> {
         let fill = if input.options.choice("leaves") == "full" { Fill::Full } else { Fill::Any };
         let costs = Costs { traversal_cost: TRAVERSAL_COST, width: W, fill };
         let mut phases = Phases::start();
@@ -72,17 +79,17 @@ where
             phases.end("boxes");
             let shape = direct::build::<W>(prims, costs, input.steps);
             phases.end("tree");
-            return Self::lay_out(input, shape, phases);
+            return Self::lay_out(input, shape, phases, room);
         }
         let tree = build_tree_by(input, costs, &mut phases);
         if input.options.choice("collapse") == "optimal" {
             let shape = optimal::collapse::<W>(tree);
             phases.end("collapse");
-            return Self::lay_out(input, shape, phases);
+            return Self::lay_out(input, shape, phases, room);
         }
         let shape = collapse::collapse::<W>(tree);
         phases.end("collapse");
-        Self::lay_out(input, shape, phases)
+        Self::lay_out(input, shape, phases, room)
     }
 
     /// Whether its leaves hold whole triangles, where they are.
@@ -90,11 +97,15 @@ where
         self.fetch.is_none() && self.parts.is_none()
     }
 
+    /// How many stripes its nodes and leaves are.
+    pub fn count_stripes(&self) -> usize {
+        self.arena.stripes().count() - self.room
+    }
+
     /// Copies nodes and leaves into a larger arena from place `first` on; its root there.
     pub fn copy_to(&self, stripes: &mut [[f32; W]], first: usize) -> Option<Link> {
-        let own = self.arena.stripes();
-        own.copy_to(&mut stripes[first..first + own.count()]);
-        let moved = |link: Link| Link(link.0 + first as u32);
+        self.arena.stripes().copy_to(&mut stripes[first..first + self.count_stripes()]);
+        let moved = |link: Link| link.moved(first as u32);
         for node in stripes[first..first + self.first_leaf].chunks_exact_mut(NODE) {
             map_links(node, moved);
         }
@@ -121,6 +132,15 @@ where
         self.root = self.root.map(to);
     }
 
+    /// Replaces the ids in all leaves, which store their triangles.
+    pub fn relabel(&mut self, to: impl Fn(PrimId) -> PrimId) {
+        debug_assert!(self.fetch.is_none(), "ids are where a leaf's triangles are");
+        let leaves = self.first_leaf..self.count_stripes();
+        for leaf in self.arena.floats_mut()[leaves].chunks_exact_mut(BLOCK) {
+            map_ids(leaf, &to);
+        }
+    }
+
     /// Forgets what is in its leaves; links to them stay.
     ///
     /// # Errors
@@ -128,11 +148,15 @@ where
     pub fn drop_leaves(&mut self) -> Result<(), BuildError> {
         let mut arena = Self::reserve(self.first_leaf)?;
         arena.floats_mut().copy_from_slice(&self.arena.floats_mut()[..self.first_leaf]);
-        self.arena = arena;
+        (self.arena, self.room) = (arena, 0);
         Ok(())
     }
 
-    fn reserve(stripes: usize) -> Result<Arena<W>, BuildError> {
+    /// Memory for so many stripes.
+    ///
+    /// # Errors
+    /// If there is not as much.
+    pub fn reserve(stripes: usize) -> Result<Arena<W>, BuildError> {
         let needed = (stripes * size_of::<[f32; W]>()) as u64;
         Arena::new(stripes).map_err(|_| BuildError::NoMemory { needed })
     }
@@ -152,6 +176,7 @@ where
         input: &BuildInput<'_>,
         mut shape: Shape<W, impl Source<W>>,
         mut phases: Phases,
+        room: usize,
     ) -> Result<Self, BuildError> {
         if input.options.choice("leaves") == "shared" {
             // Boxes stand alone: they are no triangles.
@@ -171,7 +196,7 @@ where
             let limit = (count as u64 * Link::LIMIT as u64 / stripes as u64) as usize;
             return Err(BuildError::TooManyTriangles { count, limit });
         }
-        let mut arena = Self::reserve(stripes)?;
+        let mut arena = Self::reserve(stripes + room)?;
         shape.write_nodes(&mut arena, inline, by_octant);
         phases.end("nodes");
         let (root, parts, first_leaf) = (shape.root(), shape.parts, shape.first_leaf());
@@ -182,6 +207,7 @@ where
         Ok(Self {
             root,
             arena,
+            room,
             fetch,
             by_octant,
             side_by_side: false,
