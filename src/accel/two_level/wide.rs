@@ -8,8 +8,7 @@
 //! is found at the ray's next turn.
 //!
 //! All that links lead to lies in one piece of memory, whichever level it is of, and boxes are held
-//! against the ray as it is where it is: so a step in a node takes the same on both levels, and as
-//! long as in one flat tree.
+//! against the ray as it is where it is: so a step in a node is the same on both levels.
 
 use std::ops::ControlFlow;
 
